@@ -1,0 +1,81 @@
+"""A clip: one skeleton's motion, sampled at a fixed rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motion import quaternion
+from motion.errors import ClipError
+from motion.quaternion import Floats
+from motion.skeleton import Skeleton
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """A motion: right-handed, Y up, metres, seconds.
+
+    rate:           frames per second.
+    root_positions: [F, 3] the root in the world.
+    rotations:      [F, J, 4] xyzw, each joint's rotation in its parent's frame (the root's: in the world),
+                    unit length, successive frames in one hemisphere.
+
+    Raises ClipError on wrong shapes, non-finite numbers, no frame at all, or a rate that is not positive.
+    """
+
+    name: str
+    skeleton: Skeleton
+    rate: float
+    root_positions: Floats
+    rotations: Floats
+
+    def __post_init__(self) -> None:
+        frames, joints = len(self.root_positions), self.skeleton.joint_count
+        where = f"clip {self.name!r}"
+        if frames == 0:
+            raise ClipError("it has no frames", place=where)
+        if not (np.isfinite(self.rate) and self.rate > 0.0):
+            raise ClipError(f"its rate is {self.rate} frames per second", place=where)
+        if self.root_positions.shape != (frames, 3) or self.rotations.shape != (frames, joints, 4):
+            raise ClipError(f"{frames} frames of {joints} joints need rotations [{frames}, {joints}, 4]", place=where)
+        for label, values in (("root position", self.root_positions), ("joint rotation", self.rotations)):
+            if not np.isfinite(values).all():
+                frame = int(np.argwhere(~np.isfinite(values))[0][0])
+                raise ClipError(f"a {label} is not a finite number", place=f"{where}, frame {frame}")
+        lengths = np.linalg.norm(self.rotations, axis=-1)
+        if np.any(np.abs(lengths - 1.0) > 1e-3):
+            frame = int(np.argwhere(np.abs(lengths - 1.0) > 1e-3)[0][0])
+            raise ClipError("a rotation is not a unit quaternion", place=f"{where}, frame {frame}")
+        object.__setattr__(self, "rotations", quaternion.one_hemisphere(quaternion.normalise(self.rotations)))
+
+    @property
+    def frame_count(self) -> int:
+        return len(self.root_positions)
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first frame to the last."""
+        return (self.frame_count - 1) / self.rate
+
+    def frames(self, first: int, stop: int) -> Clip:
+        """Frames `first` to `stop` (exclusive) as a clip."""
+        return replace(self, root_positions=self.root_positions[first:stop], rotations=self.rotations[first:stop])
+
+    def sampled(self, frames: ArrayLike) -> tuple[Floats, Floats]:
+        """Root positions [n, 3] and rotations [n, J, 4] at real-valued frames [n], held at both ends."""
+        at = np.clip(np.asarray(frames, np.float64), 0.0, self.frame_count - 1)
+        before = np.minimum(at.astype(np.int64), max(self.frame_count - 2, 0))
+        after = np.minimum(before + 1, self.frame_count - 1)
+        t = at - before
+        positions = self.root_positions[before] + t[:, None] * (self.root_positions[after] - self.root_positions[before])
+        return positions, quaternion.slerp(self.rotations[before], self.rotations[after], t[:, None])
+
+    def resampled(self, rate: float) -> Clip:
+        """The same motion at another rate; the last partial frame is dropped."""
+        if rate == self.rate:
+            return self
+        count = int(np.floor(self.duration * rate + 1e-9)) + 1
+        positions, rotations = self.sampled(np.arange(count) * (self.rate / rate))
+        return replace(self, rate=rate, root_positions=positions, rotations=rotations)

@@ -1,0 +1,40 @@
+"""Forward kinematics."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.quaternion import Floats
+from motion.skeleton import Skeleton
+
+
+def world_transforms(
+    skeleton: Skeleton, root_positions: ArrayLike, rotations: ArrayLike
+) -> tuple[Floats, Floats]:
+    """World positions [F, J, 3] in metres and world rotations [F, J, 4] of every joint.
+
+    root_positions [F, 3] and local rotations [F, J, 4] are a clip's.
+    """
+    local = np.asarray(rotations, np.float64)
+    positions = np.empty((*local.shape[:2], 3))
+    world = np.empty_like(local)
+    positions[:, 0], world[:, 0] = root_positions, local[:, 0]
+    for joint in range(1, skeleton.joint_count):
+        parent = skeleton.parents[joint]
+        positions[:, joint] = positions[:, parent] + quaternion.rotate(world[:, parent], skeleton.offsets[joint])
+        world[:, joint] = quaternion.multiply(world[:, parent], local[:, joint])
+    return positions, world
+
+
+def joint_positions(clip: Clip) -> Floats:
+    """World positions [F, J, 3] in metres of a clip's joints."""
+    return world_transforms(clip.skeleton, clip.root_positions, clip.rotations)[0]
+
+
+def end_positions(skeleton: Skeleton, positions: Floats, world: Floats) -> Floats:
+    """World positions [F, E, 3] of the end sites, from what `world_transforms` returned."""
+    at = skeleton.end_parents
+    return np.asarray(positions[:, at] + quaternion.rotate(world[:, at], skeleton.end_offsets))

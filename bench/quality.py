@@ -1,0 +1,129 @@
+"""Splices against ground truth: `python -m bench.quality CLIPS [--pairs FILE]`, or the built-in grid without CLIPS.
+
+Prints, per pair, the mean error of the upper body's joints for the naive splice in centimetres, and that of the
+papers' whole-clip splice (exact) and of the bank's (splice) as ratios to it, for each posture form; and how far
+the posture of `absolute` is from the action's.
+"""
+
+from __future__ import annotations
+
+import csv
+import tempfile
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, get_args
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from bench.measures import posture_error, upper_body_errors
+from motion.clip import Clip
+from motion.formats.bvh import dump
+from motion.procedural.library import ACTIONS, LOCOMOTIONS, make
+from precompute.job import precompute
+from precompute.splice import Posture, splice_exact, splice_naive
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+
+POSTURES: tuple[Posture, ...] = get_args(Posture)
+PAIRS = Path(__file__).parent / "pairs.csv"
+
+
+@dataclass(frozen=True)
+class Score:
+    """One pair: naive error in metres, the others as ratios to it, by posture form; posture errors in radians."""
+
+    pair: str
+    naive: float
+    exact: dict[Posture, float]
+    splice: dict[Posture, float]
+    exact_posture: float
+    splice_posture: float
+
+
+def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Score:
+    """Scores one pair over the frames that the pairwise alignment covers."""
+    bank = evaluator.bank
+    clip_l, clip_u, neutral = (bank.motion(name) for name in (locomotion, action, bank.neutral(action)))
+    exact = {
+        posture: splice_exact(clip_l, clip_u, bank.roles, posture=posture, neutral=neutral).clip
+        for posture in POSTURES
+    }
+    covered = exact["off"].frame_count
+    splice = {posture: evaluator.clip(locomotion, action, posture=posture) for posture in POSTURES}
+
+    def error(result: Clip) -> float:
+        return float(upper_body_errors(result.frames(0, covered), truth, bank.roles).mean())
+
+    naive = error(splice_naive(clip_l, clip_u, bank.roles))
+    return Score(
+        pair=f"{locomotion} <- {action}",
+        naive=naive,
+        exact={posture: error(clip) / naive for posture, clip in exact.items()},
+        splice={posture: error(clip) / naive for posture, clip in splice.items()},
+        exact_posture=posture_error(exact["absolute"], clip_u, bank.roles),
+        splice_posture=posture_error(splice["absolute"], clip_u, bank.roles),
+    )
+
+
+def show(scores: Iterable[Score], title: str) -> None:
+    """Prints a table of scores, and their means."""
+    table = Table(title=title)
+    table.add_column("locomotion <- action")
+    columns = ["naive cm", *(f"exact {p}" for p in POSTURES), *(f"splice {p}" for p in POSTURES)]
+    for column in [*columns, "exact posture °", "splice posture °"]:
+        table.add_column(column, justify="right")
+    rows = []
+    for one in scores:
+        ratios = [*(one.exact[p] for p in POSTURES), *(one.splice[p] for p in POSTURES)]
+        rows.append([100 * one.naive, *ratios, np.degrees(one.exact_posture), np.degrees(one.splice_posture)])
+        table.add_row(one.pair, *(f"{value:.2f}" for value in rows[-1]))
+    table.add_section()
+    table.add_row("mean", *(f"{value:.2f}" for value in np.mean(rows, axis=0)))
+    Console(width=160).print(table)
+
+
+def scores_of_pairs(folder: Path, pairs: Path, bank_folder: Path, baseline: str | None) -> Iterator[Score]:
+    """Scores of a CSV's pairs (locomotion, action); the truth is the locomotion's own upper body."""
+    precompute([folder], bank_folder, baseline=baseline)
+    evaluator = Evaluator(Bank.open(bank_folder))
+    with pairs.open(newline="") as file:
+        for row in csv.DictReader(file):
+            yield score(evaluator, row["locomotion"], row["action"], evaluator.bank.motion(row["locomotion"]))
+
+
+def scores_of_grid(bank_folder: Path) -> Iterator[Score]:
+    """Scores of every built-in action on every built-in locomotion, against the generated truth."""
+    with tempfile.TemporaryDirectory() as folder:
+        settings = []
+        for number, name in enumerate(LOCOMOTIONS):
+            (Path(folder) / f"{name}.bvh").write_bytes(dump(make(name, seed=number)))
+        for number, name in enumerate(ACTIONS, len(LOCOMOTIONS)):
+            (Path(folder) / f"{name}.bvh").write_bytes(dump(make("walk", name, seed=number)))
+            settings.append(f'[{name}]\nkind = "action"\nneutral = "walk"\n')
+        (Path(folder) / "clips.toml").write_text("\n".join(settings))
+        precompute([Path(folder)], bank_folder, baseline="walk")
+    evaluator = Evaluator(Bank.open(bank_folder))
+    for number, locomotion in enumerate(LOCOMOTIONS):
+        for action in ACTIONS:
+            yield score(evaluator, locomotion, action, make(locomotion, action, seed=number))
+
+
+def main(
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in grid if not given")] = None,
+    pairs: Annotated[Path, typer.Option(help="CSV with columns locomotion, action")] = PAIRS,
+    baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
+) -> None:
+    """Prints how near splices come to the truth."""
+    with tempfile.TemporaryDirectory() as bank:
+        if clips is None:
+            show(scores_of_grid(Path(bank)), "Built-in actions on built-in locomotions")
+        else:
+            show(scores_of_pairs(clips, pairs, Path(bank), baseline), f"Pairs of {pairs.name}")
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,64 @@
+"""Point clouds: how far two are apart over the floor, and the rotation that lays one on another."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motion.quaternion import Floats
+
+
+def planar_distances(a: ArrayLike, b: ArrayLike) -> Floats:
+    """Least sum of squared distances of every cloud in `a` to every cloud in `b`.
+
+    Each pair may be turned about Y and shifted over the floor (Kovar, Gleicher and Pighin 2002, whose closed
+    form is used by Heck et al. 2006, 3.1). a [n, p, 3] and b [m, p, 3] metres -> [n, m] square metres.
+    """
+    a_floor, a_height = _centred(np.asarray(a, np.float64))
+    b_floor, b_height = _centred(np.asarray(b, np.float64))
+    points = a_height.shape[1]
+    b_turned = np.concatenate([b_floor[:, points:], -b_floor[:, :points]], axis=1)
+    overlap = np.hypot(a_floor @ b_floor.T, a_floor @ b_turned.T)
+    squares_a = np.sum(a_floor**2, axis=1) + np.sum(a_height**2, axis=1)
+    squares_b = np.sum(b_floor**2, axis=1) + np.sum(b_height**2, axis=1)
+    distances = squares_a[:, None] + squares_b - 2.0 * (overlap + a_height @ b_height.T)
+    return np.maximum(distances, 0.0)  # rounding may leave -1e-16 where the clouds are equal
+
+
+def planar_distance(a: ArrayLike, b: ArrayLike) -> Floats:
+    """`planar_distances` of each cloud to the one beside it only. [n, p, 3], [n, p, 3] -> [n] square metres."""
+    a_floor, a_height = _centred(np.asarray(a, np.float64))
+    b_floor, b_height = _centred(np.asarray(b, np.float64))
+    points = a_height.shape[1]
+    along = np.sum(a_floor * b_floor, axis=1)
+    across = np.sum(a_floor[:, :points] * b_floor[:, points:] - a_floor[:, points:] * b_floor[:, :points], axis=1)
+    squares = np.sum(a_floor**2 + b_floor**2, axis=1) + np.sum((a_height - b_height) ** 2, axis=1)
+    return np.maximum(squares - 2.0 * np.hypot(along, across), 0.0)
+
+
+def _centred(clouds: Floats) -> tuple[Floats, Floats]:
+    """Coordinates over the floor, centred, as [n, 2p] (all x, then all z), and heights [n, p]."""
+    floor = clouds[:, :, [0, 2]]
+    floor = floor - floor.mean(axis=1, keepdims=True)
+    return np.concatenate([floor[:, :, 0], floor[:, :, 1]], axis=1), clouds[:, :, 1]
+
+
+def horn_rotation(target: ArrayLike, source: ArrayLike) -> Floats:
+    """The rotation about the origin that lays `source` on `target`: argmin_q sum |target - q source|^2.
+
+    Horn 1987: the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix. The clouds are not
+    centred. [..., p, 3], [..., p, 3] -> [..., 4], with w >= 0.
+    """
+    s = np.swapaxes(np.asarray(source, np.float64), -1, -2) @ np.asarray(target, np.float64)
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = (tuple(s[..., i, j] for j in range(3)) for i in range(3))
+    horn = np.stack(
+        [
+            np.stack([xx - yy - zz, xy + yx, zx + xz, yz - zy], axis=-1),
+            np.stack([xy + yx, yy - xx - zz, yz + zy, zx - xz], axis=-1),
+            np.stack([zx + xz, yz + zy, zz - xx - yy, xy - yx], axis=-1),
+            np.stack([yz - zy, zx - xz, xy - yx, xx + yy + zz], axis=-1),
+        ],
+        axis=-2,
+    )
+    q: Floats = np.linalg.eigh(horn)[1][..., :, 3]
+    return np.where(q[..., 3:] < 0.0, -q, q)

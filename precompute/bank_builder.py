@@ -1,0 +1,137 @@
+"""Tables of all clips -> a bank on disk, whole or not at all (DESIGN 5)."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.quaternion import Floats
+from motion.roles import Roles
+from motion.skeleton import Skeleton
+from precompute.baseline import Baseline
+from precompute.prepared import PreparedClip
+from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, ClipEntry, content_digest
+
+
+def write_bank(
+    path: Path, skeleton: Skeleton, roles: Roles, baseline: Baseline, prepared: Sequence[PreparedClip]
+) -> str:
+    """Writes a bank of at least one clip to the folder `path` and returns its digest.
+
+    Tables are written and synced first; renaming the manifest makes the new bank current, so a reader sees the
+    old bank or the new one. Tables that only the bank before the last one used are removed.
+    """
+    clips = sorted(prepared, key=lambda one: one.clip.name)
+    tables = _tables(clips)
+    folder = path / TABLE_FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    digests = {}
+    for name, (kind, _) in TABLES.items():
+        data = io.BytesIO()
+        np.save(data, np.ascontiguousarray(tables[name], kind), allow_pickle=False)
+        digests[name] = content_digest(data.getvalue())
+        file = folder / f"{digests[name]}.npy"
+        if not (file.exists() and content_digest(file.read_bytes()) == digests[name]):
+            _write_synced(file, data.getvalue())
+    body = {
+        "skeleton": {
+            "names": list(skeleton.names),
+            "parents": skeleton.parents.tolist(),
+            "offsets": skeleton.offsets.tolist(),
+            "end_parents": skeleton.end_parents.tolist(),
+            "end_offsets": skeleton.end_offsets.tolist(),
+        },
+        "roles": asdict(roles),
+        "baseline": {
+            "clip": baseline.name,
+            "start": baseline.start,
+            "end": baseline.end,
+            "loop": baseline.loop,
+            "cells": len(baseline.clouds),
+        },
+        "clips": [asdict(entry) for entry in _entries(clips)],
+        "tables": digests,
+    }
+    packed = msgpack.packb(body)
+    digest = content_digest(packed)
+    manifest = {"format": FORMAT, "version": VERSION, "digest": digest, "body": packed}
+    before = _tables_in_use(path / MANIFEST)
+    _write_synced(path / MANIFEST, msgpack.packb(manifest))
+    for file in folder.glob("*.npy"):
+        if file.stem not in before | set(digests.values()):
+            file.unlink()
+    return digest
+
+
+def _entries(clips: Sequence[PreparedClip]) -> list[ClipEntry]:
+    entries, frame = [], 0
+    for one in clips:
+        phase = one.alignment.phase
+        entries.append(
+            ClipEntry(
+                name=one.clip.name,
+                kind=one.kind,
+                tags=one.tags,
+                rate=float(one.clip.rate),
+                first_frame=frame,
+                frame_count=one.clip.frame_count,
+                first_cell=frame,
+                cell_count=one.clip.frame_count,
+                first_phase=float(phase[0]),
+                last_phase=float(phase[-1]),
+                mean_mismatch=one.alignment.mean_mismatch,
+                worst_mismatch=one.alignment.worst_mismatch,
+                warnings=one.warnings,
+                notes=one.notes,
+                source=one.source,
+            )
+        )
+        frame += one.clip.frame_count
+    return entries
+
+
+def _tables(clips: Sequence[PreparedClip]) -> dict[str, NDArray[Any]]:
+    numbers = {one.clip.name: number for number, one in enumerate(clips)}
+    return {
+        "rotations": np.concatenate([one.clip.rotations for one in clips]),
+        "root_positions": np.concatenate([one.clip.root_positions for one in clips]),
+        "phase_of_frame": np.concatenate([one.alignment.phase for one in clips]),
+        "frame_of_phase": np.concatenate([frame_of_phase(one.alignment.phase) for one in clips]),
+        "upper_clouds": np.concatenate([one.torso.clouds for one in clips]),
+        "posture_frames": np.concatenate([one.torso.frames for one in clips]),
+        "postures": np.stack([one.torso.posture for one in clips]),
+        "neutral": np.array([numbers[one.neutral] for one in clips]),
+    }
+
+
+def frame_of_phase(phase: Floats) -> Floats:
+    """The inverse of a strictly increasing phase [F], on as many evenly spaced phases [F], in frames."""
+    return np.interp(np.linspace(phase[0], phase[-1], len(phase)), phase, np.arange(len(phase), dtype=np.float64))
+
+
+def _tables_in_use(manifest: Path) -> set[str]:
+    """The tables of the bank that is about to be replaced; none if there is no sound one."""
+    try:
+        return set(msgpack.unpackb(msgpack.unpackb(manifest.read_bytes())["body"])["tables"].values())
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return set()
+
+
+def _write_synced(file: Path, data: bytes) -> None:
+    partial = file.with_name(f".{file.name}.{os.getpid()}")
+    with partial.open("wb") as sink:
+        sink.write(data)
+        sink.flush()
+        os.fsync(sink.fileno())
+    partial.replace(file)
+    folder = os.open(file.parent, os.O_RDONLY)
+    os.fsync(folder)
+    os.close(folder)

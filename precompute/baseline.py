@@ -1,0 +1,149 @@
+"""The baseline: one stride of one locomotion, and how every clip is timed by it (thesis 4.3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import BaselineError, ClipError
+from motion.kinematics import joint_positions
+from motion.pointcloud import planar_distance, planar_distances
+from motion.quaternion import Floats
+from motion.roles import Roles
+from precompute.increasing_spline import fit_increasing
+from precompute.ring import wind
+
+WORKING_RATE = 30.0  # frames per second at which motions are compared
+KNOT_SPACING = 0.2  # seconds
+STRIDES = (0.5, 1.8)  # shortest and longest stride looked for, seconds
+LOOP_WINDOW = 5  # frames at the working rate
+WORST_LOOP = 0.15  # how far the stride's ends may be apart, as a part of how far its middle is
+LEAST_SWING = 0.05  # of the leg length, between the two halves of a stride
+SHORTEST_CLIP = 0.3  # seconds: below it a path round the ring means nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Baseline:
+    """One stride as a ring: lower clouds [cells, 3, 3] of a locomotion, evenly spaced in phase.
+
+    start and end are seconds in the clip; loop is the distance of its ends over that of its halves.
+    """
+
+    name: str
+    start: float
+    end: float
+    loop: float
+    clouds: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """When a clip is where in the baseline's stride.
+
+    phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
+    """
+
+    phase: Floats
+    cost: Floats
+
+    @property
+    def cycles(self) -> float:
+        return float(self.phase[-1] - self.phase[0])
+
+    @property
+    def mean_mismatch(self) -> float:
+        """Root-mean-square distance of root and knees to the baseline's, metres."""
+        return float(np.sqrt(self.cost.mean() / 3.0))
+
+    @property
+    def worst_mismatch(self) -> float:
+        return float(np.sqrt(self.cost.max() / 3.0))
+
+
+def find_baseline(clip: Clip, roles: Roles) -> Baseline:
+    """The stride of a clip that closes best on itself.
+
+    A stride is a pair of moments whose surroundings are alike while the moment halfway between them is not:
+    so neither standing still nor two strides at once pass for one. Raises BaselineError if there is none.
+    """
+    windows = _windowed(_at_working_rate(clip, roles.lower_cloud), LOOP_WINDOW)
+    leg = roles.leg_length(clip.skeleton)
+    best = (np.inf, 0, 0)
+    shortest, longest = (round(seconds * WORKING_RATE) for seconds in STRIDES)
+    for length in range(shortest, min(longest, len(windows) - 1) + 1):
+        here, half, after = (windows[shift : shift + len(windows) - length] for shift in (0, length // 2, length))
+        swing = planar_distance(here, half)
+        moving = swing > LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
+        loop = np.where(moving, planar_distance(here, after) / np.where(moving, swing, 1.0), np.inf)
+        frame = int(np.argmin(loop))
+        best = min(best, (float(loop[frame]), frame + LOOP_WINDOW // 2, length))
+    loop_distance, first, length = best
+    if loop_distance > WORST_LOOP:
+        raise BaselineError(
+            f"clip {clip.name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s that ends as it began",
+            mend="Name another clip with --baseline: a plain walk of a few steps is best",
+        )
+    step = 1.0 / WORKING_RATE
+    stride = slice(first, first + length + 1)
+    return Baseline(clip.name, first * step, (first + length) * step, loop_distance, _ring(clip, roles, stride))
+
+
+def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
+    """Winds a clip round the baseline's ring. The clip must be on the baseline's skeleton.
+
+    Raises ClipError if the clip is too short to show a gait.
+    """
+    if clip.duration < SHORTEST_CLIP:
+        raise ClipError(
+            f"it lasts {clip.duration:.3f} s, too short to see a gait in",
+            place=f"clip {clip.name!r}",
+            mend=f"Give at least {SHORTEST_CLIP} s, better two strides or more",
+        )
+    distances = planar_distances(_at_working_rate(clip, roles.lower_cloud), baseline.clouds)
+    wound = wind(distances)
+    cells = distances.shape[1]
+    frames = np.arange(len(wound))
+    at, before, after = (distances[frames, (wound + shift) % cells] for shift in (0, -1, 1))
+    bend = before - 2.0 * at + after
+    between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
+    seconds = np.linspace(0.0, clip.duration, len(wound))
+    curve = fit_increasing(seconds, (wound + between) / cells, KNOT_SPACING)
+    phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
+    return Alignment(phase - np.floor(phase[0]), at)
+
+
+def _at_working_rate(clip: Clip, joints: tuple[int, ...]) -> Floats:
+    """Joints [n, p, 3] in the world, at about the working rate, from the first frame to the last."""
+    positions = joint_positions(clip)[:, list(joints)]
+    count = max(2, round(clip.duration * WORKING_RATE) + 1)
+    at = np.linspace(0.0, clip.frame_count - 1, count)
+    before = np.minimum(at.astype(np.int64), clip.frame_count - 2)
+    t = (at - before)[:, None, None]
+    return np.asarray((1.0 - t) * positions[before] + t * positions[before + 1])
+
+
+def _windowed(clouds: Floats, width: int) -> Floats:
+    """Each frame's cloud joined with its neighbours': [n, p, 3] -> [n - width + 1, width * p, 3]."""
+    count = max(len(clouds) - width + 1, 0)
+    return np.concatenate([clouds[shift : shift + count] for shift in range(width)], axis=1)
+
+
+def _ring(clip: Clip, roles: Roles, stride: slice) -> Floats:
+    """The lower clouds [cells, 3, 3] of one stride, its end drawn onto its start by an even drift."""
+    clouds = facing(_at_working_rate(clip, tuple(range(clip.skeleton.joint_count))), roles)[stride]
+    along = np.linspace(0.0, 1.0, len(clouds))[:, None, None]
+    return np.asarray((clouds - along * (clouds[-1] - clouds[0]))[:-1])
+
+
+def facing(positions: Floats, roles: Roles) -> Floats:
+    """Lower clouds [n, 3, 3] over the floor's origin with the hips along x, so that they can be mixed.
+
+    positions [n, J, 3] are all joints' in the world.
+    """
+    line = positions[:, roles.left_hip] - positions[:, roles.right_hip]
+    turn = quaternion.about([0.0, 1.0, 0.0], np.arctan2(line[:, 2], line[:, 0]))
+    clouds = positions[:, list(roles.lower_cloud)]
+    return quaternion.rotate(turn[:, None], clouds - clouds[:, :1] * np.array([1.0, 0.0, 1.0]))

@@ -1,0 +1,105 @@
+"""A strictly increasing cubic B-spline through a time alignment, in time linear in its length.
+
+Heck et al. 2006, 3.1: "we fit a strictly increasing, endpoint interpolating B-spline to the optimal path".
+A B-spline rises strictly where its coefficients do, so the fit is a least-squares problem whose
+coefficients must each lie a little above the one before: a quadratic programme with banded matrices.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import BSpline
+from scipy.linalg import solveh_banded
+
+from motion.quaternion import Floats
+
+DEGREE = 3
+LEAST_SLOPE = 0.05  # of the mean slope: what an increment may shrink to
+MOST_STEPS = 60
+
+
+def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float) -> BSpline[np.float64]:
+    """The least-squares spline through (x, y) [n] that starts and ends on them and rises everywhere between.
+
+    x is increasing (not strictly: a path may climb straight up), and y[-1] lies above y[0]; both are frames or
+    cycles. One knot per `knot_spacing` of x.
+    """
+    x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
+    intervals = max(1, round(float(x[-1] - x[0]) / knot_spacing))
+    breaks = np.linspace(x[0], x[-1], intervals + 1)
+    knots = np.concatenate([[x[0]] * DEGREE, breaks, [x[-1]] * DEGREE])
+    design = BSpline.design_matrix(x, knots, DEGREE).tocsr()
+    count = intervals + DEGREE
+    normal = (design.T @ design).tocsr()
+    bands = np.zeros((DEGREE + 1, count))
+    for offset in range(DEGREE + 1):
+        bands[offset, : count - offset] = normal.diagonal(offset)
+    steps = _greville_steps(knots, count)
+    floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * steps
+    coefficients = _increasing_least_squares(bands, design.T @ y, y[0], y[-1], floor, steps)
+    return BSpline(knots, coefficients, DEGREE)
+
+
+def _greville_steps(knots: Floats, count: int) -> Floats:
+    """Distances between the abscissae of neighbouring coefficients [count - 1]: a line has slope = step ratio."""
+    abscissae = np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(count)])
+    return cast(Floats, np.diff(abscissae))
+
+
+def _increasing_least_squares(
+    bands: Floats, right: Floats, first: float, last: float, floor: Floats, steps: Floats
+) -> Floats:
+    """min 1/2 c'Hc - r'c with c[0] = first, c[-1] = last, diff(c) >= floor, by a primal-dual interior point.
+
+    H is given by its bands [4, n] (lower form). Each step solves one banded system, so a step is linear in n,
+    and the number of steps hardly depends on n. The straight line is strictly inside, so it is the start.
+    """
+    c = first + np.concatenate([[0.0], np.cumsum(steps)]) * (last - first) / steps.sum()
+    scale = float(bands[0].mean()) + 1e-12
+    bands, right = bands.copy() / scale, right / scale
+    bands[0] += 1e-9  # a stretch without samples keeps its coefficients where they are
+    slack = np.diff(c) - floor
+    unit = float(slack.mean())
+    dual = np.full_like(slack, unit)
+    for _ in range(MOST_STEPS):
+        gap = float(slack @ dual) / len(slack)
+        gradient = _banded_product(bands, c) - right
+        gradient[:-1] += dual
+        gradient[1:] -= dual
+        if gap < 1e-10 * unit**2 and np.abs(gradient[1:-1]).max(initial=0.0) < 1e-7 * unit:
+            break
+        weight = dual / slack
+        pull = 0.1 * gap / slack - dual
+        system = bands[:, 1:-1].copy()
+        system[0] += weight[:-1] + weight[1:]
+        system[1, :-1] -= weight[1:-1]
+        for offset in range(1, DEGREE + 1):  # the two ends are given, not solved for
+            system[offset, max(0, system.shape[1] - offset) :] = 0.0
+        target = -gradient[1:-1] + pull[:-1] - pull[1:]
+        move = np.zeros_like(c)
+        move[1:-1] = solveh_banded(system, target, lower=True)
+        slack_move = np.diff(move)
+        dual_move = pull - weight * slack_move
+        reach = min(_reach(slack, slack_move), _reach(dual, dual_move))
+        c = c + reach * move
+        slack = np.diff(c) - floor
+        dual = dual + reach * dual_move
+    return c
+
+
+def _reach(values: Floats, move: Floats) -> float:
+    """How much of `move` keeps `values` positive, at most all of it."""
+    shrinking = move < 0.0
+    return min(1.0, 0.99 * float(np.min(-values[shrinking] / move[shrinking], initial=np.inf)))
+
+
+def _banded_product(bands: Floats, c: Floats) -> Floats:
+    product: Floats = bands[0] * c
+    for offset in range(1, DEGREE + 1):
+        band = bands[offset, : len(c) - offset]
+        product[:-offset] += band * c[offset:]
+        product[offset:] += band * c[:-offset]
+    return product

@@ -1,0 +1,136 @@
+"""The offline job: files of clips -> a bank."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from motion.errors import BaselineError, ClipError, MotionError, SettingsError, did_you_mean
+from motion.formats.files import Reading, read_clip
+from motion.roles import Roles
+from motion.skeleton import Skeleton
+from precompute.bank_builder import write_bank
+from precompute.baseline import Baseline, find_baseline
+from precompute.neutral import nearest_gait
+from precompute.prepared import PreparedClip, prepare
+from precompute.sources import Source, find_sources
+from precompute.workers import outcomes, workers
+from runtime.bank import content_digest
+
+Progress = Callable[[str, int, int], None]  # what is being done, how many are done, of how many
+Failures = dict[str, MotionError]
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """One clip file, read: the digest of its bytes, and the clip's own stride if it has one."""
+
+    source: Source
+    digest: str
+    reading: Reading
+    stride: Baseline | None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the job made: the bank's digest, its baseline and clips, and why the others failed."""
+
+    digest: str
+    baseline: Baseline
+    clips: tuple[str, ...]
+    failed: Mapping[str, MotionError]
+
+
+def precompute(
+    paths: Iterable[Path],
+    out: Path,
+    *,
+    baseline: str | None = None,
+    roles: Mapping[str, str | Sequence[str]] | None = None,
+    jobs: int | None = None,
+    progress: Progress = lambda stage, done, total: None,
+) -> Outcome:
+    """Reads clips, aligns each to the baseline and writes the bank `out`.
+
+    `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it. Without
+    `baseline`, it is the locomotion whose stride closes best. Clips that fail are left out and reported. Raises
+    MotionError if there is nothing to do, the baseline is unusable, or two clips have one name.
+    """
+    sources = find_sources(paths, roles or {})
+    failed: Failures = {}
+    loaded: dict[str, Loaded] = {}
+    prepared: dict[str, PreparedClip] = {}
+    with workers(min(jobs or os.cpu_count() or 1, len(sources))) as pool:
+        for done, (source, result) in enumerate(outcomes(pool, load, sources), 1):
+            _sort(source.name, result, loaded, failed)
+            progress("reading", done, len(sources))
+        ring = choose_baseline(loaded, failed, baseline)
+        rig = loaded[ring.name].reading
+        align_one = partial(_prepare, skeleton=rig.clip.skeleton, roles=rig.roles, baseline=ring)
+        for done, (one, ready) in enumerate(outcomes(pool, align_one, list(loaded.values())), 1):
+            _sort(one.source.name, ready, prepared, failed)
+            progress("aligning", done, len(loaded))
+    _settle_neutrals(prepared, failed, rig.roles)
+    digest = write_bank(out, rig.clip.skeleton, rig.roles, ring, list(prepared.values()))
+    return Outcome(digest, ring, tuple(sorted(prepared)), dict(sorted(failed.items())))
+
+
+def load(source: Source) -> Loaded:
+    """Reads one clip file, and looks for a stride in it if it is a locomotion. Raises MotionError."""
+    settings, stride = source.settings, None
+    reading = read_clip(source.file, skip_frames=settings.skip_frames, unit=settings.unit, roles=source.roles)
+    if settings.kind == "locomotion":
+        with suppress(BaselineError):  # only one clip needs to serve as the baseline
+            stride = find_baseline(reading.clip, reading.roles)
+    return Loaded(source, content_digest(source.file.read_bytes()), reading, stride)
+
+
+def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionError], name: str | None) -> Baseline:
+    """The named clip's stride, or the stride that closes best among all locomotions. Raises BaselineError."""
+    if name is None:
+        strides = [one.stride for one in loaded.values() if one.stride is not None]
+        if not strides:
+            reasons = "; ".join(str(error) for error in failed.values())
+            raise BaselineError("no clip can serve as the baseline, for none has a stride" + reasons and f" ({reasons})")
+        return min(strides, key=lambda stride: (stride.loop, stride.name))
+    if name in failed:
+        raise BaselineError(f"the baseline cannot be read: {failed[name]}")
+    if name not in loaded:
+        raise BaselineError(f"the baseline {name!r} is not among the clips", mend=did_you_mean(name, loaded))
+    return loaded[name].stride or find_baseline(loaded[name].reading.clip, loaded[name].reading.roles)
+
+
+def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) -> PreparedClip:
+    settings = one.source.settings
+    return replace(
+        prepare(one.reading.clip, one.reading.roles, skeleton, roles, baseline),
+        kind=settings.kind,
+        neutral=settings.neutral or "",
+        tags=settings.tags,
+        notes=one.reading.notes,
+        source=one.digest,
+    )
+
+
+def _settle_neutrals(prepared: dict[str, PreparedClip], failed: Failures, roles: Roles) -> None:
+    """As named; else a locomotion is its own neutral, and an action has the locomotion nearest in gait."""
+    locomotions = {name: one for name, one in prepared.items() if one.kind == "locomotion"}
+    for name, one in list(prepared.items()):
+        if one.neutral and one.neutral not in prepared:
+            problem = f"its neutral {one.neutral!r} is not in the bank"
+            failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(one.neutral, prepared))
+            del prepared[name]
+        elif not one.neutral:
+            own = one.kind == "locomotion"
+            prepared[name] = replace(one, neutral=name if own else nearest_gait(one, locomotions, roles))
+
+
+def _sort(name: str, result: object, sound: dict[str, object], failed: Failures) -> None:
+    if isinstance(result, MotionError):
+        failed[name] = result
+    else:
+        sound[name] = result

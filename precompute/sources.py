@@ -1,0 +1,50 @@
+"""Which clip files the offline job is to read, and what is said of each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from motion.errors import ClipError
+from motion.formats.files import SUFFIXES
+from precompute.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
+
+
+@dataclass(frozen=True)
+class Source:
+    """One clip file, its settings, and the roles that are given rather than found."""
+
+    file: Path
+    settings: ClipSettings = field(default_factory=ClipSettings)
+    roles: Mapping[str, str | Sequence[str]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return self.file.stem
+
+
+def find_sources(paths: Iterable[Path], roles: Mapping[str, str | Sequence[str]]) -> list[Source]:
+    """The clip files behind `paths` (files, or folders of them), in order of name.
+
+    Raises ClipError if there are none, or two of one name; SettingsError for a bad `clips.toml`.
+    """
+    files: dict[str, Path] = {}
+    for path in paths:
+        if not path.exists():
+            raise ClipError("there is no such file or folder", file=str(path))
+        for file in _clip_files(path) if path.is_dir() else [path]:
+            if files.setdefault(file.stem, file).resolve() != file.resolve():
+                twins = f"{files[file.stem]} and {file}"
+                raise ClipError(f"two clips are called {file.stem!r}: {twins}", mend="Rename one of them")
+    if not files:
+        raise ClipError("there are no clips here", mend=f"Give files or folders of {', '.join(sorted(SUFFIXES))}")
+    settings: dict[str, ClipSettings] = {}
+    for folder in sorted({file.parent for file in files.values()}):
+        if (folder / FILE_NAME).is_file():
+            settings |= read_clip_settings(folder / FILE_NAME)
+    return [Source(files[name], settings.get(name, ClipSettings()), roles) for name in sorted(files)]
+
+
+def _clip_files(folder: Path) -> list[Path]:
+    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)

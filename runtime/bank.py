@@ -1,0 +1,227 @@
+"""A bank on disk: opened, verified and mapped. Immutable, and shared by all processes that map it (DESIGN 5)."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.clip import Clip
+from motion.errors import BankError, MotionError, UnknownClipError, did_you_mean
+from motion.roles import Roles
+from motion.skeleton import Skeleton
+
+FORMAT = "motionsplice bank"
+VERSION = 1
+MANIFEST = "manifest.msgpack"
+TABLE_FOLDER = "tables"
+LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
+
+F, J, P, C, CELLS = "frames", "joints", "points", "clips", "cells"
+TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
+    "rotations": (np.float32, (F, J, 4)),
+    "root_positions": (np.float32, (F, 3)),
+    "phase_of_frame": (np.float64, (F,)),
+    "frame_of_phase": (np.float64, (CELLS,)),
+    "upper_clouds": (np.float32, (F, P, 3)),
+    "posture_frames": (np.float32, (F, 4)),
+    "postures": (np.float64, (C, 2, 3)),
+    "neutral": (np.int32, (C,)),
+}
+
+
+@dataclass(frozen=True)
+class ClipEntry:
+    """One clip of a bank: where its rows lie in the tables, and what its alignment was like.
+
+    first_frame, frame_count and first_cell, cell_count are rows; rate is frames per second. phase runs from
+    first_phase to last_phase, in cycles of the baseline. mean_mismatch and worst_mismatch are metres.
+    """
+
+    name: str
+    kind: str
+    tags: tuple[str, ...]
+    rate: float
+    first_frame: int
+    frame_count: int
+    first_cell: int
+    cell_count: int
+    first_phase: float
+    last_phase: float
+    mean_mismatch: float
+    worst_mismatch: float
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+    source: str
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first frame to the last."""
+        return (self.frame_count - 1) / self.rate
+
+    @property
+    def cycles(self) -> float:
+        """How many of the baseline's strides the clip takes."""
+        return self.last_phase - self.first_phase
+
+
+@dataclass(frozen=True, eq=False)
+class Bank:
+    """All clips of a bank on one skeleton, and their tables (`TABLES` gives shapes and types)."""
+
+    path: Path
+    digest: str
+    skeleton: Skeleton
+    roles: Roles
+    baseline: Mapping[str, Any]
+    clips: tuple[ClipEntry, ...]
+    tables: Mapping[str, NDArray[Any]]
+
+    @classmethod
+    def open(cls, path: str | Path) -> Bank:
+        """Maps the bank in the folder `path` after verifying the digest of everything in it.
+
+        Raises BankError, naming file and mend, if it is not there, of another version, cut short or altered.
+        """
+        folder = Path(path)
+        digest, body = _read_manifest(folder)
+        try:
+            return cls(folder, digest, *_contents(body), tables=_map_tables(folder, body))._checked()
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise BankError(
+                f"its manifest lacks or misstates something ({type(error).__name__}: {error})",
+                file=str(folder / MANIFEST),
+                mend=REBUILD,
+            ) from None
+        except BankError:
+            raise
+        except MotionError as error:
+            raise BankError(error.problem, file=str(folder / MANIFEST), mend=REBUILD) from None
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return {clip.name: number for number, clip in enumerate(self.clips)}
+
+    def number(self, name: str) -> int:
+        """The index of the clip called `name`; raises UnknownClipError with the near names if there is none."""
+        try:
+            return self._numbers[name]
+        except KeyError:
+            problem = f"the bank has no clip {name!r}"
+            raise UnknownClipError(problem, mend=did_you_mean(name, self._numbers)) from None
+
+    def clip(self, name: str) -> ClipEntry:
+        """The entry of the clip called `name`; raises UnknownClipError."""
+        return self.clips[self.number(name)]
+
+    def neutral(self, name: str) -> str:
+        """The name of the clip that the posture of `name` is relative to."""
+        return self.clips[int(self.tables["neutral"][self.number(name)])].name
+
+    def motion(self, name: str) -> Clip:
+        """The clip called `name`, on the bank's skeleton, in its editable form."""
+        entry = self.clip(name)
+        rows = slice(entry.first_frame, entry.first_frame + entry.frame_count)
+        roots, rotations = (np.asarray(self.tables[table][rows], np.float64) for table in ("root_positions", "rotations"))
+        return Clip(name, self.skeleton, entry.rate, roots, rotations)
+
+    def _checked(self) -> Bank:
+        """Itself, if the parts fit each other, so that no kernel can be led out of a table."""
+        sizes = {J: self.skeleton.joint_count, C: len(self.clips), P: len(self.roles.upper_cloud)}
+        sizes[F] = sum(clip.frame_count for clip in self.clips)
+        sizes[CELLS] = sum(clip.cell_count for clip in self.clips)
+        for name, (kind, shape) in TABLES.items():
+            table, wanted = self.tables[name], tuple(sizes.get(str(axis), axis) for axis in shape)
+            if table.dtype != kind or table.shape != wanted:
+                problem = f"table {name!r} is {table.dtype}{table.shape}, not {np.dtype(kind)}{wanted}"
+                raise BankError(problem, file=str(self.path), mend=REBUILD)
+            if kind is not np.int32 and not np.isfinite(table).all():
+                raise BankError(f"table {name!r} holds numbers that are not finite", file=str(self.path), mend=REBUILD)
+        frame = cell = 0
+        for clip in self.clips:
+            fits = clip.frame_count >= 2 and clip.cell_count >= 2 and clip.first_phase < clip.last_phase
+            if not (fits and clip.first_frame == frame and clip.first_cell == cell and 0.0 < clip.rate < 1e6):
+                raise BankError(f"clip {clip.name!r} does not fit the tables", file=str(self.path), mend=REBUILD)
+            frame, cell = frame + clip.frame_count, cell + clip.cell_count
+        neutral = self.tables["neutral"]
+        joints = [getattr(self.roles, field.name) for field in fields(self.roles) if field.name != "spine"]
+        joints += self.roles.spine
+        if not self.clips or neutral.min() < 0 or neutral.max() >= sizes[C] or len(self._numbers) != sizes[C]:
+            raise BankError("its clips are none, or not named apart", file=str(self.path), mend=REBUILD)
+        if min(joints) < -1 or max(joints) >= sizes[J] or self.roles.pelvis < 1:
+            raise BankError("a role names a joint that is not there", file=str(self.path), mend=REBUILD)
+        return self
+
+
+REBUILD = "Build it again with `motionsplice precompute`"
+
+
+def content_digest(data: bytes) -> str:
+    """The digest by which a bank names and verifies its files."""
+    return hashlib.blake2b(data, digest_size=16).hexdigest()
+
+
+def _read_manifest(folder: Path) -> tuple[str, dict[str, Any]]:
+    file = folder / MANIFEST
+    if not file.is_file():
+        problem = "there is no bank here" if folder.is_dir() else "there is no such folder"
+        raise BankError(problem, file=str(folder), mend="Build one with `motionsplice precompute CLIPS... --out BANK`")
+    if file.stat().st_size > LARGEST_MANIFEST:
+        raise BankError("the manifest is too large to be one", file=str(file), mend=REBUILD)
+    try:
+        outer = msgpack.unpackb(file.read_bytes())
+        digest, packed, form, version = outer["digest"], outer["body"], outer["format"], outer["version"]
+    except (ValueError, KeyError, TypeError, msgpack.UnpackException):
+        raise BankError("the manifest is cut short or not a manifest", file=str(file), mend=REBUILD) from None
+    if form != FORMAT or version != VERSION:
+        problem = f"this is version {version!r} of {form!r}, and version {VERSION} of {FORMAT!r} is needed"
+        raise BankError(problem, file=str(file), mend=REBUILD)
+    if not isinstance(packed, bytes) or content_digest(packed) != digest:
+        raise BankError("the manifest was altered: its digest does not fit", file=str(file), mend=REBUILD)
+    body = msgpack.unpackb(packed)
+    if not isinstance(body, dict):
+        raise BankError("the manifest is not a map", file=str(file), mend=REBUILD)
+    return digest, body
+
+
+def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, Mapping[str, Any], tuple[ClipEntry, ...]]:
+    rig = body["skeleton"]
+    skeleton = Skeleton(
+        names=tuple(rig["names"]),
+        parents=np.array(rig["parents"], np.int64),
+        offsets=np.array(rig["offsets"], np.float64),
+        end_parents=np.array(rig["end_parents"], np.int64),
+        end_offsets=np.array(rig["end_offsets"], np.float64).reshape(-1, 3),
+    )
+    roles = Roles(**{role: tuple(at) if isinstance(at, list) else at for role, at in body["roles"].items()})
+    clips = tuple(
+        ClipEntry(**{key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()})
+        for entry in body["clips"]
+    )
+    return skeleton, roles, body["baseline"], clips
+
+
+def _map_tables(folder: Path, body: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    tables: dict[str, NDArray[Any]] = {}
+    for name in TABLES:
+        digest = str(body["tables"][name])
+        file = folder / TABLE_FOLDER / f"{Path(digest).name}.npy"
+        try:
+            with file.open("rb") as data:
+                found = hashlib.file_digest(data, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
+            if found != digest:
+                problem = f"table {name!r} was cut short or altered: its digest does not fit"
+                raise BankError(problem, file=str(file), mend=REBUILD)
+            tables[name] = np.load(file, mmap_mode="r", allow_pickle=False)
+        except FileNotFoundError:
+            raise BankError(f"table {name!r} is missing", file=str(file), mend=REBUILD) from None
+        except (OSError, ValueError) as error:
+            raise BankError(f"table {name!r} cannot be read: {error}", file=str(file), mend=REBUILD) from None
+    return tables

@@ -1,0 +1,311 @@
+"""The per-frame arithmetic on flat arrays. Nothing here checks, allocates or holds the GIL; callers check.
+
+Each kernel has a slow, readable twin in `tests/naive.py`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from numba import njit
+from numpy.typing import NDArray
+
+from motion.quaternion import Floats
+
+NONE, NAIVE, SPLICE = 0, 1, 2  # methods
+OFF, RELATIVE, ABSOLUTE = 0, 1, 2  # postures
+IN_STEP = 1e-3  # cycles by which an action may begin before its start and still count as in step
+
+Array = NDArray[Any]
+
+
+class BankArrays(NamedTuple):
+    """A bank as the kernels see it: `TABLES`, the clips' columns, and what follows from them.
+
+    neutral_turns: [clips, 4] q_G of posture `relative`, from each clip's neutral to the clip.
+    lower, upper:  joints of the two halves; the pelvis is in neither.
+    """
+
+    rotations: Array
+    root_positions: Array
+    phase_of_frame: Array
+    frame_of_phase: Array
+    upper_clouds: Array
+    posture_frames: Array
+    postures: Array
+    neutral_turns: Array
+    first_frame: Array
+    frame_count: Array
+    rate: Array
+    first_cell: Array
+    cell_count: Array
+    first_phase: Array
+    last_phase: Array
+    parents: Array
+    offsets: Array
+    lower: Array
+    upper: Array
+    pelvis: int
+
+
+class RequestArrays(NamedTuple):
+    """What each of n characters plays: clips by number, times in seconds, method and posture by constant."""
+
+    locomotion: Array
+    time: Array
+    action: Array
+    start: Array
+    method: Array
+    posture: Array
+
+
+class Scratch(NamedTuple):
+    """Room for one character's intermediate values."""
+
+    pelvis: Array  # [4]
+    turn: Array  # [4]
+    frame: Array  # [4]
+    correlation: Array  # [3, 3]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots: Array, rotations: Array) -> None:
+    """Writes each character's root position [n, 3] and local rotations [n, joints, 4]."""
+    for character in range(len(requests.time)):
+        clip_l, clip_u = requests.locomotion[character], requests.action[character]
+        method = requests.method[character]
+        frame_l = min(requests.time[character] * bank.rate[clip_l], bank.frame_count[clip_l] - 1.0)
+        row_l, t_l = locate(frame_l, bank.first_frame[clip_l], bank.frame_count[clip_l])
+        for axis in range(3):
+            here = bank.root_positions[row_l, axis]
+            roots[character, axis] = here + t_l * (bank.root_positions[row_l + 1, axis] - here)
+        out = rotations[character]
+        sample(bank.rotations, row_l, t_l, bank.lower, out)
+        slerp(bank.rotations[row_l, bank.pelvis], bank.rotations[row_l + 1, bank.pelvis], t_l, scratch.pelvis)
+        if method == NONE:
+            sample(bank.rotations, row_l, t_l, bank.upper, out)
+        elif method == NAIVE:
+            seconds = requests.start[character] + requests.time[character]
+            frame_u = repeated(seconds * bank.rate[clip_u], bank.frame_count[clip_u] - 1.0)
+            row_u, t_u = locate(frame_u, bank.first_frame[clip_u], bank.frame_count[clip_u])
+            sample(bank.rotations, row_u, t_u, bank.upper, out)
+            slerp(bank.rotations[row_u, bank.pelvis], bank.rotations[row_u + 1, bank.pelvis], t_u, scratch.pelvis)
+        else:
+            frame_u = action_frame(bank, clip_l, row_l, t_l, clip_u, requests.start[character])
+            row_u, t_u = locate(frame_u, bank.first_frame[clip_u], bank.frame_count[clip_u])
+            sample(bank.rotations, row_u, t_u, bank.upper, out)
+            correlate_clouds(bank.upper_clouds, row_l, t_l, row_u, t_u, scratch.correlation)
+            horn(scratch.correlation, scratch.turn)
+            multiply(scratch.pelvis, scratch.turn, scratch.pelvis)
+            if requests.posture[character] != OFF:
+                transfer_posture(bank, requests.posture[character], clip_l, row_l, t_l, clip_u, scratch)
+        normalise_into(scratch.pelvis, out[bank.pelvis])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def action_frame(bank: BankArrays, clip_l: int, row_l: int, t_l: float, clip_u: int, start: float) -> float:
+    """The action's frame in step with the locomotion's: frame_of_phase_U(phase_of_frame_L + shift) (DESIGN 4.3)."""
+    here = bank.phase_of_frame[row_l]
+    phase = here + t_l * (bank.phase_of_frame[row_l + 1] - here)
+    row_s, t_s = locate(start * bank.rate[clip_u], bank.first_frame[clip_u], bank.frame_count[clip_u])
+    start_phase = bank.phase_of_frame[row_s]
+    start_phase += t_s * (bank.phase_of_frame[row_s + 1] - start_phase)
+    phase += math.ceil(start_phase - bank.first_phase[clip_l] - IN_STEP)
+    first, last = bank.first_phase[clip_u], bank.last_phase[clip_u]
+    whole = math.floor(last - first)
+    if whole >= 1.0 and phase > last:
+        phase -= whole * math.ceil((phase - last) / whole)
+    cells = bank.cell_count[clip_u]
+    cell, t = locate((phase - first) / (last - first) * (cells - 1.0), bank.first_cell[clip_u], cells)
+    frame = bank.frame_of_phase[cell]
+    return frame + t * (bank.frame_of_phase[cell + 1] - frame)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def transfer_posture(
+    bank: BankArrays, posture: int, clip_l: int, row_l: int, t_l: float, clip_u: int, scratch: Scratch
+) -> None:
+    """Turns the pelvis by q_G, applied in the locomotion's posture frame (DESIGN 4.5)."""
+    turn, frame, pelvis = scratch.turn, scratch.frame, scratch.pelvis
+    if posture == RELATIVE:
+        turn[:] = bank.neutral_turns[clip_u]
+    else:
+        correlation = scratch.correlation
+        for i in range(3):
+            for j in range(3):
+                correlation[i, j] = 0.0
+                for point in range(2):
+                    correlation[i, j] += bank.postures[clip_l, point, i] * bank.postures[clip_u, point, j]
+        horn(correlation, turn)
+    slerp(bank.posture_frames[row_l], bank.posture_frames[row_l + 1], t_l, frame)
+    multiply(frame, turn, turn)
+    for axis in range(3):
+        frame[axis] = -frame[axis]
+    multiply(turn, frame, turn)
+    multiply(turn, pelvis, pelvis)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def locate(at: float, first: int, count: int) -> tuple[int, float]:
+    """The table row before a real-valued position in a clip's `count` rows, and how far past it; held at the ends."""
+    at = min(max(at, 0.0), count - 1.0)
+    before = min(int(at), count - 2)
+    return first + before, at - before
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def repeated(frame: float, last: float) -> float:
+    """A frame counted on past the end, brought back into a clip whose last frame repeats its first moment."""
+    return frame if frame <= last else frame - last * math.floor(frame / last)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sample(table: Array, row: int, t: float, joints: Array, out: Array) -> None:
+    """Local rotations of `joints` between two rows of a table [frames, joints, 4], into `out` [joints, 4]."""
+    for joint in joints:
+        slerp(table[row, joint], table[row + 1, joint], t, out[joint])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def slerp(a: Array, b: Array, t: float, out: Array) -> None:
+    """Spherical interpolation of neighbouring keys, as Eberly's series (2011) cut after four terms.
+
+    Keys lie in one hemisphere. The remainder is below 1e-6 rad for keys up to 60 degrees apart.
+    """
+    below = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] - 1.0
+    weight_a, weight_b = series(1.0 - t, below), series(t, below)
+    x, y, z, w = (weight_a * a[i] + weight_b * b[i] for i in (0, 1, 2, 3))
+    scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+    out[0], out[1], out[2], out[3] = x * scale, y * scale, z * scale, w * scale
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def series(t: float, below: float) -> float:
+    """sin(t angle) / sin(angle), where `below` is cos(angle) - 1."""
+    square = t * t
+    fourth = (square / 36.0 - 4.0 / 9.0) * below
+    third = (square / 21.0 - 3.0 / 7.0) * below
+    second = (square / 10.0 - 2.0 / 5.0) * below
+    first = (square / 3.0 - 1.0 / 3.0) * below
+    return t * (1.0 + first * (1.0 + second * (1.0 + third * (1.0 + fourth))))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def multiply(a: Array, b: Array, out: Array) -> None:
+    """out = a b; out may be a or b."""
+    x = a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1]
+    y = a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0]
+    z = a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3]
+    w = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]
+    out[0], out[1], out[2], out[3] = x, y, z, w
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def normalise_into(q: Array, out: Array) -> None:
+    scale = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    for i in range(4):
+        out[i] = q[i] * scale
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def correlate_clouds(clouds: Array, row_l: int, t_l: float, row_u: int, t_u: float, out: Array) -> None:
+    """sum over points of target (locomotion) times source (action), [3, 3], both between two rows."""
+    out[:] = 0.0
+    for point in range(clouds.shape[1]):
+        for i in range(3):
+            target = clouds[row_l, point, i] + t_l * (clouds[row_l + 1, point, i] - clouds[row_l, point, i])
+            for j in range(3):
+                source = clouds[row_u, point, j] + t_u * (clouds[row_u + 1, point, j] - clouds[row_u, point, j])
+                out[i, j] += target * source
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def horn(correlation: Array, out: Array) -> None:
+    """The rotation that maximises sum target . q source, for correlation[i, j] = sum target_i source_j.
+
+    Horn 1987, by Theobald's route (2005): the largest root of the characteristic polynomial of a traceless
+    symmetric 4x4 matrix by Newton's method from an upper bound, and its eigenvector as a column of the adjugate.
+    The identity where no rotation is better than all others (empty or collinear clouds).
+    """
+    xx, xy, xz = correlation[0, 0], correlation[1, 0], correlation[2, 0]
+    yx, yy, yz = correlation[0, 1], correlation[1, 1], correlation[2, 1]
+    zx, zy, zz = correlation[0, 2], correlation[1, 2], correlation[2, 2]
+    a, b, c, d = xx - yy - zz, yy - xx - zz, zz - xx - yy, xx + yy + zz
+    ab, ac, ad, bc, bd, cd = xy + yx, zx + xz, yz - zy, yz + zy, zx - xz, xy - yx
+    squares = xx * xx + xy * xy + xz * xz + yx * yx + yy * yy + yz * yz + zx * zx + zy * zy + zz * zz
+    out[0], out[1], out[2], out[3] = 0.0, 0.0, 0.0, 1.0
+    if squares == 0.0:
+        return
+    # det(N - s) = s^4 - 2 squares s^2 - 8 det s + det N
+    det = xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx)
+    linear = -8.0 * det
+    constant = _determinant(a, b, c, d, ab, ac, ad, bc, bd, cd)
+    root = math.sqrt(3.0 * squares)  # the largest eigenvalue of a traceless matrix with this norm at most
+    for _ in range(24):
+        value = ((root * root - 2.0 * squares) * root + linear) * root + constant
+        slope = (4.0 * root * root - 4.0 * squares) * root + linear
+        if slope <= 0.0:
+            break
+        step = value / slope
+        root -= step
+        if abs(step) < 1e-14 * root:
+            break
+    a, b, c, d = a - root, b - root, c - root, d - root
+    best = 0.0
+    for column in range(4):
+        x, y, z, w = _adjugate_column(column, a, b, c, d, ab, ac, ad, bc, bd, cd)
+        size = x * x + y * y + z * z + w * w
+        if size > best:
+            best = size
+            scale = (1.0 if w >= 0.0 else -1.0) / math.sqrt(size)
+            out[0], out[1], out[2], out[3] = x * scale, y * scale, z * scale, w * scale
+    if best < 1e-12 * squares * squares * squares:  # the two largest roots meet: no single best rotation
+        out[0], out[1], out[2], out[3] = 0.0, 0.0, 0.0, 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _determinant(
+    a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
+) -> float:
+    x, y, z, w = _adjugate_column(0, a, b, c, d, ab, ac, ad, bc, bd, cd)
+    return a * x + ab * y + ac * z + ad * w
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _adjugate_column(
+    column: int, a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
+) -> tuple[float, float, float, float]:
+    """A column of the adjugate of the symmetric matrix [[a, ab, ac, ad], [ab, b, bc, bd], [.., c, cd], [.., d]]."""
+    # 2x2 minors of the two upper and the two lower rows
+    s0, s1, s2 = a * b - ab * ab, a * bc - ab * ac, a * bd - ab * ad
+    s3, s4, s5 = ab * bc - b * ac, ab * bd - b * ad, ac * bd - bc * ad
+    c5, c4, c3 = c * d - cd * cd, bc * d - cd * bd, bc * cd - c * bd
+    c2, c1, c0 = ac * d - cd * ad, ac * cd - c * ad, ac * bd - bc * ad
+    if column == 0:
+        return b * c5 - bc * c4 + bd * c3, -ab * c5 + bc * c2 - bd * c1, ab * c4 - b * c2 + bd * c0, -ab * c3 + b * c1 - bc * c0
+    if column == 1:
+        return -ab * c5 + ac * c4 - ad * c3, a * c5 - ac * c2 + ad * c1, -a * c4 + ab * c2 - ad * c0, a * c3 - ab * c1 + ac * c0
+    if column == 2:
+        return bd * s5 - cd * s4 + d * s3, -ad * s5 + cd * s2 - d * s1, ad * s4 - bd * s2 + d * s0, -ad * s3 + bd * s1 - cd * s0
+    return -bc * s5 + c * s4 - cd * s3, ac * s5 - c * s2 + cd * s1, -ac * s4 + bc * s2 - cd * s0, ac * s3 - bc * s1 + c * s0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def world_positions(bank: BankArrays, roots: Array, rotations: Array, world: Array, positions: Array) -> None:
+    """World positions [n, joints, 3] of evaluated poses; `world` [joints, 4] is room for one character."""
+    for character in range(len(roots)):
+        for axis in range(3):
+            positions[character, 0, axis] = roots[character, axis]
+        for i in range(4):
+            world[0, i] = rotations[character, 0, i]
+        for joint in range(1, len(bank.parents)):
+            parent = bank.parents[joint]
+            q, v = world[parent], bank.offsets[joint]
+            tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
+            ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
+            tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
+            positions[character, joint, 0] = positions[character, parent, 0] + v[0] + q[3] * tx + q[1] * tz - q[2] * ty
+            positions[character, joint, 1] = positions[character, parent, 1] + v[1] + q[3] * ty + q[2] * tx - q[0] * tz
+            positions[character, joint, 2] = positions[character, parent, 2] + v[2] + q[3] * tz + q[0] * ty - q[1] * tx
+            multiply(q, rotations[character, joint], world[joint])

@@ -1,0 +1,99 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import ClipError
+from motion.kinematics import end_positions, joint_positions, world_transforms
+from motion.skeleton import Skeleton
+
+
+def arm(count: int = 3) -> Skeleton:
+    """Joints in a row along x, one metre apart, with one end site."""
+    offsets = np.tile([1.0, 0.0, 0.0], (count, 1))
+    names = tuple(f"joint{number}" for number in range(count))
+    return Skeleton(names, np.arange(count) - 1, offsets, np.array([count - 1]), np.array([[1.0, 0.0, 0.0]]))
+
+
+def turning(frames: int = 5, rate: float = 10.0) -> Clip:
+    rotations = np.tile(quaternion.IDENTITY, (frames, 3, 1))
+    rotations[:, 1] = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 2.0, frames))
+    return Clip("arm", arm(), rate, np.linspace([0.0, 0.0, 0.0], [4.0, 0.0, 0.0], frames), rotations)
+
+
+def test_kinematics_of_a_bent_arm() -> None:
+    skeleton, quarter = arm(), quaternion.about([0.0, 0.0, 1.0], np.pi / 2)
+    rotations = np.stack([quaternion.IDENTITY, quarter, quarter])[None]
+    positions, world = world_transforms(skeleton, [[0.0, 2.0, 0.0]], rotations)
+    np.testing.assert_allclose(positions[0], [[0, 2, 0], [1, 2, 0], [1, 3, 0]], atol=1e-12)
+    np.testing.assert_allclose(end_positions(skeleton, positions, world)[0], [[0, 3, 0]], atol=1e-12)
+
+
+def test_kinematics_keeps_bone_lengths() -> None:
+    rotations = Rotation.random(30, random_state=1).as_quat().reshape(10, 3, 4)
+    positions = world_transforms(arm(), np.zeros((10, 3)), rotations)[0]
+    np.testing.assert_allclose(np.linalg.norm(np.diff(positions, axis=1), axis=-1), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"names": ("a", "b", "a")}, "one name"),
+        ({"names": ("a", "b")}, "parents"),
+        ({"parents": np.array([-1, 2, 0])}, "parent before child"),
+        ({"parents": np.array([-1, -1, 0])}, "single root"),
+        ({"offsets": np.full((3, 3), np.nan)}, "finite"),
+        ({"end_offsets": np.zeros((2, 3))}, "end site"),
+    ],
+)
+def test_a_broken_skeleton_is_refused(change: dict[str, NDArray[np.float64]], words: str) -> None:
+    with pytest.raises(ClipError, match=words):
+        replace(arm(), **change)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"rate": 0.0}, "frames per second"),
+        ({"root_positions": np.zeros((0, 3))}, "no frames"),
+        ({"root_positions": np.zeros((4, 3))}, "rotations"),
+        ({"root_positions": np.full((5, 3), np.inf)}, "frame 0"),
+        ({"rotations": np.zeros((5, 3, 4))}, "unit quaternion"),
+    ],
+)
+def test_a_broken_clip_is_refused(change: dict[str, NDArray[np.float64]], words: str) -> None:
+    with pytest.raises(ClipError, match=words):
+        replace(turning(), **change)  # type: ignore[arg-type]
+
+
+def test_an_unknown_joint_is_answered_with_the_near_ones() -> None:
+    with pytest.raises(ClipError, match="joint1"):
+        arm().index("jont1")
+
+
+def test_sampling_hits_frames_interpolates_between_and_holds_the_ends() -> None:
+    clip = turning()
+    positions, rotations = clip.sampled([0.0, 1.5, 4.0, -3.0, 9.0])
+    np.testing.assert_allclose(positions[:, 0], [0.0, 1.5, 4.0, 0.0, 4.0])
+    angles = quaternion.angle(rotations[:, 1], quaternion.IDENTITY)
+    np.testing.assert_allclose(angles, [0.0, 0.75, 2.0, 0.0, 2.0], atol=1e-9)
+
+
+def test_resampling_keeps_the_motion() -> None:
+    clip = turning().resampled(20.0)
+    assert clip.frame_count == 9
+    np.testing.assert_allclose(clip.root_positions[:, 0], np.linspace(0.0, 4.0, 9))
+    np.testing.assert_allclose(joint_positions(clip)[::2], joint_positions(turning()), atol=1e-9)
+
+
+def test_subtree_and_chain() -> None:
+    skeleton = arm()
+    assert skeleton.subtree(1) == [1, 2]
+    assert skeleton.chain(2) == [2, 1, 0]
+    assert skeleton.children == ((1,), (2,), ())

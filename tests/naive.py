@@ -1,0 +1,130 @@
+"""Slow, readable twins of the kernels: the oracles of their tests."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import lsq_linear, minimize
+from scipy.spatial.transform import Rotation
+
+from motion import quaternion
+from motion.pointcloud import horn_rotation
+from motion.quaternion import Floats
+from runtime.bank import Bank
+
+
+def planar_distance(a: Floats, b: Floats) -> float:
+    """Least sum of squared distances of two clouds [p, 3] over a turn about Y and a floor shift, by search."""
+
+    def apart(parameters: Floats) -> float:
+        turn, x, z = parameters
+        moved = Rotation.from_euler("Y", turn).apply(b) + np.array([x, 0.0, z])
+        return float(np.sum((a - moved) ** 2))
+
+    shift = a.mean(axis=0) - b.mean(axis=0)
+    starts = [(turn, shift[0], shift[2]) for turn in np.linspace(-np.pi, np.pi, 7)]
+    return min(float(minimize(apart, start, method="BFGS").fun) for start in starts)
+
+
+def increasing_coefficients(design: Floats, y: Floats, floor: Floats) -> Floats:
+    """Least squares with first and last coefficient given by y's ends and increments of at least `floor`."""
+    count = design.shape[1]
+    rise = np.tril(np.ones((count, count - 1)), -1)
+    heavy = 1e4 * np.ones((1, count - 1))
+    right = np.concatenate([y - design.sum(axis=1) * y[0], [1e4 * (y[-1] - y[0])]])
+    fit = lsq_linear(np.vstack([design @ rise, heavy]), right, bounds=(floor, np.inf), method="bvls", tol=1e-12)
+    return np.asarray(y[0] + rise @ fit.x)
+
+
+def cheapest_path_cost(grid: Floats, most_flat: int) -> Floats:
+    """Least cost of a slope-limited path from (0, 0) to each cell [n, m], by trying every path."""
+    best = np.full(grid.shape, np.inf)
+
+    def walk(i: int, j: int, cost: float, axis: int, run: int) -> None:
+        best[i, j] = min(best[i, j], cost)
+        for step, (down, right) in enumerate(((1, 1), (1, 0), (0, 1))):
+            k, m = i + down, j + right
+            longer = run + 1 if step == axis else 1
+            if k < grid.shape[0] and m < grid.shape[1] and (step == 0 or longer <= most_flat):
+                walk(k, m, cost + float(grid[k, m]), step, longer)
+
+    walk(0, 0, float(grid[0, 0]), 0, 0)
+    return best
+
+
+def ring_cost(distances: Floats, wound: Sequence[int]) -> float:
+    """What one way round a ring costs: a frame costs the mean of the cells it passed."""
+    cells = distances.shape[1]
+    total = float(distances[0, wound[0] % cells])
+    for frame, (before, here) in enumerate(itertools.pairwise(wound), 1):
+        passed = range(before + 1, here + 1) if here > before else [here]
+        total += float(np.mean([distances[frame, cell % cells] for cell in passed]))
+    return total
+
+
+def best_ring_cost(distances: Floats, most_advance: int, most_zero: int) -> float:
+    """The least cost of any allowed way round a ring, by trying all."""
+    frames, cells = distances.shape
+    best = math.inf
+    for start in range(cells):
+        for steps in itertools.product(range(most_advance + 1), repeat=frames - 1):
+            rests = max((len(list(run)) for step, run in itertools.groupby(steps) if step == 0), default=0)
+            if rests <= most_zero:
+                best = min(best, ring_cost(distances, [start, *(start + np.cumsum(steps)).tolist()]))
+    return best
+
+
+def pose(
+    bank: Bank, locomotion: str, time: float, action: str, start: float, method: str, posture: str
+) -> tuple[Floats, Floats]:
+    """One character's root position [3] and local rotations [J, 4], straight from the bank's tables."""
+    entry_l, entry_u, tables = bank.clip(locomotion), bank.clip(action), bank.tables
+    pelvis, upper = bank.roles.pelvis, bank.skeleton.subtree(bank.roles.pelvis)
+
+    def between(table: str, entry_first: int, count: int, at: float) -> Floats:
+        before = min(max(int(at), 0), count - 2)
+        a, b = (np.asarray(tables[table][entry_first + before + step], np.float64) for step in (0, 1))
+        t = min(max(at - before, 0.0), 1.0)
+        return quaternion.slerp(a, b, np.full(a.shape[:-1], t)) if table in QUATERNIONS else a + t * (b - a)
+
+    frame_l = time * entry_l.rate
+    in_l = (entry_l.first_frame, entry_l.frame_count, frame_l)
+    root, rotations = between("root_positions", *in_l), between("rotations", *in_l)
+    if method == "none":
+        return root, rotations
+    if method == "naive":
+        seconds = start + time
+        frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
+    else:
+        phase = float(between("phase_of_frame", *in_l))
+        start_phase = float(
+            between("phase_of_frame", entry_u.first_frame, entry_u.frame_count, start * entry_u.rate)
+        )
+        phase += math.ceil(start_phase - entry_l.first_phase - 1e-3)
+        while phase > entry_u.last_phase and entry_u.cycles >= 1.0:
+            phase -= math.floor(entry_u.cycles)
+        cell = (phase - entry_u.first_phase) / entry_u.cycles * (entry_u.cell_count - 1)
+        frame_u = float(between("frame_of_phase", entry_u.first_cell, entry_u.cell_count, cell))
+    in_u = (entry_u.first_frame, entry_u.frame_count, frame_u)
+    pelvis_l = rotations[pelvis].copy()
+    rotations[upper] = between("rotations", *in_u)[upper]
+    if method == "naive":
+        return root, rotations
+    clouds = between("upper_clouds", *in_l), between("upper_clouds", *in_u)
+    turned = quaternion.multiply(pelvis_l, horn_rotation(*clouds))
+    if posture != "off":
+        reference = bank.neutral(action) if posture == "relative" else locomotion
+        wanted, given = (tables["postures"][bank.number(name)] for name in (action, reference))
+        frame = between("posture_frames", *in_l)
+        turn = quaternion.multiply(
+            quaternion.multiply(frame, horn_rotation(wanted, given)), quaternion.conjugate(frame)
+        )
+        turned = quaternion.multiply(turn, turned)
+    rotations[pelvis] = turned
+    return root, rotations
+
+
+QUATERNIONS = ("rotations", "posture_frames")

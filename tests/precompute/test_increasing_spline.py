@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BSpline
+
+from motion.quaternion import Floats
+from precompute.increasing_spline import DEGREE, LEAST_SLOPE, fit_increasing
+from tests import naive
+
+
+def staircase(seed: int, count: int) -> Floats:
+    steps = np.random.default_rng(seed).choice([0.0, 1.0, 4.0], size=count - 1, p=[0.5, 0.4, 0.1])
+    return np.concatenate([[0.0], np.cumsum(steps)]) + np.linspace(0.0, 1.0, count)
+
+
+@given(st.integers(0, 10**6), st.integers(3, 300))
+@settings(max_examples=50)
+def test_rises_everywhere_and_meets_both_ends(seed: int, count: int) -> None:
+    x, y = np.arange(float(count)), staircase(seed, count)
+    curve = fit_increasing(x, y, 6.0)
+    dense = curve(np.linspace(x[0], x[-1], 10 * count))
+    assert np.diff(dense).min() > 0.0
+    np.testing.assert_allclose([dense[0], dense[-1]], [y[0], y[-1]], atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_is_the_bounded_least_squares_fit(seed: int) -> None:
+    x, y = np.arange(200.0), staircase(seed, 200)
+    curve = fit_increasing(x, y, 6.0)
+    design = BSpline.design_matrix(x, curve.t, DEGREE).toarray()
+    abscissae = np.array([curve.t[i + 1 : i + 1 + DEGREE].mean() for i in range(len(curve.c))])
+    floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * np.diff(abscissae)
+    np.testing.assert_allclose(curve.c, naive.increasing_coefficients(design, y, floor), atol=1e-3)
+
+
+def test_a_straight_line_stays_itself() -> None:
+    x = np.linspace(0.0, 10.0, 80)
+    np.testing.assert_allclose(fit_increasing(x, 3.0 * x - 2.0, 0.5)(x), 3.0 * x - 2.0, atol=1e-9)

@@ -16,13 +16,13 @@ from typing import Annotated, get_args
 
 import numpy as np
 import typer
+from motion.formats.bvh import dump
+from motion.procedural.library import ACTIONS, LOCOMOTIONS, make
 from rich.console import Console
 from rich.table import Table
 
 from bench.measures import posture_error, upper_body_errors
 from motion.clip import Clip
-from motion.formats.bvh import dump
-from motion.procedural.library import ACTIONS, LOCOMOTIONS, make
 from precompute.job import precompute
 from precompute.splice import Posture, splice_exact, splice_naive
 from runtime.bank import Bank

@@ -69,7 +69,9 @@ class Clip:
         before = np.minimum(at.astype(np.int64), max(self.frame_count - 2, 0))
         after = np.minimum(before + 1, self.frame_count - 1)
         t = at - before
-        positions = self.root_positions[before] + t[:, None] * (self.root_positions[after] - self.root_positions[before])
+        positions = self.root_positions[before] + t[:, None] * (
+            self.root_positions[after] - self.root_positions[before]
+        )
         return positions, quaternion.slerp(self.rotations[before], self.rotations[after], t[:, None])
 
     def resampled(self, rate: float) -> Clip:

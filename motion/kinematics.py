@@ -11,9 +11,7 @@ from motion.quaternion import Floats
 from motion.skeleton import Skeleton
 
 
-def world_transforms(
-    skeleton: Skeleton, root_positions: ArrayLike, rotations: ArrayLike
-) -> tuple[Floats, Floats]:
+def world_transforms(skeleton: Skeleton, root_positions: ArrayLike, rotations: ArrayLike) -> tuple[Floats, Floats]:
     """World positions [F, J, 3] in metres and world rotations [F, J, 4] of every joint.
 
     root_positions [F, 3] and local rotations [F, J, 4] are a clip's.

@@ -43,6 +43,12 @@ def _centred(clouds: Floats) -> tuple[Floats, Floats]:
     return np.concatenate([floor[:, :, 0], floor[:, :, 1]], axis=1), clouds[:, :, 1]
 
 
+def windowed(clouds: Floats, width: int) -> Floats:
+    """Each frame's cloud joined with those after it: [n, p, 3] -> [n - width + 1, width * p, 3]."""
+    count = max(len(clouds) - width + 1, 0)
+    return np.concatenate([clouds[shift : shift + count] for shift in range(width)], axis=1)
+
+
 def horn_rotation(target: ArrayLike, source: ArrayLike) -> Floats:
     """The rotation about the origin that lays `source` on `target`: argmin_q sum |target - q source|^2.
 

@@ -86,6 +86,4 @@ class Skeleton:
 
     def scaled(self, factor: float) -> Skeleton:
         """The same rig, `factor` times as large."""
-        return Skeleton(
-            self.names, self.parents, self.offsets * factor, self.end_parents, self.end_offsets * factor
-        )
+        return Skeleton(self.names, self.parents, self.offsets * factor, self.end_parents, self.end_offsets * factor)

@@ -1,11 +1,11 @@
 """`clips.toml`: what the offline job should know about clips that their files do not say.
 
-    [walk_box]
-    kind = "action"          # or "locomotion", which is what a clip is if nothing is said
-    neutral = "walk"         # the clip that its posture is relative to
-    tags = ["carry"]
-    skip_frames = 1          # leading frames that are not motion, such as a T-pose
-    unit = "cm"
+[walk_box]
+kind = "action"          # or "locomotion", which is what a clip is if nothing is said
+neutral = "walk"         # the clip that its posture is relative to
+tags = ["carry"]
+skip_frames = 1          # leading frames that are not motion, such as a T-pose
+unit = "cm"
 """
 
 from __future__ import annotations

@@ -35,7 +35,10 @@ def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: 
     _check_bind_poses(clip, match, skeleton, skeleton_roles)
     scale = skeleton_roles.leg_length(skeleton) / roles.leg_length(clip.skeleton)
     return replace(
-        clip, skeleton=skeleton, root_positions=clip.root_positions * scale, rotations=clip.rotations[:, match]
+        clip,
+        skeleton=skeleton,
+        root_positions=clip.root_positions * scale,
+        rotations=clip.rotations[:, match],
     )
 
 

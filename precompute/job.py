@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from motion.errors import BaselineError, ClipError, MotionError, SettingsError, did_you_mean
 from motion.formats.files import Reading, read_clip
+
+from motion.errors import BaselineError, MotionError, SettingsError, did_you_mean
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.bank_builder import write_bank
@@ -95,7 +96,9 @@ def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionErr
         strides = [one.stride for one in loaded.values() if one.stride is not None]
         if not strides:
             reasons = "; ".join(str(error) for error in failed.values())
-            raise BaselineError("no clip can serve as the baseline, for none has a stride" + reasons and f" ({reasons})")
+            raise BaselineError(
+                "no clip can serve as the baseline, for none has a stride" + reasons and f" ({reasons})"
+            )
         return min(strides, key=lambda stride: (stride.loop, stride.name))
     if name in failed:
         raise BaselineError(f"the baseline cannot be read: {failed[name]}")

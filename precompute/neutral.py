@@ -37,7 +37,10 @@ def _profile(one: PreparedClip, roles: Roles) -> Floats:
     clouds = facing(joint_positions(one.clip), roles)
     bins = (np.mod(one.alignment.phase, 1.0) * PHASE_BINS).astype(np.int64) % PHASE_BINS
     return np.array(
-        [clouds[bins == one_bin].mean(axis=0) if np.any(bins == one_bin) else np.full((3, 3), np.nan) for one_bin in range(PHASE_BINS)]
+        [
+            clouds[bins == one_bin].mean(axis=0) if np.any(bins == one_bin) else np.full((3, 3), np.nan)
+            for one_bin in range(PHASE_BINS)
+        ]
     )
 
 

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from motion.errors import ClipError
 from motion.formats.files import SUFFIXES
+
+from motion.errors import ClipError
 from precompute.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
 
 

@@ -14,7 +14,7 @@ from motion import quaternion
 from motion.clip import Clip
 from motion.errors import SkeletonError
 from motion.kinematics import joint_positions
-from motion.pointcloud import horn_rotation, planar_distances
+from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
 from motion.roles import Roles
 from precompute.baseline import WORKING_RATE
@@ -37,7 +37,12 @@ class Splice:
 
 
 def splice_exact(
-    locomotion: Clip, action: Clip, roles: Roles, *, posture: Posture = "relative", neutral: Clip | None = None
+    locomotion: Clip,
+    action: Clip,
+    roles: Roles,
+    *,
+    posture: Posture = "relative",
+    neutral: Clip | None = None,
 ) -> Splice:
     """The action's upper body on the locomotion's root and lower body, by the papers' three steps.
 
@@ -76,7 +81,7 @@ def align_in_time(locomotion: Clip, action: Clip, roles: Roles) -> tuple[TimeWar
     clouds = [
         joint_positions(clip.resampled(WORKING_RATE))[:, list(roles.lower_cloud)] for clip in (locomotion, action)
     ]
-    warp = align_pair(planar_distances(*clouds), WORKING_RATE)
+    warp = align_pair(*clouds, WORKING_RATE)
     covered = warp.path[-1, 0] / WORKING_RATE * locomotion.rate
     at = np.arange(int(covered + 1e-9) + 1) * (WORKING_RATE / locomotion.rate)
     return warp, np.asarray(warp.curve(at)) * (action.rate / WORKING_RATE)

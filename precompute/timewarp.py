@@ -13,9 +13,11 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
+from motion.pointcloud import planar_distances, windowed
 from motion.quaternion import Floats
 from precompute.increasing_spline import fit_increasing
 
+MEETING_WINDOW = 5  # frames
 MOST_FLAT_STEPS = 3  # in a row, horizontal or vertical: the path's slope stays within 1/4 and 4
 KNOT_SPACING = 0.2  # seconds
 
@@ -36,15 +38,14 @@ class TimeWarp:
     mean_cost: float
 
 
-def align_pair(distances: Floats, rate: float) -> TimeWarp:
-    """The time alignment curve of a grid of squared distances [locomotion frames, action frames].
+def align_pair(locomotion: Floats, action: Floats, rate: float) -> TimeWarp:
+    """The time alignment curve of two clips' lower clouds [frames, p, 3], both at `rate` frames per second.
 
-    Both axes are at `rate` frames per second. The action is cropped where it first meets the locomotion's
-    first frame; the path then runs from that corner to the top or right edge, whichever cell on them ends the
-    path of least mean.
+    The action is cropped where it first meets the locomotion's first frame; the path then runs from that corner
+    to the top or right edge, whichever cell on them ends the path of least mean.
     """
-    first = _first_meeting(distances[0])
-    grid = np.ascontiguousarray(distances[:, first:])
+    first = first_meeting(locomotion, action)
+    grid = planar_distances(locomotion, action[first:])
     cost, came = cheapest_paths(grid, MOST_FLAT_STEPS)
     path = _best_path(cost, came)
     mean_cost = float(grid[path[:, 0], path[:, 1]].mean())
@@ -52,8 +53,14 @@ def align_pair(distances: Floats, rate: float) -> TimeWarp:
     return TimeWarp(path + np.array([0, first]), curve, first, mean_cost)
 
 
-def _first_meeting(row: Floats) -> int:
-    """The first local minimum of the first row that is a meeting: nearer to its best than to its median."""
+def first_meeting(locomotion: Floats, action: Floats) -> int:
+    """The action's first frame that is like the locomotion's first: a local minimum near the least distance of all.
+
+    A single frame with the knees side by side does not show which one is going forward, so a few frames are
+    compared as one cloud, where the papers compare one.
+    """
+    start = windowed(locomotion[:MEETING_WINDOW], len(locomotion[:MEETING_WINDOW]))
+    row = planar_distances(start, windowed(action, len(locomotion[:MEETING_WINDOW])))[0]
     near = row <= row.min() + 0.25 * (np.median(row) - row.min())
     padded = np.concatenate([[np.inf], row, [np.inf]])
     lowest = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])

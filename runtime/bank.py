@@ -129,7 +129,9 @@ class Bank:
         """The clip called `name`, on the bank's skeleton, in its editable form."""
         entry = self.clip(name)
         rows = slice(entry.first_frame, entry.first_frame + entry.frame_count)
-        roots, rotations = (np.asarray(self.tables[table][rows], np.float64) for table in ("root_positions", "rotations"))
+        roots, rotations = (
+            np.asarray(self.tables[table][rows], np.float64) for table in ("root_positions", "rotations")
+        )
         return Clip(name, self.skeleton, entry.rate, roots, rotations)
 
     def _checked(self) -> Bank:
@@ -143,7 +145,9 @@ class Bank:
                 problem = f"table {name!r} is {table.dtype}{table.shape}, not {np.dtype(kind)}{wanted}"
                 raise BankError(problem, file=str(self.path), mend=REBUILD)
             if kind is not np.int32 and not np.isfinite(table).all():
-                raise BankError(f"table {name!r} holds numbers that are not finite", file=str(self.path), mend=REBUILD)
+                raise BankError(
+                    f"table {name!r} holds numbers that are not finite", file=str(self.path), mend=REBUILD
+                )
         frame = cell = 0
         for clip in self.clips:
             fits = clip.frame_count >= 2 and clip.cell_count >= 2 and clip.first_phase < clip.last_phase
@@ -172,7 +176,9 @@ def _read_manifest(folder: Path) -> tuple[str, dict[str, Any]]:
     file = folder / MANIFEST
     if not file.is_file():
         problem = "there is no bank here" if folder.is_dir() else "there is no such folder"
-        raise BankError(problem, file=str(folder), mend="Build one with `motionsplice precompute CLIPS... --out BANK`")
+        raise BankError(
+            problem, file=str(folder), mend="Build one with `motionsplice precompute CLIPS... --out BANK`"
+        )
     if file.stat().st_size > LARGEST_MANIFEST:
         raise BankError("the manifest is too large to be one", file=str(file), mend=REBUILD)
     try:
@@ -200,12 +206,13 @@ def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, Mapping[str, Any],
         end_parents=np.array(rig["end_parents"], np.int64),
         end_offsets=np.array(rig["end_offsets"], np.float64).reshape(-1, 3),
     )
-    roles = Roles(**{role: tuple(at) if isinstance(at, list) else at for role, at in body["roles"].items()})
-    clips = tuple(
-        ClipEntry(**{key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()})
-        for entry in body["clips"]
-    )
+    roles = Roles(**_tuples(body["roles"]))
+    clips = tuple(ClipEntry(**_tuples(entry)) for entry in body["clips"])
     return skeleton, roles, body["baseline"], clips
+
+
+def _tuples(entry: dict[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()}
 
 
 def _map_tables(folder: Path, body: dict[str, Any]) -> dict[str, NDArray[Any]]:

@@ -90,7 +90,12 @@ class Evaluator:
         kernels.evaluate(
             self._arrays,
             kernels.RequestArrays(
-                requests.locomotion, requests.time, requests.action, requests.start, requests.method, requests.posture
+                requests.locomotion,
+                requests.time,
+                requests.action,
+                requests.start,
+                requests.method,
+                requests.posture,
             ),
             self._scratch,
             out.root_positions,

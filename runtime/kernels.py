@@ -11,8 +11,6 @@ from typing import Any, NamedTuple
 from numba import njit
 from numpy.typing import NDArray
 
-from motion.quaternion import Floats
-
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
 OFF, RELATIVE, ABSOLUTE = 0, 1, 2  # postures
 IN_STEP = 1e-3  # cycles by which an action may begin before its start and still count as in step
@@ -90,7 +88,12 @@ def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots:
             frame_u = repeated(seconds * bank.rate[clip_u], bank.frame_count[clip_u] - 1.0)
             row_u, t_u = locate(frame_u, bank.first_frame[clip_u], bank.frame_count[clip_u])
             sample(bank.rotations, row_u, t_u, bank.upper, out)
-            slerp(bank.rotations[row_u, bank.pelvis], bank.rotations[row_u + 1, bank.pelvis], t_u, scratch.pelvis)
+            slerp(
+                bank.rotations[row_u, bank.pelvis],
+                bank.rotations[row_u + 1, bank.pelvis],
+                t_u,
+                scratch.pelvis,
+            )
         else:
             frame_u = action_frame(bank, clip_l, row_l, t_l, clip_u, requests.start[character])
             row_u, t_u = locate(frame_u, bank.first_frame[clip_u], bank.frame_count[clip_u])
@@ -136,7 +139,7 @@ def transfer_posture(
             for j in range(3):
                 correlation[i, j] = 0.0
                 for point in range(2):
-                    correlation[i, j] += bank.postures[clip_l, point, i] * bank.postures[clip_u, point, j]
+                    correlation[i, j] += bank.postures[clip_u, point, i] * bank.postures[clip_l, point, j]
         horn(correlation, turn)
     slerp(bank.posture_frames[row_l], bank.posture_frames[row_l + 1], t_l, frame)
     multiply(frame, turn, turn)
@@ -175,7 +178,8 @@ def slerp(a: Array, b: Array, t: float, out: Array) -> None:
     """
     below = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] - 1.0
     weight_a, weight_b = series(1.0 - t, below), series(t, below)
-    x, y, z, w = (weight_a * a[i] + weight_b * b[i] for i in (0, 1, 2, 3))
+    x, y = weight_a * a[0] + weight_b * b[0], weight_a * a[1] + weight_b * b[1]
+    z, w = weight_a * a[2] + weight_b * b[2], weight_a * a[3] + weight_b * b[3]
     scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
     out[0], out[1], out[2], out[3] = x * scale, y * scale, z * scale, w * scale
 
@@ -274,7 +278,17 @@ def _determinant(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _adjugate_column(
-    column: int, a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
+    column: int,
+    a: float,
+    b: float,
+    c: float,
+    d: float,
+    ab: float,
+    ac: float,
+    ad: float,
+    bc: float,
+    bd: float,
+    cd: float,
 ) -> tuple[float, float, float, float]:
     """A column of the adjugate of the symmetric matrix [[a, ab, ac, ad], [ab, b, bc, bd], [.., c, cd], [.., d]]."""
     # 2x2 minors of the two upper and the two lower rows
@@ -283,12 +297,32 @@ def _adjugate_column(
     c5, c4, c3 = c * d - cd * cd, bc * d - cd * bd, bc * cd - c * bd
     c2, c1, c0 = ac * d - cd * ad, ac * cd - c * ad, ac * bd - bc * ad
     if column == 0:
-        return b * c5 - bc * c4 + bd * c3, -ab * c5 + bc * c2 - bd * c1, ab * c4 - b * c2 + bd * c0, -ab * c3 + b * c1 - bc * c0
+        return (
+            b * c5 - bc * c4 + bd * c3,
+            -ab * c5 + bc * c2 - bd * c1,
+            ab * c4 - b * c2 + bd * c0,
+            -ab * c3 + b * c1 - bc * c0,
+        )
     if column == 1:
-        return -ab * c5 + ac * c4 - ad * c3, a * c5 - ac * c2 + ad * c1, -a * c4 + ab * c2 - ad * c0, a * c3 - ab * c1 + ac * c0
+        return (
+            -ab * c5 + ac * c4 - ad * c3,
+            a * c5 - ac * c2 + ad * c1,
+            -a * c4 + ab * c2 - ad * c0,
+            a * c3 - ab * c1 + ac * c0,
+        )
     if column == 2:
-        return bd * s5 - cd * s4 + d * s3, -ad * s5 + cd * s2 - d * s1, ad * s4 - bd * s2 + d * s0, -ad * s3 + bd * s1 - cd * s0
-    return -bc * s5 + c * s4 - cd * s3, ac * s5 - c * s2 + cd * s1, -ac * s4 + bc * s2 - cd * s0, ac * s3 - bc * s1 + c * s0
+        return (
+            bd * s5 - cd * s4 + d * s3,
+            -ad * s5 + cd * s2 - d * s1,
+            ad * s4 - bd * s2 + d * s0,
+            -ad * s3 + bd * s1 - cd * s0,
+        )
+    return (
+        -bc * s5 + c * s4 - cd * s3,
+        ac * s5 - c * s2 + cd * s1,
+        -ac * s4 + bc * s2 - cd * s0,
+        ac * s3 - bc * s1 + c * s0,
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -305,7 +339,13 @@ def world_positions(bank: BankArrays, roots: Array, rotations: Array, world: Arr
             tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
             ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
             tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
-            positions[character, joint, 0] = positions[character, parent, 0] + v[0] + q[3] * tx + q[1] * tz - q[2] * ty
-            positions[character, joint, 1] = positions[character, parent, 1] + v[1] + q[3] * ty + q[2] * tx - q[0] * tz
-            positions[character, joint, 2] = positions[character, parent, 2] + v[2] + q[3] * tz + q[0] * ty - q[1] * tx
+            positions[character, joint, 0] = (
+                positions[character, parent, 0] + v[0] + q[3] * tx + q[1] * tz - q[2] * ty
+            )
+            positions[character, joint, 1] = (
+                positions[character, parent, 1] + v[1] + q[3] * ty + q[2] * tx - q[0] * tz
+            )
+            positions[character, joint, 2] = (
+                positions[character, parent, 2] + v[2] + q[3] * tz + q[0] * ty - q[1] * tx
+            )
             multiply(q, rotations[character, joint], world[joint])

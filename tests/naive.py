@@ -100,9 +100,7 @@ def pose(
         frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
     else:
         phase = float(between("phase_of_frame", *in_l))
-        start_phase = float(
-            between("phase_of_frame", entry_u.first_frame, entry_u.frame_count, start * entry_u.rate)
-        )
+        start_phase = float(between("phase_of_frame", entry_u.first_frame, entry_u.frame_count, start * entry_u.rate))
         phase += math.ceil(start_phase - entry_l.first_phase - 1e-3)
         while phase > entry_u.last_phase and entry_u.cycles >= 1.0:
             phase -= math.floor(entry_u.cycles)

@@ -16,14 +16,13 @@ from typing import Annotated, get_args
 
 import numpy as np
 import typer
-from motion.formats.bvh import dump
-from motion.procedural.library import ACTIONS, LOCOMOTIONS, make
 from rich.console import Console
 from rich.table import Table
 
+from bench.clips import bank_of
 from bench.measures import posture_error, upper_body_errors
 from motion.clip import Clip
-from precompute.job import precompute
+from motion.procedural.library import ACTIONS, LOCOMOTIONS, truth
 from precompute.splice import Posture, splice_exact, splice_naive
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
@@ -86,30 +85,20 @@ def show(scores: Iterable[Score], title: str) -> None:
     Console(width=160).print(table)
 
 
-def scores_of_pairs(folder: Path, pairs: Path, bank_folder: Path, baseline: str | None) -> Iterator[Score]:
+def scores_of_pairs(bank: Bank, pairs: Path) -> Iterator[Score]:
     """Scores of a CSV's pairs (locomotion, action); the truth is the locomotion's own upper body."""
-    precompute([folder], bank_folder, baseline=baseline)
-    evaluator = Evaluator(Bank.open(bank_folder))
+    evaluator = Evaluator(bank)
     with pairs.open(newline="") as file:
         for row in csv.DictReader(file):
-            yield score(evaluator, row["locomotion"], row["action"], evaluator.bank.motion(row["locomotion"]))
+            yield score(evaluator, row["locomotion"], row["action"], bank.motion(row["locomotion"]))
 
 
-def scores_of_grid(bank_folder: Path) -> Iterator[Score]:
+def scores_of_grid(bank: Bank) -> Iterator[Score]:
     """Scores of every built-in action on every built-in locomotion, against the generated truth."""
-    with tempfile.TemporaryDirectory() as folder:
-        settings = []
-        for number, name in enumerate(LOCOMOTIONS):
-            (Path(folder) / f"{name}.bvh").write_bytes(dump(make(name, seed=number)))
-        for number, name in enumerate(ACTIONS, len(LOCOMOTIONS)):
-            (Path(folder) / f"{name}.bvh").write_bytes(dump(make("walk", name, seed=number)))
-            settings.append(f'[{name}]\nkind = "action"\nneutral = "walk"\n')
-        (Path(folder) / "clips.toml").write_text("\n".join(settings))
-        precompute([Path(folder)], bank_folder, baseline="walk")
-    evaluator = Evaluator(Bank.open(bank_folder))
-    for number, locomotion in enumerate(LOCOMOTIONS):
+    evaluator = Evaluator(bank)
+    for locomotion in LOCOMOTIONS:
         for action in ACTIONS:
-            yield score(evaluator, locomotion, action, make(locomotion, action, seed=number))
+            yield score(evaluator, locomotion, action, truth(locomotion, action))
 
 
 def main(
@@ -118,11 +107,12 @@ def main(
     baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
 ) -> None:
     """Prints how near splices come to the truth."""
-    with tempfile.TemporaryDirectory() as bank:
+    with tempfile.TemporaryDirectory() as folder:
+        bank = bank_of(clips, baseline, Path(folder))
         if clips is None:
-            show(scores_of_grid(Path(bank)), "Built-in actions on built-in locomotions")
+            show(scores_of_grid(bank), "Built-in actions on built-in locomotions")
         else:
-            show(scores_of_pairs(clips, pairs, Path(bank), baseline), f"Pairs of {pairs.name}")
+            show(scores_of_pairs(bank, pairs), f"Pairs of {pairs.name}")
 
 
 if __name__ == "__main__":

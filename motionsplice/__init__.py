@@ -1,0 +1,29 @@
+"""Splices the upper body of any motion clip onto the lower body of any other, in constant time per frame."""
+
+from motion.clip import Clip
+from motion.errors import MotionError
+from motion.formats.bvh import dump as dump_bvh
+from motion.formats.files import read_clip
+from motion.roles import Roles, find_roles
+from motion.skeleton import Skeleton
+from precompute.job import precompute
+from precompute.splice import splice_exact, splice_naive
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator, Poses, Requests
+
+__all__ = [
+    "Bank",
+    "Clip",
+    "Evaluator",
+    "MotionError",
+    "Poses",
+    "Requests",
+    "Roles",
+    "Skeleton",
+    "dump_bvh",
+    "find_roles",
+    "precompute",
+    "read_clip",
+    "splice_exact",
+    "splice_naive",
+]

@@ -33,6 +33,9 @@ class ClipSettings:
     unit: str | None = None
 
 
+DEFAULT_SETTINGS = ClipSettings()
+
+
 def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
     """The entries of a `clips.toml`, by clip name. Raises SettingsError, naming the clip and the key."""
     try:

@@ -8,14 +8,15 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-
-from motion.formats.files import Reading, read_clip
+from typing import TypeVar
 
 from motion.errors import BaselineError, MotionError, SettingsError, did_you_mean
+from motion.formats.files import Reading, read_clip
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.bank_builder import write_bank
 from precompute.baseline import Baseline, find_baseline
+from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from precompute.neutral import nearest_gait
 from precompute.prepared import PreparedClip, prepare
 from precompute.sources import Source, find_sources
@@ -24,6 +25,7 @@ from runtime.bank import content_digest
 
 Progress = Callable[[str, int, int], None]  # what is being done, how many are done, of how many
 Failures = dict[str, MotionError]
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -52,16 +54,18 @@ def precompute(
     *,
     baseline: str | None = None,
     roles: Mapping[str, str | Sequence[str]] | None = None,
+    settings: ClipSettings = DEFAULT_SETTINGS,
     jobs: int | None = None,
     progress: Progress = lambda stage, done, total: None,
 ) -> Outcome:
     """Reads clips, aligns each to the baseline and writes the bank `out`.
 
-    `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it. Without
+    `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it, and `settings`
+    hold for files of which it says nothing. Without
     `baseline`, it is the locomotion whose stride closes best. Clips that fail are left out and reported. Raises
     MotionError if there is nothing to do, the baseline is unusable, or two clips have one name.
     """
-    sources = find_sources(paths, roles or {})
+    sources = find_sources(paths, roles or {}, settings)
     failed: Failures = {}
     loaded: dict[str, Loaded] = {}
     prepared: dict[str, PreparedClip] = {}
@@ -95,10 +99,8 @@ def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionErr
     if name is None:
         strides = [one.stride for one in loaded.values() if one.stride is not None]
         if not strides:
-            reasons = "; ".join(str(error) for error in failed.values())
-            raise BaselineError(
-                "no clip can serve as the baseline, for none has a stride" + reasons and f" ({reasons})"
-            )
+            reasons = "".join(f" {error}" for error in failed.values())
+            raise BaselineError(f"none of the clips can serve as the baseline, for none has a stride.{reasons}")
         return min(strides, key=lambda stride: (stride.loop, stride.name))
     if name in failed:
         raise BaselineError(f"the baseline cannot be read: {failed[name]}")
@@ -122,17 +124,18 @@ def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) 
 def _settle_neutrals(prepared: dict[str, PreparedClip], failed: Failures, roles: Roles) -> None:
     """As named; else a locomotion is its own neutral, and an action has the locomotion nearest in gait."""
     locomotions = {name: one for name, one in prepared.items() if one.kind == "locomotion"}
-    for name, one in list(prepared.items()):
-        if one.neutral and one.neutral not in prepared:
-            problem = f"its neutral {one.neutral!r} is not in the bank"
+    while astray := [one for one in prepared.values() if one.neutral and one.neutral not in prepared]:
+        for one in astray:
+            name, problem = one.clip.name, f"its neutral {one.neutral!r} is not in the bank"
             failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(one.neutral, prepared))
             del prepared[name]
-        elif not one.neutral:
+    for name, one in prepared.items():
+        if not one.neutral:
             own = one.kind == "locomotion"
             prepared[name] = replace(one, neutral=name if own else nearest_gait(one, locomotions, roles))
 
 
-def _sort(name: str, result: object, sound: dict[str, object], failed: Failures) -> None:
+def _sort(name: str, result: Made | MotionError, sound: dict[str, Made], failed: Failures) -> None:
     if isinstance(result, MotionError):
         failed[name] = result
     else:

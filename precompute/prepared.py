@@ -11,7 +11,7 @@ from precompute.baseline import Alignment, Baseline, align
 from precompute.common_skeleton import onto_skeleton
 from precompute.posture import Torso, measure_torso
 
-FOREIGN_GAIT = 0.08  # metres of mean mismatch above which a clip does not look like locomotion
+FOREIGN_GAIT = 0.09  # metres of mean mismatch above which a clip does not look like locomotion
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
-from motion.formats.files import SUFFIXES
-
 from motion.errors import ClipError
+from motion.formats.files import SUFFIXES
 from precompute.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
 
 
@@ -17,16 +16,20 @@ class Source:
     """One clip file, its settings, and the roles that are given rather than found."""
 
     file: Path
-    settings: ClipSettings = field(default_factory=ClipSettings)
-    roles: Mapping[str, str | Sequence[str]] = field(default_factory=dict)
+    settings: ClipSettings
+    roles: Mapping[str, str | Sequence[str]]
 
     @property
     def name(self) -> str:
         return self.file.stem
 
 
-def find_sources(paths: Iterable[Path], roles: Mapping[str, str | Sequence[str]]) -> list[Source]:
+def find_sources(
+    paths: Iterable[Path], roles: Mapping[str, str | Sequence[str]], default: ClipSettings
+) -> list[Source]:
     """The clip files behind `paths` (files, or folders of them), in order of name.
+
+    A clip of which a `clips.toml` beside it says nothing has the `default` settings.
 
     Raises ClipError if there are none, or two of one name; SettingsError for a bad `clips.toml`.
     """
@@ -44,7 +47,7 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, str | Sequence[str]]
     for folder in sorted({file.parent for file in files.values()}):
         if (folder / FILE_NAME).is_file():
             settings |= read_clip_settings(folder / FILE_NAME)
-    return [Source(files[name], settings.get(name, ClipSettings()), roles) for name in sorted(files)]
+    return [Source(files[name], settings.get(name, default), roles) for name in sorted(files)]
 
 
 def _clip_files(folder: Path) -> list[Path]:

@@ -78,10 +78,9 @@ def splice_naive(locomotion: Clip, action: Clip, roles: Roles) -> Clip:
 
 def align_in_time(locomotion: Clip, action: Clip, roles: Roles) -> tuple[TimeWarp, Floats]:
     """lambda(t) at the locomotion's own frames, up to where the alignment ends (Heck et al. 2006, 3.1)."""
-    clouds = [
-        joint_positions(clip.resampled(WORKING_RATE))[:, list(roles.lower_cloud)] for clip in (locomotion, action)
-    ]
-    warp = align_pair(*clouds, WORKING_RATE)
+    cloud = list(roles.lower_cloud)
+    clouds_l, clouds_u = (joint_positions(clip.resampled(WORKING_RATE))[:, cloud] for clip in (locomotion, action))
+    warp = align_pair(clouds_l, clouds_u, WORKING_RATE)
     covered = warp.path[-1, 0] / WORKING_RATE * locomotion.rate
     at = np.arange(int(covered + 1e-9) + 1) * (WORKING_RATE / locomotion.rate)
     return warp, np.asarray(warp.curve(at)) * (action.rate / WORKING_RATE)

@@ -13,6 +13,7 @@ from motion.clip import Clip
 from motion.errors import SettingsError, TimeRangeError, did_you_mean
 from runtime import kernels
 from runtime.bank import Bank, ClipEntry
+from runtime.rotation_kernels import horn
 
 Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "off"]
@@ -221,7 +222,7 @@ def _bank_arrays(bank: Bank) -> kernels.BankArrays:
     lower = [joint for joint in range(bank.skeleton.joint_count) if joint not in set(upper)]
     turns = np.empty((len(clips), 4))
     for number, neutral in enumerate(tables["neutral"]):
-        kernels.horn(tables["postures"][number].T @ tables["postures"][neutral], turns[number])
+        horn(tables["postures"][number].T @ tables["postures"][neutral], turns[number])
     return kernels.BankArrays(
         **{name: tables[name] for name in ("rotations", "root_positions", "phase_of_frame", "frame_of_phase")},
         **{name: tables[name] for name in ("upper_clouds", "posture_frames", "postures")},

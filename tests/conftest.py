@@ -1,7 +1,62 @@
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
+
+from motion.formats.bvh import dump
+from motion.procedural.library import make
+from precompute.job import precompute
+from runtime.bank import Bank
 
 # A first call may compile a kernel, and CI machines stall: how long an example takes says nothing here.
 settings.register_profile("motionsplice", deadline=None)
 settings.load_profile("motionsplice")
+
+REAL_MOTION = Path(__file__).parents[2] / "shared" / "mocap" / "cmu"
+
+CLIPS = {
+    "walk": make("walk", seed=1, seconds=5.0),
+    "run": make("run", seed=2, seconds=3.0),
+    "side_step": make("side_step", seed=3, seconds=4.0),
+    "turn_180": make("turn_180", seed=4, seconds=5.0, rate=30.0),
+    "stairs_up": make("stairs_up", seed=5, seconds=4.0),
+    "carry_box": make("walk", "carry_box", seed=6, seconds=4.0),
+    "wave": make("walk", "wave", seed=7, seconds=2.5),
+}
+SETTINGS = """
+[carry_box]
+kind = "action"
+neutral = "walk"
+tags = ["carry"]
+[wave]
+kind = "action"
+"""
+
+
+@pytest.fixture(scope="session")
+def clip_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Seven built-in clips as BVH files, two of them actions."""
+    folder = tmp_path_factory.mktemp("clips")
+    for name, clip in CLIPS.items():
+        (folder / f"{name}.bvh").write_bytes(dump(clip))
+    (folder / "clips.toml").write_text(SETTINGS)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def bank(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """The bank of `clip_folder`; not to be changed by a test."""
+    path = tmp_path_factory.mktemp("banks") / "bank"
+    outcome = precompute([clip_folder], path, baseline="walk", jobs=1)
+    assert not outcome.failed
+    return Bank.open(path)
+
+
+@pytest.fixture(scope="session")
+def real_motion() -> Path:
+    """The folder of real motion capture, which is not part of the project."""
+    if not REAL_MOTION.is_dir():
+        pytest.skip("real motion capture is not beside the project (../shared/mocap/cmu)")
+    return REAL_MOTION

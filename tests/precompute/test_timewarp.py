@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from motion.quaternion import Floats
 from precompute.ring import MOST_ADVANCE, MOST_ZERO_STEPS, walk_ring, wind
 from precompute.timewarp import MOST_FLAT_STEPS, align_pair, cheapest_paths, trace
 from tests import naive
@@ -65,11 +66,19 @@ def test_winding_follows_a_known_way_to_half_a_cell() -> None:
 def test_pairwise_alignment_recovers_a_known_warp() -> None:
     locomotion = np.linspace(0.0, 8.0, 160)  # phase of each frame
     action = np.interp(np.linspace(0, 1, 150), [0.0, 0.4, 1.0], [0.7, 3.0, 8.4])
-    distances = 1.0 - np.cos(2.0 * np.pi * (locomotion[:, None] - action))
-    warp = align_pair(distances, 30.0)
+    warp = align_pair(pacing(locomotion), pacing(action), 30.0)
     inside = np.arange(warp.path[-1, 0] + 1)
     found = np.interp(warp.curve(inside), np.arange(150), action)
     error = np.abs(np.mod(found - locomotion[inside] + 0.5, 1.0) - 0.5)
     assert np.median(error) < 0.02
     assert np.percentile(error, 95) < 0.06
     assert warp.mean_cost < 0.02
+
+
+def pacing(phase: Floats) -> Floats:
+    """Root and knees [n, 3, 3] of something that walks on the spot, in circles."""
+    swing = 2.0 * np.pi * phase
+    root = np.stack([0.0 * swing, 0.02 * np.cos(2.0 * swing), 0.0 * swing], axis=-1)
+    left = root + np.stack([0.1 + 0.0 * swing, -0.4 + 0.05 * np.cos(swing), 0.2 * np.sin(swing)], axis=-1)
+    right = root + np.stack([-0.1 + 0.0 * swing, -0.4 - 0.05 * np.cos(swing), -0.2 * np.sin(swing)], axis=-1)
+    return np.stack([root, left, right], axis=1)

@@ -1,0 +1,32 @@
+"""The motions that benchmarks run on: the built-in ones, or a folder of real ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from motionsplice.command_demo import write_sample_clips
+from precompute.clip_settings import FILE_NAME
+from precompute.job import precompute
+from runtime.bank import Bank
+
+REAL_SETTINGS = Path(__file__).with_name("real_clips.toml")
+
+
+def bank_of(clips: Path | None, baseline: str | None, folder: Path) -> Bank:
+    """The bank, below `folder`, of the clips in a folder, or of the built-in ones."""
+    linked = folder / "clips"
+    if clips is None:
+        write_sample_clips(linked)
+    else:
+        link(clips, linked)
+    precompute([linked], folder / "bank", baseline=baseline)
+    return Bank.open(folder / "bank")
+
+
+def link(clips: Path, folder: Path) -> None:
+    """Links a folder's files into another, with the settings of the real clips unless it has its own."""
+    folder.mkdir()
+    for file in clips.iterdir():
+        (folder / file.name).symlink_to(file.resolve())
+    if not (clips / FILE_NAME).exists():
+        (folder / FILE_NAME).write_text(REAL_SETTINGS.read_text())

@@ -1,0 +1,106 @@
+"""What must hold before any number is believed (DESIGN 4.7): `python -m bench.identities [CLIPS]`.
+
+Prints, for real clips or the built-in ones: how far a clip spliced onto itself is from itself, by the papers'
+method and through the bank; how well a known time warp is recovered; and how much the answer changes when every joint's local
+frame is turned at random.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from bench.clips import bank_of
+from motion.clip import Clip
+from motion.kinematics import joint_positions
+from motion.quaternion import Floats
+from precompute.bank_builder import write_bank
+from precompute.baseline import find_baseline
+from precompute.prepared import prepare
+from precompute.splice import align_in_time, splice_exact
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from tests.rigs import local_axes, uneven_time, warped, with_local_axes
+
+
+def main(
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in ones if not given")] = None,
+    baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
+) -> None:
+    """Prints the identities, one row per clip."""
+    table = Table(title="distances in mm, warp errors in frames (median / 95th percentile)")
+    for column in (
+        "clip",
+        "self exact",
+        "self bank",
+        "warp exact",
+        "warp bank",
+        "local axes exact",
+        "local axes bank",
+    ):
+        table.add_column(column, justify="right")
+    with tempfile.TemporaryDirectory() as folder:
+        bank = bank_of(clips, baseline, Path(folder))
+        evaluator = Evaluator(bank)
+        ring_clip = bank.motion(bank.baseline["clip"])
+        for entry in bank.clips:
+            clip = bank.motion(entry.name)
+            own = splice_exact(clip, clip, bank.roles).clip
+            frames = uneven_time(clip.frame_count)
+            uneven = warped(clip, frames, "uneven")
+            small = _bank(Path(folder) / "small", bank, ring_clip, clip, uneven)
+            pairwise = align_in_time(uneven, clip, bank.roles)[1]
+            axes = local_axes(bank.skeleton.joint_count, seed=1)
+            pair = ring_clip, clip
+            turned = with_local_axes(ring_clip, axes), with_local_axes(clip, axes)
+            exact = [splice_exact(a, b, bank.roles, posture="absolute").clip for a, b in (pair, turned)]
+            banks = [_bank(Path(folder) / f"axes{n}", bank, *both) for n, both in enumerate((pair, turned))]
+            splice = [Evaluator(one).clip(ring_clip.name, entry.name, posture="absolute") for one in banks]
+            table.add_row(
+                entry.name,
+                f"{_apart(own, clip):.4f}",
+                f"{_apart(evaluator.clip(entry.name, entry.name), clip):.3f}",
+                _percentiles(pairwise - frames[: len(pairwise)]),
+                _percentiles(_through(small, uneven.name, clip.name) - frames),
+                f"{_apart(*exact):.1e}",
+                f"{_apart(*splice):.4f}",
+            )
+    Console(width=150).print(table)
+
+
+def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
+    ring = find_baseline(baseline, like.roles)
+    names = {clip.name: clip for clip in (baseline, *clips)}
+    prepared = [prepare(clip, like.roles, baseline.skeleton, like.roles, ring) for clip in names.values()]
+    settled = [type(one)(**{**vars(one), "neutral": one.clip.name}) for one in prepared]
+    write_bank(folder, baseline.skeleton, like.roles, ring, settled)
+    return Bank.open(folder)
+
+
+def _through(bank: Bank, locomotion: str, action: str) -> Floats:
+    """The action's frame at each of the locomotion's, by phase."""
+    phases = []
+    for name in (locomotion, action):
+        clip = bank.clip(name)
+        phases.append(bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count])
+    return np.interp(phases[0] + round(phases[1][0] - phases[0][0]), phases[1], np.arange(len(phases[1])))
+
+
+def _apart(a: Clip, b: Clip) -> float:
+    frames = min(a.frame_count, b.frame_count)
+    apart = joint_positions(a.frames(0, frames)) - joint_positions(b.frames(0, frames))
+    return 1000.0 * float(np.linalg.norm(apart, axis=-1).max())
+
+
+def _percentiles(error: Floats) -> str:
+    return "{:.2f} / {:.2f}".format(*np.percentile(np.abs(error), [50, 95]))
+
+
+if __name__ == "__main__":
+    typer.run(main)

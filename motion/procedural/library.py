@@ -1,0 +1,117 @@
+"""The built-in motions by name: people on the move, and what they do with their hands meanwhile.
+
+They need no data, and `make` lays any action over any locomotion, so each pair has the ground truth that
+captured motion rarely has.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import SettingsError, did_you_mean
+from motion.procedural import actions, locomotions
+from motion.procedural.body import LEFT, RIGHT, SKELETON, euler, side_name
+from motion.procedural.gait import lower_body
+from motion.procedural.path import Path
+from motion.procedural.upper import Arm, Rhythm, Trunk, swinging_arms, trunk
+from motion.quaternion import Floats
+
+LOCOMOTIONS: tuple[str, ...] = tuple(locomotions.LOCOMOTIONS)
+ACTIONS: tuple[str, ...] = tuple(actions.ACTIONS)
+
+_SHOULDERS_LEAD, _GAZE_LEADS = 0.12, 0.3  # seconds ahead of the pelvis on the way into a turn
+
+
+def make(
+    locomotion: str, action: str | None = None, *, seconds: float = 6.0, rate: float = 60.0, seed: int = 0
+) -> Clip:
+    """A person on a `locomotion`, doing an `action` meanwhile if one is named.
+
+    The seed varies tempo, starting phase, stride and style. The root and the lower body depend on locomotion,
+    seed, seconds and rate alone, so the clip with an action is the ground truth of splicing that action onto the
+    one without. Raises SettingsError if a name is unknown, or seconds or rate make no clip.
+    """
+    known = locomotions.LOCOMOTIONS
+    if locomotion not in known:
+        raise SettingsError(f"there is no locomotion {locomotion!r}", mend=did_you_mean(locomotion, LOCOMOTIONS))
+    if action is not None and action not in actions.ACTIONS:
+        raise SettingsError(f"there is no action {action!r}", mend=did_you_mean(action, ACTIONS))
+    if not (0.0 <= seconds <= 3600.0 and 1.0 <= rate <= 1000.0):
+        raise SettingsError(
+            f"{seconds} seconds at {rate} frames per second", mend="Ask for up to an hour at 1 to 1000 frames per second"
+        )
+    random = np.random.default_rng([seed, LOCOMOTIONS.index(locomotion)])
+    chosen = locomotions.varied(known[locomotion], random)
+    start = random.uniform()
+    time = np.arange(int(round(seconds * rate)) + 1) / rate
+    path = locomotions.path_of(locomotion, chosen.gait, seconds)
+    lean = _lean(path, time)
+    lower = lower_body(chosen.gait, path, time, start, lean)
+    rhythm = Rhythm(
+        phase=lower.phase,
+        pace=path.pace(time),
+        shoulders=path.heading(time + _SHOULDERS_LEAD),
+        gaze=path.heading(time + _GAZE_LEADS),
+        lean=lean,
+        period=chosen.gait.period,
+        time=time,
+    )
+    if action is None:
+        chest, arms = trunk(chosen.carriage, rhythm), swinging_arms(chosen.carriage, rhythm)
+    else:
+        own = np.random.default_rng([seed, len(LOCOMOTIONS) + ACTIONS.index(action)])
+        chest, arms = actions.ACTIONS[action](chosen.carriage, rhythm, own)
+    world = lower.world | _upper_body(lower.world["Hips"], rhythm, chest, arms)
+    name = locomotion if action is None else f"{locomotion}+{action}"
+    return Clip(name, SKELETON, rate, lower.root, _local(world))
+
+
+def sample_clips() -> dict[str, Clip]:
+    """All locomotions, and every action on a walk, each with a seed of its own, by name."""
+    plain = {name: make(name, seed=seed) for seed, name in enumerate(LOCOMOTIONS, start=1)}
+    acted = {name: make("walk", name, seed=seed) for seed, name in enumerate(ACTIONS, start=len(LOCOMOTIONS) + 1)}
+    return plain | acted
+
+
+def _lean(path: Path, time: Floats) -> Floats:
+    """The roll to the left [F] that balances the path's curvature."""
+    around = np.linspace(-0.25, 0.25, 11)
+    times = time[:, None] + around
+    step = 1e-2
+
+    def heading_rate(t: Floats) -> Floats:
+        return (path.heading(t + step) - path.heading(t - step)) / (2.0 * step)
+
+    velocity = (path.position(times.ravel() + step) - path.position(times.ravel() - step)) / (2.0 * step)
+    speed = np.linalg.norm(velocity, axis=-1).reshape(times.shape)
+    return np.asarray(np.arctan((speed * heading_rate(times)).mean(axis=1) / locomotions.GRAVITY))
+
+
+def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Arm]) -> dict[str, Floats]:
+    """World rotations [F, 4] of the upper body's joints by name."""
+    shoulders = euler(rhythm.shoulders + chest.yaw, chest.pitch, chest.roll)
+    gaze = euler(rhythm.gaze + 0.15 * chest.yaw, 0.3 * chest.pitch + 0.02, 0.25 * chest.roll)
+    world = {
+        "Spine": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.3)),
+        "Spine1": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.65)),
+        "Spine2": shoulders,
+        "Neck": quaternion.slerp(shoulders, gaze, np.full(len(hips), 0.45)),
+        "Head": gaze,
+    }
+    for side in (LEFT, RIGHT):
+        name, arm = side_name(side), arms[side]
+        world[name + "Shoulder"] = shoulders
+        world[name + "Arm"] = quaternion.multiply(shoulders, arm.upper)
+        world[name + "ForeArm"] = quaternion.multiply(shoulders, arm.fore)
+        world[name + "Hand"] = quaternion.multiply(shoulders, arm.hand)
+    return world
+
+
+def _local(world: dict[str, Floats]) -> Floats:
+    """World rotations by joint name as rotations [F, J, 4] in the parents' frames."""
+    turned = np.stack([world[name] for name in SKELETON.names], axis=1)
+    local = turned.copy()
+    local[:, 1:] = quaternion.multiply(quaternion.conjugate(turned[:, SKELETON.parents[1:]]), turned[:, 1:])
+    return local

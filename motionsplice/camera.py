@@ -1,0 +1,86 @@
+"""A camera that goes along with a character: what it sees of a motion at given times."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from motion.clip import Clip
+from motion.kinematics import joint_positions
+from motion.quaternion import Floats
+from motion.roles import Roles
+from motionsplice.stick_figure import StickFigure
+
+# Degrees from the character's front towards its right, and degrees above the floor.
+VIEWS = {"side": (90.0, 6.0), "front": (0.0, 6.0), "three-quarter": (45.0, 10.0)}
+TRACKING_RATE = 30.0
+SMOOTHING = 0.5
+MARK_SPACING = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Where the camera stands at each of n times, seen from the floor under the character.
+
+    axes:   [n, 3, 3] rows are the directions to the right, up and towards the viewer, in the world.
+    ground: height in metres of the floor, which the feet touch.
+    """
+
+    axes: Floats
+    ground: float
+
+    @classmethod
+    def beside(cls, clip: Clip, roles: Roles, times: Floats, view: str) -> Camera:
+        """The camera that keeps to one side of a character at `times` [n] seconds; `view` is one of VIEWS.
+
+        It turns with the heading of the hips, smoothed over about a second, so that a curve is seen from the
+        side as a straight walk is.
+        """
+        tracked = clip.resampled(min(TRACKING_RATE, clip.rate))
+        positions = joint_positions(tracked)
+        hips = positions[:, roles.left_hip] - positions[:, roles.right_hip]
+        headings = np.unwrap(np.arctan2(-hips[:, 2], hips[:, 0]))
+        headings = gaussian_filter1d(headings, SMOOTHING * tracked.rate, mode="nearest")
+        clock = np.arange(tracked.frame_count) / tracked.rate
+        shown = (clock >= times[0] - 1e-9) & (clock <= times[-1] + 1e-9)
+        shown[-1] |= not shown.any()
+        feet = positions[:, clip.skeleton.subtree(roles.left_ankle) + clip.skeleton.subtree(roles.right_ankle)]
+        around, above = np.radians(VIEWS[view])
+        yaw = np.interp(times, clock, headings) - around
+        x, z, still = np.sin(yaw), np.cos(yaw), np.zeros(len(times))
+        right = np.stack([z, still, -x], axis=-1)
+        towards = np.stack([x * np.cos(above), still + np.sin(above), z * np.cos(above)], axis=-1)
+        return cls(np.stack([right, np.cross(towards, right), towards], axis=1), float(feet[shown, :, 1].min()))
+
+    def sees(self, points: Floats, roots: Floats) -> Floats:
+        """Points [n, P, 3] in the world, of a figure whose roots are [n, 3] -> [n, P, 3] right, up and towards."""
+        under = roots * [1.0, 0.0, 1.0] + [0.0, self.ground, 0.0]
+        return np.asarray((points - under[:, None]) @ np.swapaxes(self.axes, 1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """One motion as a camera sees it, in metres; the origin is the floor under the root.
+
+    points: [n, P, 3] the figure's points: to the right, up, and towards the viewer.
+    floor:  [n, M, 3] likewise, marks on the floor that stand still in the world.
+    held:   [n] whether the motion had ended by then, so that its last frame is shown.
+    """
+
+    figure: StickFigure
+    points: Floats
+    floor: Floats
+    held: tuple[bool, ...]
+
+    @classmethod
+    def of(cls, clip: Clip, figure: StickFigure, times: Floats, camera: Camera, *, reach: int = 3) -> Take:
+        """What `camera` sees of `clip` at `times` [n] seconds, with floor marks for `reach` steps around."""
+        roots, rotations = clip.sampled(times * clip.rate)
+        steps = MARK_SPACING * np.arange(-reach, reach + 1)
+        around = np.stack(np.meshgrid(steps, [0.0], steps), axis=-1).reshape(-1, 3)
+        marks = np.round(roots / MARK_SPACING)[:, None] * MARK_SPACING + around
+        marks[..., 1] = camera.ground
+        held = tuple(bool(time > clip.duration + 1e-6) for time in times)
+        return cls(figure, camera.sees(figure.points(roots, rotations), roots), camera.sees(marks, roots), held)

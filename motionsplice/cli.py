@@ -1,0 +1,38 @@
+"""The command `motionsplice`."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+from rich.console import Console
+
+from motion.errors import MotionError
+from motionsplice import command_bank, command_demo, command_motion, command_serve
+
+app = typer.Typer(
+    help="Splice the upper body of any motion clip onto the lower body of any other.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+)
+for group in (command_bank, command_motion, command_serve, command_demo):
+    group.register(app)
+
+
+def main() -> None:
+    """Runs the command line. What a user can mend is told in one paragraph, and the exit status is 1."""
+    try:
+        app()
+    except MotionError as error:
+        _tell(str(error))
+    except OSError as error:
+        _tell(f"{error.filename or 'the system'}: {error.strerror or error}")
+    except KeyboardInterrupt:
+        sys.exit(130)
+
+
+def _tell(problem: str) -> None:
+    Console(stderr=True).print(f"[bold red]error:[/bold red] {problem}", highlight=False, soft_wrap=True)
+    sys.exit(1)

@@ -1,0 +1,119 @@
+"""`motionsplice precompute` and `motionsplice inspect`: building a bank, and looking into it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from motion.roles import read_roles_file
+from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
+from precompute.job import Outcome, precompute
+from runtime.bank import Bank
+
+console = Console()
+
+
+def register(app: typer.Typer) -> None:
+    app.command(
+        "precompute", epilog="Example: [bold]motionsplice precompute clips/ --out bank --baseline walk[/bold]"
+    )(precompute_command)
+    app.command("inspect", epilog="Example: [bold]motionsplice inspect bank[/bold]")(inspect_command)
+
+
+def precompute_command(
+    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), or folders of them.")],
+    out: Annotated[Path, typer.Option(help="The bank to write.")],
+    baseline: Annotated[
+        str | None,
+        typer.Option(help="The clip whose stride all are aligned to; else the locomotion that repeats best."),
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; else one per core.")] = None,
+    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+) -> None:
+    """Align clips to a baseline locomotion, and write a bank.
+
+    A clips.toml beside the clips may say of each its kind ("locomotion" or "action"), neutral, tags, skip_frames and
+    unit. A clip that fails is named with its reason, the others finish, and the exit status is 1.
+    """
+    outcome = run(
+        clips,
+        out,
+        baseline=baseline,
+        jobs=jobs,
+        settings=ClipSettings(skip_frames=skip_frames, unit=unit),
+        roles_file=roles,
+    )
+    show_bank(Bank.open(out))
+    for name, error in outcome.failed.items():
+        console.print(f"[red]{name} failed:[/red] {error}", highlight=False, soft_wrap=True)
+    if outcome.failed:
+        raise typer.Exit(1)
+
+
+def run(
+    clips: list[Path],
+    out: Path,
+    *,
+    baseline: str | None = None,
+    jobs: int | None = None,
+    settings: ClipSettings = DEFAULT_SETTINGS,
+    roles_file: Path | None = None,
+) -> Outcome:
+    """The offline job behind a progress bar."""
+    columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console) as bar:
+        tasks = {stage: bar.add_task(stage, total=None) for stage in ("reading", "aligning")}
+        return precompute(
+            clips,
+            out,
+            baseline=baseline,
+            jobs=jobs,
+            settings=settings,
+            roles=read_roles_file(roles_file) if roles_file else {},
+            progress=lambda stage, done, total: bar.update(tasks[stage], completed=done, total=total),
+        )
+
+
+def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank.")]) -> None:
+    """Show what is in a bank: its clips, and how well each is aligned to the baseline."""
+    show_bank(Bank.open(bank))
+
+
+def show_bank(bank: Bank) -> None:
+    """Prints a bank's clips as a table, and what was noted while they were read."""
+    stride = bank.baseline["end"] - bank.baseline["start"]
+    table = Table(
+        title=f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, "
+        f"baseline {bank.baseline['clip']!r} (a stride of {stride:.2f} s from {bank.baseline['start']:.2f} s)",
+        caption="mismatch: root and knees against the baseline's at the same phase",
+    )
+    for column in ("clip", "kind", "neutral", "tags"):
+        table.add_column(column, overflow="fold")
+    for column in ("seconds", "frames/s", "cycles", "mean mismatch", "worst"):
+        table.add_column(column, justify="right")
+    for clip in bank.clips:
+        mismatch = f"{100 * clip.mean_mismatch:.1f} cm"
+        table.add_row(
+            clip.name,
+            clip.kind,
+            bank.neutral(clip.name),
+            ", ".join(clip.tags),
+            f"{clip.duration:.2f}",
+            f"{clip.rate:.5g}",
+            f"{clip.cycles:.2f}",
+            f"[yellow]{mismatch}[/yellow]" if clip.warnings else mismatch,
+            f"{100 * clip.worst_mismatch:.1f} cm",
+        )
+    console.print(table)
+    for clip in bank.clips:
+        for warning in clip.warnings:
+            console.print(f"[yellow]{clip.name} {warning}[/yellow]", highlight=False, soft_wrap=True)
+        for note in clip.notes:
+            console.print(f"[dim]{clip.name}: {note}[/dim]", highlight=False, soft_wrap=True)

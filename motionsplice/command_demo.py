@@ -1,0 +1,68 @@
+"""`motionsplice demo`: the whole path on the built-in motions."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from service.settings import Settings
+
+from motion.formats.bvh import dump
+from motion.procedural.library import ACTIONS, sample_clips
+from motionsplice import command_bank, command_serve
+from motionsplice.command_motion import Method, Posture, spliced
+from motionsplice.drawing import animation, contact_sheet
+from runtime.bank import Bank
+
+LOCOMOTION, ACTION = "curve", "carry_box"
+
+console = Console()
+
+
+def register(app: typer.Typer) -> None:
+    app.command("demo", epilog="Example: [bold]motionsplice demo demo[/bold]")(demo_command)
+
+
+def demo_command(
+    folder: Annotated[Path, typer.Argument(help="Where to put clips, bank and results.")] = Path("demo"),
+) -> None:
+    """Write the built-in motions, build a bank of them, splice one, draw it, and serve the bank."""
+    clips, bank_folder = folder / "clips", folder / "bank"
+    write_sample_clips(clips)
+    command_bank.run([clips], bank_folder, baseline="walk")
+    bank = Bank.open(bank_folder)
+    command_bank.show_bank(bank)
+    splice = spliced(bank, LOCOMOTION, ACTION, Method.SPLICE, Posture.RELATIVE, 0.0)
+    naive = spliced(bank, LOCOMOTION, ACTION, Method.NAIVE, Posture.RELATIVE, 0.0)
+    motion = folder / f"{LOCOMOTION}+{ACTION}.bvh"
+    motion.write_bytes(dump(splice))
+    rows = [
+        ("naive splice", naive, bank.roles),
+        ("motionsplice", splice, bank.roles),
+        ("captured together", truth(), bank.roles),
+    ]
+    sheet, film = motion.with_suffix(".png"), motion.with_suffix(".gif")
+    contact_sheet(rows).save(sheet)
+    film.write_bytes(animation(rows))
+    console.print(f"\n{ACTION!r} spliced onto {LOCOMOTION!r}, as never captured:")
+    for what, file in (("motion", motion), ("picture", sheet), ("animation", film), ("bank", bank_folder)):
+        console.print(f"  {what:9} {file}", highlight=False)
+    settings = Settings()
+    if sys.stdout.isatty():
+        command_serve.start(bank_folder, settings)
+    else:
+        console.print(
+            f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/docs"
+        )
+
+
+def write_sample_clips(folder: Path) -> None:
+    """The built-in motions as BVH files, with the `clips.toml` that tells actions from locomotions."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, clip in sample_clips().items():
+        (folder / f"{name}.bvh").write_bytes(dump(clip))
+    entries = [f'[{name}]\nkind = "action"\nneutral = "walk"\n' for name in ACTIONS]
+    (folder / "clips.toml").write_text("\n".join(entries))

@@ -1,0 +1,109 @@
+"""`motionsplice splice` and `motionsplice render`: motions out of a bank, and pictures of motions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from motion.clip import Clip
+from motion.errors import SettingsError
+from motion.formats.bvh import dump
+from motion.formats.files import read_clip
+from motionsplice.drawing import animation, contact_sheet
+from precompute.splice import splice_exact
+from runtime import evaluator
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+
+console = Console()
+
+
+class Method(StrEnum):
+    """How the upper body comes onto the lower."""
+
+    SPLICE = "splice"
+    NAIVE = "naive"
+    EXACT = "exact"
+    NONE = "none"
+
+
+class Posture(StrEnum):
+    """What becomes of the action's posture."""
+
+    RELATIVE = "relative"
+    ABSOLUTE = "absolute"
+    OFF = "off"
+
+
+RUN_TIME_METHODS: Mapping[Method, evaluator.Method] = {
+    Method.SPLICE: "splice",
+    Method.NAIVE: "naive",
+    Method.NONE: "none",
+}
+
+
+def register(app: typer.Typer) -> None:
+    app.command(
+        "splice",
+        epilog="Example: [bold]motionsplice splice bank --locomotion curve --action carry_box --out box.bvh[/bold]",
+    )(splice_command)
+    app.command("render", epilog="Example: [bold]motionsplice render walk.bvh box.bvh --out sheet.png[/bold]")(
+        render_command
+    )
+
+
+def splice_command(
+    bank: Annotated[Path, typer.Argument(help="A bank.")],
+    locomotion: Annotated[str, typer.Option(help="The clip that gives the root and the lower body.")],
+    action: Annotated[str, typer.Option(help="The clip that gives the upper body.")],
+    out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
+    method: Annotated[
+        Method, typer.Option(help="The bank's splice, plain DOF replacement, the papers' whole-clip splice, or none.")
+    ] = Method.SPLICE,
+    posture: Annotated[
+        Posture,
+        typer.Option(help="The action's posture over its neutral's, the action's own (the papers), or untouched."),
+    ] = Posture.RELATIVE,
+    start: Annotated[float, typer.Option(help="Seconds into the action before which it does not begin.")] = 0.0,
+) -> None:
+    """Splice an action's upper body onto a locomotion, and write the motion as BVH."""
+    clip = spliced(Bank.open(bank), locomotion, action, method, posture, start)
+    out.write_bytes(dump(clip))
+    console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s")
+
+
+def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: Posture, start: float) -> Clip:
+    """A whole splice by any method. Raises MotionError."""
+    if method is not Method.EXACT:
+        form = RUN_TIME_METHODS[method]
+        return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value)
+    if start != 0.0:
+        raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
+    names = (locomotion, action, bank.neutral(action))
+    clip_l, clip_u, neutral = (bank.motion(name) for name in names)
+    return splice_exact(clip_l, clip_u, bank.roles, posture=posture.value, neutral=neutral).clip
+
+
+def render_command(
+    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), one row each.")],
+    out: Annotated[Path, typer.Option(help="A .png contact sheet, or a .gif that plays them side by side.")],
+    columns: Annotated[int, typer.Option(min=1, max=60, help="Moments on a contact sheet.")] = 10,
+    view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
+) -> None:
+    """Draw one or several motions as stick figures, for judging by eye."""
+    kind = out.suffix.lower()
+    if kind not in (".png", ".gif"):
+        raise SettingsError(f"a picture cannot be written as {kind!r}", mend="End --out in .png or .gif")
+    readings = [read_clip(file, skip_frames=skip_frames) for file in motions]
+    rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
+    if kind == ".png":
+        contact_sheet(rows, columns=columns, view=view).save(out)
+    else:
+        out.write_bytes(animation(rows, view=view))
+    console.print(f"{out}")

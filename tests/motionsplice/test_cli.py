@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner, Result
+
+from motion.formats.files import read_clip
+from motion.kinematics import joint_positions
+from motionsplice.cli import app, main
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+
+COMMANDS = ("precompute", "inspect", "splice", "render", "serve", "demo")
+
+
+def run(*arguments: object) -> Result:
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments], terminal_width=200)
+    assert result.exit_code == 0, result.output
+    return result
+
+
+def failure(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    """What the command prints to standard error as it exits with 1."""
+    monkeypatch.setattr(sys, "argv", ["motionsplice", *(str(argument) for argument in arguments)])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 1
+    told = capsys.readouterr().err
+    assert "Traceback" not in told
+    assert told.startswith("error: ")
+    return told
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_with_an_example(command: str) -> None:
+    assert f"Example: motionsplice {command}" in run(command, "--help").output
+
+
+def test_precompute_shows_what_it_made(clip_folder: Path, tmp_path: Path) -> None:
+    shown = run("precompute", clip_folder, "--out", tmp_path / "bank", "--baseline", "walk", "--jobs", 1).output
+    for clip in Bank.open(tmp_path / "bank").clips:
+        assert clip.name in shown
+
+
+def test_a_clip_that_fails_is_named_and_the_status_says_so(clip_folder: Path, tmp_path: Path) -> None:
+    broken = tmp_path / "broken.bvh"
+    broken.write_bytes(b"nothing of the kind")
+    arguments = ["precompute", str(clip_folder), str(broken), "--out", str(tmp_path / "bank"), "--jobs", "1"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 1
+    assert "broken failed" in result.output
+    assert len(Bank.open(tmp_path / "bank").clips) == 7
+
+
+def test_inspect_shows_clips_and_their_alignment(bank: Bank) -> None:
+    shown = run("inspect", bank.path).output
+    for clip in bank.clips:
+        assert clip.name in shown
+        assert f"{clip.cycles:.2f}" in shown
+
+
+@pytest.mark.parametrize("method", ["splice", "naive", "exact", "none"])
+@pytest.mark.parametrize("posture", ["relative", "absolute", "off"])
+def test_splice_writes_the_motion(bank: Bank, tmp_path: Path, method: str, posture: str) -> None:
+    out = tmp_path / "out.bvh"
+    run(*f"splice {bank.path} --locomotion walk --action carry_box --out {out} --method {method}".split(),
+        "--posture", posture)  # fmt: skip
+    clip = read_clip(out, unit="m").clip
+    if method != "exact":
+        expected = Evaluator(bank).clip("walk", "carry_box", method=method, posture=posture)  # type: ignore[arg-type]
+        np.testing.assert_allclose(joint_positions(clip), joint_positions(expected), atol=1e-4)
+    else:
+        assert 0.7 * bank.clip("walk").frame_count < clip.frame_count <= bank.clip("walk").frame_count
+
+
+def test_render_draws_sheets_and_animations(clip_folder: Path, tmp_path: Path) -> None:
+    motions = [clip_folder / "walk.bvh", clip_folder / "run.bvh"]
+    run("render", *motions, "--out", tmp_path / "sheet.png", "--columns", 4)
+    run("render", clip_folder / "wave.bvh", "--out", tmp_path / "film.gif", "--view", "side")
+    with Image.open(tmp_path / "sheet.png") as sheet, Image.open(tmp_path / "film.gif") as film:
+        assert sheet.width >= 1200
+        assert film.n_frames > 20  # type: ignore[attr-defined]
+
+
+def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
+    shown = run("demo", tmp_path).output
+    for kind in ("bvh", "png", "gif"):
+        assert (tmp_path / f"curve+carry_box.{kind}").stat().st_size > 1000
+    assert "http://127.0.0.1:8000" in shown
+    assert Bank.open(tmp_path / "bank").clip("carry_box").kind == "action"
+
+
+def test_errors_are_one_paragraph(
+    bank: Bank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def told(*arguments: object) -> str:
+        return failure(monkeypatch, capsys, *arguments)
+
+    splice = ["splice", bank.path, "--action", "wave", "--out", tmp_path / "out.bvh", "--locomotion"]
+    assert "Did you mean 'walk'?" in told(*splice, "wlak")
+    assert "no such folder" in told("inspect", tmp_path / "absent")
+    assert "no such file" in told("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
+    assert "absent.bvh" in told("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
+    assert "End --out in .png or .gif" in told("render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt")
+    assert "exact splice chooses its own start" in told(*splice, "walk", "--method", "exact", "--start", 1)
+    assert not (tmp_path / "out.bvh").exists()

@@ -1,0 +1,129 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.measures import posture_error, upper_body_errors
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import SkeletonError
+from motion.formats.files import read_clip
+from motion.kinematics import joint_positions
+from motion.roles import find_roles
+from precompute.bank_builder import write_bank
+from precompute.baseline import find_baseline
+from precompute.prepared import prepare
+from precompute.splice import Posture, align_in_time, splice_exact, splice_naive
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from tests.conftest import CLIPS
+from tests.rigs import local_axes, uneven_time, warped, with_local_axes
+
+WALK, BOX, CURVE = CLIPS["walk"], CLIPS["carry_box"], CLIPS["turn_180"]
+ROLES = find_roles(WALK.skeleton)
+
+
+def bank_of(folder: Path, *clips: Clip) -> Bank:
+    """A bank of clips on one skeleton, the first of them the baseline."""
+    ring = find_baseline(clips[0], ROLES)
+    prepared = [prepare(clip, ROLES, clips[0].skeleton, ROLES, ring) for clip in clips]
+    settled = [type(one)(**{**vars(one), "neutral": clips[0].name}) for one in prepared]
+    write_bank(folder, clips[0].skeleton, ROLES, ring, settled)
+    return Bank.open(folder)
+
+
+@pytest.mark.parametrize("name", sorted(CLIPS))
+@pytest.mark.parametrize("posture", ["off", "relative", "absolute"])
+def test_a_clip_spliced_onto_itself_is_itself_to_a_tenth_of_a_millimetre(name: str, posture: Posture) -> None:
+    clip = CLIPS[name]
+    result = splice_exact(clip, clip, ROLES, posture=posture).clip
+    assert result.frame_count >= clip.frame_count - clip.rate / 30.0
+    apart = joint_positions(result) - joint_positions(clip)[: result.frame_count]
+    assert np.linalg.norm(apart, axis=-1).max() < 1e-4
+
+
+def test_pairwise_alignment_gives_a_warp_back() -> None:
+    frames = uneven_time(WALK.frame_count)
+    found = align_in_time(warped(WALK, frames, "uneven"), WALK, ROLES)[1]
+    error = np.abs(found - frames[: len(found)])
+    assert np.median(error) < 0.5
+    assert np.percentile(error, 95) < 2.0
+
+
+def test_the_bank_gives_a_warp_back(tmp_path: Path) -> None:
+    frames = uneven_time(WALK.frame_count)
+    bank = bank_of(tmp_path, WALK, warped(WALK, frames, "uneven"))
+    phase = {
+        clip.name: bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count]
+        for clip in bank.clips
+    }
+    found = np.interp(phase["uneven"], phase["walk"], np.arange(WALK.frame_count))
+    error = np.abs(found - frames)
+    assert np.median(error) < 0.5
+    assert np.percentile(error, 95) < 2.0
+
+
+@pytest.mark.parametrize("posture", ["off", "relative", "absolute"])
+def test_the_answer_does_not_depend_on_local_axes(posture: Posture, tmp_path: Path) -> None:
+    axes = local_axes(WALK.skeleton.joint_count, seed=8)
+    turned = [with_local_axes(clip, axes) for clip in (WALK, CURVE, BOX)]
+    np.testing.assert_allclose(joint_positions(turned[1]), joint_positions(CURVE), atol=1e-9)
+    plain = splice_exact(CURVE, BOX, ROLES, posture=posture, neutral=WALK).clip
+    other = splice_exact(turned[1], turned[2], ROLES, posture=posture, neutral=turned[0]).clip
+    np.testing.assert_allclose(joint_positions(other), joint_positions(plain), atol=1e-6)
+    banks = bank_of(tmp_path / "plain", WALK, CURVE, BOX), bank_of(tmp_path / "turned", *turned)
+    first, second = (joint_positions(Evaluator(bank).clip(CURVE.name, BOX.name, posture=posture)) for bank in banks)
+    np.testing.assert_allclose(first, second, atol=1e-4)
+
+
+def test_absolute_posture_is_the_actions(bank: Bank) -> None:
+    for locomotion in ("walk", "run", "side_step", "stairs_up"):
+        exact = splice_exact(CLIPS[locomotion], BOX, ROLES, posture="absolute").clip
+        assert np.degrees(posture_error(exact, BOX, ROLES)) < 0.5
+        result = Evaluator(bank).clip(locomotion, "carry_box", posture="absolute")
+        assert np.degrees(posture_error(result, BOX, ROLES)) < 1.5
+
+
+def test_both_halves_keep_their_rotations() -> None:
+    splice = splice_exact(CURVE, BOX, ROLES, posture="absolute")
+    upper = [joint for joint in CURVE.skeleton.subtree(ROLES.pelvis) if joint != ROLES.pelvis]
+    lower = [joint for joint in range(CURVE.skeleton.joint_count) if joint not in {*upper, ROLES.pelvis}]
+    result, count = splice.clip, splice.clip.frame_count
+    assert quaternion.angle(result.rotations[:, lower], CURVE.rotations[:count, lower]).max() < 1e-7
+    sampled = BOX.sampled(splice.action_frames)[1]
+    assert quaternion.angle(result.rotations[:, upper], sampled[:, upper]).max() < 1e-7
+    np.testing.assert_array_equal(result.root_positions, CURVE.root_positions[:count])
+    assert np.diff(splice.action_frames).min() > 0.0
+
+
+def test_naive_copies_degrees_of_freedom_and_repeats_the_action() -> None:
+    naive = splice_naive(WALK, CLIPS["wave"], ROLES)
+    upper, period = WALK.skeleton.subtree(ROLES.pelvis), CLIPS["wave"].frame_count - 1
+    assert quaternion.angle(naive.rotations[period + 5, upper], CLIPS["wave"].rotations[5, upper]).max() < 1e-6
+    assert naive.frame_count == WALK.frame_count
+
+
+def test_rigs_that_differ_are_refused() -> None:
+    other = WALK.skeleton
+    renamed = Clip(
+        "other",
+        type(other)(("Root", *other.names[1:]), other.parents, other.offsets, other.end_parents, other.end_offsets),
+        WALK.rate,
+        WALK.root_positions,
+        WALK.rotations,
+    )
+    with pytest.raises(SkeletonError, match="different joints"):
+        splice_exact(WALK, renamed, ROLES)
+
+
+def test_real_walks_come_nearer_to_the_truth_than_a_naive_splice(real_motion: Path) -> None:
+    curve, walk = (read_clip(real_motion / f"{name}.amc") for name in ("16_17", "16_15"))
+    truth, roles = curve.clip, curve.roles
+    exact = splice_exact(truth, walk.clip, roles, posture="off").clip
+    ratio = (
+        upper_body_errors(exact, truth, roles).mean()
+        / upper_body_errors(splice_naive(truth, walk.clip, roles).frames(0, exact.frame_count), truth, roles).mean()
+    )
+    assert ratio < 0.35

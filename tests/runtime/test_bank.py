@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import msgpack
+import numpy as np
+import pytest
+
+from motion.errors import BankError, UnknownClipError
+from runtime.bank import MANIFEST, TABLES, VERSION, Bank, content_digest
+
+
+@pytest.fixture
+def copy(bank: Bank, tmp_path: Path) -> Path:
+    """A bank that a test may break."""
+    return Path(shutil.copytree(bank.path, tmp_path / "bank"))
+
+
+def test_holds_what_was_put_in(bank: Bank) -> None:
+    assert {clip.name for clip in bank.clips} >= {"walk", "run", "carry_box"}
+    assert bank.clip("carry_box").kind == "action"
+    assert bank.clip("carry_box").tags == ("carry",)
+    assert bank.neutral("carry_box") == "walk"
+    assert bank.neutral("run") == "run"
+    assert bank.baseline["clip"] == "walk"
+    for clip in bank.clips:
+        phase = bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count]
+        assert np.diff(phase).min() > 0.0
+        assert (phase[0], phase[-1]) == (clip.first_phase, clip.last_phase)
+
+
+def test_frame_of_phase_is_the_inverse_of_phase_of_frame(bank: Bank) -> None:
+    for clip in bank.clips:
+        phase = bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count]
+        frames = bank.tables["frame_of_phase"][clip.first_cell : clip.first_cell + clip.cell_count]
+        grid = np.linspace(clip.first_phase, clip.last_phase, clip.cell_count)
+        np.testing.assert_allclose(np.interp(phase, grid, frames), np.arange(clip.frame_count), atol=0.02)
+
+
+def test_tables_are_mapped_and_cannot_be_written(bank: Bank) -> None:
+    for name in TABLES:
+        assert isinstance(bank.tables[name], np.memmap)
+        with pytest.raises(ValueError, match="read-only"):
+            bank.tables[name].flat[0] = 0
+
+
+def test_an_unknown_clip_is_answered_with_the_near_ones(bank: Bank) -> None:
+    with pytest.raises(UnknownClipError, match="Did you mean 'carry_box'"):
+        bank.number("carrybox")
+
+
+def test_no_folder_and_no_bank(tmp_path: Path) -> None:
+    with pytest.raises(BankError, match=r"no such folder.*Build one"):
+        Bank.open(tmp_path / "nowhere")
+    with pytest.raises(BankError, match=r"no bank here.*Build one"):
+        Bank.open(tmp_path)
+
+
+def test_another_version_is_refused_by_name(copy: Path) -> None:
+    outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
+    (copy / MANIFEST).write_bytes(msgpack.packb(outer | {"version": VERSION + 1}))
+    with pytest.raises(BankError, match=rf"version {VERSION + 1} .* version {VERSION} .* is needed.*precompute"):
+        Bank.open(copy)
+
+
+@pytest.mark.parametrize("keep", [0, 1, 100, -1])
+def test_a_manifest_cut_short_is_refused(copy: Path, keep: int) -> None:
+    (copy / MANIFEST).write_bytes((copy / MANIFEST).read_bytes()[:keep])
+    with pytest.raises(BankError, match=r"manifest\.msgpack: the manifest"):
+        Bank.open(copy)
+
+
+def test_any_file_missing_cut_short_or_with_one_flipped_bit_is_refused(copy: Path) -> None:
+    draw = np.random.default_rng(5)
+    for file in [copy / MANIFEST, *sorted((copy / "tables").glob("*.npy"))]:
+        sound = file.read_bytes()
+        for at in draw.integers(0, len(sound), 12):
+            broken = bytearray(sound)
+            broken[at] ^= 1 << int(draw.integers(0, 8))
+            file.write_bytes(broken)
+            with pytest.raises(BankError, match="precompute"):
+                Bank.open(copy)
+        file.write_bytes(sound[: len(sound) // 2])
+        with pytest.raises(BankError, match="cut short"):
+            Bank.open(copy)
+        file.unlink()
+        with pytest.raises(BankError, match="missing|no bank here"):
+            Bank.open(copy)
+        file.write_bytes(sound)
+    assert Bank.open(copy).clips
+
+
+def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None:
+    outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
+    lies = [
+        lambda body: body["clips"][0].update(frame_count=10**9),
+        lambda body: body["clips"][1].update(first_frame=0),
+        lambda body: body["clips"][0].pop("rate"),
+        lambda body: body["clips"][0].update(name=body["clips"][1]["name"]),
+        lambda body: body.update(clips=[]),
+        lambda body: body["roles"].update(pelvis=999),
+        lambda body: body["skeleton"].update(parents=[0] * len(body["skeleton"]["names"])),
+        lambda body: body["tables"].update(rotations=body["tables"]["root_positions"]),
+        lambda body: body["tables"].update(rotations="../../elsewhere"),
+        lambda body: body.pop("skeleton"),
+    ]
+    for lie in lies:
+        body = msgpack.unpackb(outer["body"])
+        lie(body)
+        packed = msgpack.packb(body)
+        manifest = outer | {"body": packed, "digest": content_digest(packed)}
+        (copy / MANIFEST).write_bytes(msgpack.packb(manifest))
+        with pytest.raises(BankError):
+            Bank.open(copy)

@@ -1,0 +1,112 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from motion import quaternion
+from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
+from motion.kinematics import joint_positions
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator, Requests
+
+
+def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:
+    for clip in bank.clips:
+        result = Evaluator(bank).clip(clip.name, clip.name)
+        apart = joint_positions(result) - joint_positions(bank.motion(clip.name))
+        assert np.linalg.norm(apart, axis=-1).max() < 1e-3, clip.name
+
+
+def test_both_halves_keep_their_rotations(bank: Bank) -> None:
+    evaluator, pelvis = Evaluator(bank), bank.roles.pelvis
+    upper = [joint for joint in bank.skeleton.subtree(pelvis) if joint != pelvis]
+    lower = [joint for joint in range(bank.skeleton.joint_count) if joint not in bank.skeleton.subtree(pelvis)]
+    splice, walk, box = evaluator.clip("walk", "carry_box"), bank.motion("walk"), bank.motion("carry_box")
+    np.testing.assert_allclose(splice.root_positions, walk.root_positions, atol=1e-6)
+    assert quaternion.angle(splice.rotations, walk.rotations)[:, lower].max() < 1e-6
+    for frame in range(0, splice.frame_count, 17):
+        apart = quaternion.angle(splice.rotations[frame, upper], box.rotations[:, upper]).max(axis=1)
+        assert apart.min() < 0.05  # the whole upper body is that of one moment between two frames
+
+
+def test_none_is_the_locomotion_alone(bank: Bank) -> None:
+    alone = Evaluator(bank).clip("run")
+    assert quaternion.angle(alone.rotations, bank.motion("run").rotations).max() < 1e-6
+    none = Evaluator(bank).clip("run", "wave", method="none")
+    np.testing.assert_array_equal(none.rotations, alone.rotations)
+
+
+def test_an_action_shorter_than_the_locomotion_goes_on_in_step(bank: Bank) -> None:
+    walk, wave = bank.clip("walk"), bank.clip("wave")
+    assert wave.duration < walk.duration
+    late = walk.duration - 0.1
+    poses = Evaluator(bank).pose("walk", late, "wave")
+    upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
+    apart = quaternion.angle(bank.motion("wave").rotations[:, upper], poses.rotations[0, upper]).max(axis=1)
+    frame = int(np.argmin(apart))
+    phase_u = bank.tables["phase_of_frame"][wave.first_frame + frame]
+    phase_l = bank.tables["phase_of_frame"][walk.first_frame + round(late * walk.rate)]
+    assert abs((phase_u - phase_l + 0.5) % 1.0 - 0.5) < 0.05
+
+
+def test_start_is_where_the_action_begins_at_the_next_step_in_phase(bank: Bank) -> None:
+    evaluator, wave, walk = Evaluator(bank), bank.clip("wave"), bank.clip("walk")
+    upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
+    rows = slice(wave.first_frame, wave.first_frame + wave.frame_count)
+    phase = bank.tables["phase_of_frame"][rows]
+    for start in (0.0, 0.4, 0.9):
+        poses = evaluator.pose("walk", 0.0, "wave", start=start)
+        apart = quaternion.angle(bank.motion("wave").rotations[:, upper], poses.rotations[0, upper]).max(axis=1)
+        frame = int(np.argmin(apart))
+        assert frame / wave.rate >= start - 1.0 / wave.rate
+        assert phase[frame] - np.interp(start * wave.rate, np.arange(len(phase)), phase) < 1.05
+        assert abs((phase[frame] - walk.first_phase + 0.5) % 1.0 - 0.5) < 0.03
+
+
+@pytest.mark.parametrize("time", [-0.1, 99.0, np.nan, np.inf])
+@pytest.mark.parametrize("label", ["time", "start"])
+def test_a_time_outside_the_clip_is_refused_by_name(bank: Bank, label: str, time: float) -> None:
+    at = {"time": 0.0, "start": 0.0, label: time}
+    clip = "walk" if label == "time" else "wave"
+    with pytest.raises(TimeRangeError, match=f"{label} .* outside clip '{clip}'.*Give a {label} from 0 to"):
+        Evaluator(bank).pose("walk", at["time"], "wave", start=at["start"])
+
+
+def test_a_batch_names_the_character_at_fault(bank: Bank) -> None:
+    evaluator, requests = Evaluator(bank), Requests.empty(5)
+    requests.time[3] = np.nan
+    with pytest.raises(TimeRangeError, match="character 3"):
+        evaluator.evaluate(requests, evaluator.poses(5))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "kind", "words"),
+    [
+        ({"locomotion": "wlak"}, UnknownClipError, "Did you mean 'walk'"),
+        ({"action": "carrybox"}, UnknownClipError, "Did you mean 'carry_box'"),
+        ({"method": "splise"}, SettingsError, "Did you mean 'splice'"),
+        ({"posture": "upright"}, SettingsError, "there is no posture"),
+    ],
+)
+def test_an_unknown_name_is_answered_with_the_near_ones(
+    bank: Bank, wrong: dict[str, str], kind: type[MotionError], words: str
+) -> None:
+    request = {"locomotion": "walk", "time": 0.0, "action": "wave"} | wrong
+    with pytest.raises(kind, match=words):
+        Evaluator(bank).pose(**request)  # type: ignore[arg-type]
+
+
+def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> None:
+    evaluator = Evaluator(bank)
+    with pytest.raises(SettingsError, match="different numbers"):
+        evaluator.evaluate(Requests.empty(2), evaluator.poses(3))
+    for name in ("locomotion", "action", "method", "posture"):
+        requests = Requests.empty(2)
+        getattr(requests, name)[1] = 77
+        with pytest.raises(SettingsError, match=f"{name} number"):
+            evaluator.evaluate(requests, evaluator.poses(2))
+
+
+def test_no_characters_are_no_work(bank: Bank) -> None:
+    evaluator = Evaluator(bank)
+    evaluator.evaluate(Requests.empty(0), evaluator.poses(0))

@@ -17,7 +17,7 @@ from runtime.bank import Bank
 def main(
     clips: Annotated[Path, typer.Argument(help="Folder of clips")],
     baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; one per core if not given")] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes")] = 1,
     rounds: Annotated[int, typer.Option(min=1)] = 3,
 ) -> None:
     """Prints the job's time over a folder, from files to bank, beside the time of the motion itself."""

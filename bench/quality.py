@@ -23,6 +23,8 @@ from bench.clips import bank_of
 from bench.measures import posture_error, upper_body_errors
 from motion.clip import Clip
 from motion.procedural.library import ACTIONS, LOCOMOTIONS, truth
+from motion.roles import find_roles
+from precompute.common_skeleton import onto_skeleton
 from precompute.splice import Posture, splice_exact, splice_naive
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
@@ -71,9 +73,9 @@ def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Sc
 def show(scores: Iterable[Score], title: str) -> None:
     """Prints a table of scores, and their means."""
     table = Table(title=title)
-    table.add_column("locomotion <- action")
-    columns = ["naive cm", *(f"exact {p}" for p in POSTURES), *(f"splice {p}" for p in POSTURES)]
-    for column in [*columns, "exact posture °", "splice posture °"]:
+    table.add_column("locomotion <- action", no_wrap=True)
+    columns = ["naive cm", *(f"exact\n{p}" for p in POSTURES), *(f"splice\n{p}" for p in POSTURES)]
+    for column in [*columns, "exact\nposture °", "splice\nposture °"]:
         table.add_column(column, justify="right")
     rows = []
     for one in scores:
@@ -98,7 +100,9 @@ def scores_of_grid(bank: Bank) -> Iterator[Score]:
     evaluator = Evaluator(bank)
     for locomotion in LOCOMOTIONS:
         for action in ACTIONS:
-            yield score(evaluator, locomotion, action, truth(locomotion, action))
+            real = truth(locomotion, action)
+            real = onto_skeleton(real, find_roles(real.skeleton), bank.skeleton, bank.roles)
+            yield score(evaluator, locomotion, action, real)
 
 
 def main(

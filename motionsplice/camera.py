@@ -44,15 +44,17 @@ class Camera:
         headings = np.unwrap(np.arctan2(-hips[:, 2], hips[:, 0]))
         headings = gaussian_filter1d(headings, SMOOTHING * tracked.rate, mode="nearest")
         clock = np.arange(tracked.frame_count) / tracked.rate
-        shown = (clock >= times[0] - 1e-9) & (clock <= times[-1] + 1e-9)
-        shown[-1] |= not shown.any()
+        first, last = np.searchsorted(clock, [times[0], times[-1]])
+        first = min(first, tracked.frame_count - 1)
         feet = positions[:, clip.skeleton.subtree(roles.left_ankle) + clip.skeleton.subtree(roles.right_ankle)]
         around, above = np.radians(VIEWS[view])
         yaw = np.interp(times, clock, headings) - around
         x, z, still = np.sin(yaw), np.cos(yaw), np.zeros(len(times))
         right = np.stack([z, still, -x], axis=-1)
         towards = np.stack([x * np.cos(above), still + np.sin(above), z * np.cos(above)], axis=-1)
-        return cls(np.stack([right, np.cross(towards, right), towards], axis=1), float(feet[shown, :, 1].min()))
+        return cls(
+            np.stack([right, np.cross(towards, right), towards], axis=1), float(feet[first : last + 1, :, 1].min())
+        )
 
     def sees(self, points: Floats, roots: Floats) -> Floats:
         """Points [n, P, 3] in the world, of a figure whose roots are [n, 3] -> [n, P, 3] right, up and towards."""

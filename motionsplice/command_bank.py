@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -30,7 +31,7 @@ def precompute_command(
     out: Annotated[Path, typer.Option(help="The bank to write.")],
     baseline: Annotated[
         str | None,
-        typer.Option(help="The clip whose stride all are aligned to; else the locomotion that repeats best."),
+        typer.Option(help="The clip whose stride all are aligned to; else the most typical stride."),
     ] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Processes; else one per core.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
@@ -74,7 +75,7 @@ def run(
             clips,
             out,
             baseline=baseline,
-            jobs=jobs,
+            jobs=jobs or os.cpu_count() or 1,
             settings=settings,
             roles=read_roles_file(roles_file) if roles_file else {},
             progress=lambda stage, done, total: bar.update(tasks[stage], completed=done, total=total),

@@ -15,6 +15,7 @@ from motion.procedural.library import ACTIONS, sample_clips
 from motionsplice import command_bank, command_serve
 from motionsplice.command_motion import Method, Posture, spliced
 from motionsplice.drawing import animation, contact_sheet
+from motionsplice.sample_folder import write_sample_clips
 from runtime.bank import Bank
 
 LOCOMOTION, ACTION = "curve", "carry_box"
@@ -39,10 +40,11 @@ def demo_command(
     naive = spliced(bank, LOCOMOTION, ACTION, Method.NAIVE, Posture.RELATIVE, 0.0)
     motion = folder / f"{LOCOMOTION}+{ACTION}.bvh"
     motion.write_bytes(dump(splice))
+    real = truth(LOCOMOTION, ACTION)
     rows = [
         ("naive splice", naive, bank.roles),
         ("motionsplice", splice, bank.roles),
-        ("captured together", truth(), bank.roles),
+        ("truth", real, find_roles(real.skeleton)),
     ]
     sheet, film = motion.with_suffix(".png"), motion.with_suffix(".gif")
     contact_sheet(rows).save(sheet)
@@ -57,12 +59,3 @@ def demo_command(
         console.print(
             f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/docs"
         )
-
-
-def write_sample_clips(folder: Path) -> None:
-    """The built-in motions as BVH files, with the `clips.toml` that tells actions from locomotions."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, clip in sample_clips().items():
-        (folder / f"{name}.bvh").write_bytes(dump(clip))
-    entries = [f'[{name}]\nkind = "action"\nneutral = "walk"\n' for name in ACTIONS]
-    (folder / "clips.toml").write_text("\n".join(entries))

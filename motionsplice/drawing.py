@@ -62,34 +62,36 @@ def contact_sheet(
     label_width = max(heading.getlength(line) for lines in labels for line in lines)
     left = MARGIN + round(max(label_width, MIN_LABEL_WIDTH)) + 16
     cell = max((SHEET_WIDTH - left - MARGIN) / columns, MIN_CELL_WIDTH)
-    low, bottom, high, top = _bounds(takes)
-    scale = min(cell / (1.04 * (high - low)), MAX_FIGURE_HEIGHT / (top - bottom))
-    height = round((top - bottom) * scale) + 2 * PADDING
-    width = left + round(cell * columns) + MARGIN
-    sheet = Image.new("RGB", (width, MARGIN + height * len(rows) + FOOTER), WHITE)
+    low, _, high, _ = _bounds([take for row in takes for take in row])
+    extents = [_bounds(row) for row in takes]
+    tallest = max(top - bottom for _, bottom, _, top in extents)
+    scale = min(cell / (1.04 * (high - low)), MAX_FIGURE_HEIGHT / tallest)
+    heights = [round((top - bottom) * scale) + 2 * PADDING for _, bottom, _, top in extents]
+    width, baseline = left + round(cell * columns) + MARGIN, MARGIN + sum(heights) + 18
+    sheet = Image.new("RGB", (width, MARGIN + sum(heights) + FOOTER), WHITE)
     draw = ImageDraw.Draw(sheet)
 
-    for number, (row, lines) in enumerate(zip(takes, labels, strict=True)):
-        y = MARGIN + number * height
+    middles = [(column + 0.5) * cell - (low + high) / 2.0 * scale for column in range(columns)]
+    floor = np.array([[0.0, 0.0], [columns * cell, 0.0], [columns * cell, -1.5], [0.0, -1.5]])
+    y = MARGIN
+    for row, lines, height, (*_, top) in zip(takes, labels, heights, extents, strict=True):
         strip = canvas(width - left, height)
         ground = PADDING + top * scale
-        middles = [(column + 0.5) * cell - (low + high) / 2.0 * scale for column in range(columns)]
-        edge = columns * cell
-        Brush(strip, (0.0, ground), 1.0).polygon(np.array([[0, 0], [edge, 0], [edge, -1.5], [0, -1.5]]), FLOOR)
+        Brush(strip, (0.0, ground), 1.0).polygon(floor, FLOOR)
         for column, middle in enumerate(middles):
             _paint(Brush(strip, (middle, ground), scale), row, column)
         sheet.paste(reduced(strip), (left, y))
         draw.multiline_text((MARGIN, y + height / 2), "\n".join(lines), TEXT, heading, anchor="lm", spacing=3)
+        y += height
 
     small = _font(12)
-    baseline = MARGIN + height * len(rows) + 18
     decimals = 1 if np.allclose(times, times.round(1), atol=1e-6) else 2
     labelled_every = int(np.ceil(small.getlength("00.00 s") * 1.1 / cell))
     for column in range(0, columns, labelled_every):
         at = left + (column + 0.5) * cell
         draw.text((at, baseline), f"{times[column]:.{decimals}f} s", QUIET, small, anchor="mm")
-    for word, colour, x, y in _legend(rows, ghost, small):
-        draw.text((MARGIN + x, baseline + y), word, colour, small, anchor="lm")
+    for word, colour, right, down in _legend(rows, ghost, small):
+        draw.text((MARGIN + right, baseline + down), word, colour, small, anchor="lm")
     return sheet
 
 
@@ -112,17 +114,19 @@ def animation(
         raise SettingsError(f"{rate} frames per second cannot be shown", mend=f"Choose a rate from 1 to {MAX_RATE:g}")
     start, end = _checked(rows, MAX_PANELS, start, end, view, ghost)
     delay = round(100.0 / rate)
-    count = int((end - start) * 100.0 / delay + 1e-6) + 1
-    if count > MAX_FRAMES:
+    steps = (end - start) * 100.0 / delay + 1e-6
+    if steps >= MAX_FRAMES:
         raise SettingsError(
-            f"{end - start:.1f} s need {count} frames, and {MAX_FRAMES} are the most", mend="Choose an earlier end"
+            f"{end - start:g} s are more than the {MAX_FRAMES} frames that an animation may have",
+            mend="Choose a later start, an earlier end or a lower rate",
         )
+    count = int(steps) + 1
     times = np.linspace(start, start + (count - 1) * delay / 100.0, count)
     takes = [_takes(row, times, view, ghost) for row in rows]
 
     panel = min(PANEL_WIDTH, SHEET_WIDTH // len(rows))
     width = panel * len(rows)
-    low, bottom, high, top = _bounds(takes)
+    low, bottom, high, top = _bounds([take for row in takes for take in row])
     scale = min(panel / (1.08 * (high - low)), PANEL_HEIGHT / (top - bottom))
     ground = MARGIN + PADDING + top * scale
     height = round(ground - bottom * scale) + 2 * PADDING
@@ -182,10 +186,10 @@ def _takes(row: Row, times: Floats, view: str, ghost: Clip | None) -> tuple[Take
     return tuple(Take.of(one, figure, times, camera) for one in (ghost, clip) if one is not None)
 
 
-def _bounds(takes: Sequence[tuple[Take, ...]]) -> tuple[float, float, float, float]:
+def _bounds(takes: Sequence[Take]) -> tuple[float, float, float, float]:
     """Left, bottom, right and top in metres of all figures; the floor, at 0, is always within."""
-    bounds = np.array([take.figure.bounds(take.points) for row in takes for take in row])
-    (left, bottom), (right, top) = bounds[:, 0, :2].min(axis=0), bounds[:, 1, :2].max(axis=0)
+    bounds = np.array([take.figure.bounds(take.points)[:, :2] for take in takes])
+    (left, bottom), (right, top) = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
     return float(left), float(min(bottom, 0.0)), float(right), float(top)
 
 

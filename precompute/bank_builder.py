@@ -21,6 +21,9 @@ from precompute.prepared import PreparedClip
 from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, ClipEntry, content_digest
 
 
+CELLS_PER_FRAME = 4  # of the inverse table: phase may pass four times more slowly than on average
+
+
 def write_bank(
     path: Path, skeleton: Skeleton, roles: Roles, baseline: Baseline, prepared: Sequence[PreparedClip]
 ) -> str:
@@ -83,8 +86,8 @@ def _entries(clips: Sequence[PreparedClip]) -> list[ClipEntry]:
                 rate=float(one.clip.rate),
                 first_frame=frame,
                 frame_count=one.clip.frame_count,
-                first_cell=frame,
-                cell_count=one.clip.frame_count,
+                first_cell=CELLS_PER_FRAME * frame,
+                cell_count=CELLS_PER_FRAME * one.clip.frame_count,
                 first_phase=float(phase[0]),
                 last_phase=float(phase[-1]),
                 mean_mismatch=one.alignment.mean_mismatch,
@@ -113,8 +116,9 @@ def _tables(clips: Sequence[PreparedClip]) -> dict[str, NDArray[Any]]:
 
 
 def frame_of_phase(phase: Floats) -> Floats:
-    """The inverse of a strictly increasing phase [F], on as many evenly spaced phases [F], in frames."""
-    return np.interp(np.linspace(phase[0], phase[-1], len(phase)), phase, np.arange(len(phase), dtype=np.float64))
+    """The inverse of a strictly increasing phase [F], in frames, on evenly spaced phases [CELLS_PER_FRAME F]."""
+    grid = np.linspace(phase[0], phase[-1], CELLS_PER_FRAME * len(phase))
+    return np.interp(grid, phase, np.arange(len(phase), dtype=np.float64))
 
 
 def _tables_in_use(manifest: Path) -> set[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ STRIDES = (0.5, 1.8)  # shortest and longest stride looked for, seconds
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # how far the stride's ends may be apart, as a part of how far its middle is
 LEAST_SWING = 0.05  # of the leg length, between the two halves of a stride
+MOST_CANDIDATES = 16  # strides that are weighed against all others
 SHORTEST_CLIP = 0.3  # seconds: below it a path round the ring means nothing
 
 
@@ -29,13 +31,15 @@ SHORTEST_CLIP = 0.3  # seconds: below it a path round the ring means nothing
 class Baseline:
     """One stride as a ring: lower clouds [cells, 3, 3] of a locomotion, evenly spaced in phase.
 
-    start and end are seconds in the clip; loop is the distance of its ends over that of its halves.
+    start and end are seconds in the clip; loop is the distance of its ends over that of its halves; leg is the
+    length of its legs, metres.
     """
 
     name: str
     start: float
     end: float
     loop: float
+    leg: float
     clouds: Floats
 
 
@@ -88,7 +92,26 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
         )
     step = 1.0 / WORKING_RATE
     stride = slice(first, first + length + 1)
-    return Baseline(clip.name, first * step, (first + length) * step, loop_distance, _ring(clip, roles, stride))
+    return Baseline(clip.name, first * step, (first + length) * step, loop_distance, leg, _ring(clip, roles, stride))
+
+
+def most_typical(strides: Sequence[Baseline]) -> Baseline:
+    """The stride that all `strides` come nearest to, among the MOST_CANDIDATES that close best.
+
+    Each stride, taken twice over, is wound round each candidate's ring, so the cost is linear in their number.
+    """
+
+    def apart(candidate: Baseline) -> float:
+        ring = level(candidate.clouds / candidate.leg)
+        total = 0.0
+        for stride in strides:
+            distances = planar_distances(level(np.tile(stride.clouds / stride.leg, (2, 1, 1))), ring)
+            wound = wind(distances) % len(ring)
+            total += float(distances[np.arange(len(wound)), wound].mean())
+        return total
+
+    candidates = sorted(strides, key=lambda stride: (stride.loop, stride.name))[:MOST_CANDIDATES]
+    return min(candidates, key=lambda stride: (apart(stride), stride.name))
 
 
 def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:

@@ -17,7 +17,7 @@ from scipy.linalg import solveh_banded
 from motion.quaternion import Floats
 
 DEGREE = 3
-LEAST_SLOPE = 0.05  # of the mean slope: what an increment may shrink to
+LEAST_SLOPE = 0.25  # of the mean slope: as little as the path through the grid may rise
 MOST_STEPS = 60
 
 
@@ -38,8 +38,9 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float) -> BSpline[n
     for offset in range(DEGREE + 1):
         bands[offset, : count - offset] = normal.diagonal(offset)
     steps = _greville_steps(knots, count)
+    line = y[0] + np.concatenate([[0.0], np.cumsum(steps)]) * (y[-1] - y[0]) / (x[-1] - x[0])
     floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * steps
-    coefficients = _increasing_least_squares(bands, design.T @ y, y[0], y[-1], floor, steps)
+    coefficients = _increasing_least_squares(bands, design.T @ y, line, floor)
     return BSpline(knots, coefficients, DEGREE)
 
 
@@ -49,17 +50,15 @@ def _greville_steps(knots: Floats, count: int) -> Floats:
     return cast(Floats, np.diff(abscissae))
 
 
-def _increasing_least_squares(
-    bands: Floats, right: Floats, first: float, last: float, floor: Floats, steps: Floats
-) -> Floats:
-    """min 1/2 c'Hc - r'c with c[0] = first, c[-1] = last, diff(c) >= floor, by a primal-dual interior point.
+def _increasing_least_squares(bands: Floats, right: Floats, inside: Floats, floor: Floats) -> Floats:
+    """min 1/2 c'Hc - r'c with diff(c) >= floor, by a primal-dual interior point from `inside`.
 
-    H is given by its bands [4, n] (lower form). Each step solves one banded system, so a step is linear in n,
-    and the number of steps hardly depends on n. The straight line is strictly inside, so it is the start.
+    H is given by its bands [4, n] (lower form). Each step solves one banded system, so a step is linear in n, and
+    the number of steps hardly depends on n.
     """
-    c = first + np.concatenate([[0.0], np.cumsum(steps)]) * (last - first) / steps.sum()
-    scale = float(bands[0].mean()) + 1e-12
-    bands, right = bands.copy() / scale, right / scale
+    c = inside
+    scale = float(bands[0].mean())
+    bands, right = bands / scale, right / scale
     bands[0] += 1e-9  # a stretch without samples keeps its coefficients where they are
     slack = np.diff(c) - floor
     unit = float(slack.mean())
@@ -69,18 +68,17 @@ def _increasing_least_squares(
         gradient = _banded_product(bands, c) - right
         gradient[:-1] += dual
         gradient[1:] -= dual
-        if gap < 1e-10 * unit**2 and np.abs(gradient[1:-1]).max(initial=0.0) < 1e-7 * unit:
+        if gap < 1e-10 * unit**2 and np.abs(gradient).max() < 1e-7 * unit:
             break
         weight = dual / slack
         pull = 0.1 * gap / slack - dual
-        system = bands[:, 1:-1].copy()
-        system[0] += weight[:-1] + weight[1:]
-        system[1, :-1] -= weight[1:-1]
-        for offset in range(1, DEGREE + 1):  # the two ends are given, not solved for
-            system[offset, max(0, system.shape[1] - offset) :] = 0.0
-        target = -gradient[1:-1] + pull[:-1] - pull[1:]
-        move = np.zeros_like(c)
-        move[1:-1] = solveh_banded(system, target, lower=True)
+        system, target = bands.copy(), -gradient
+        system[0, :-1] += weight
+        system[0, 1:] += weight
+        system[1, :-1] -= weight
+        target[:-1] -= pull
+        target[1:] += pull
+        move = solveh_banded(system, target, lower=True)
         slack_move = np.diff(move)
         dual_move = pull - weight * slack_move
         reach = min(_reach(slack, slack_move), _reach(dual, dual_move))

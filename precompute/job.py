@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -15,7 +14,7 @@ from motion.formats.files import Reading, read_clip
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.bank_builder import write_bank
-from precompute.baseline import Baseline, find_baseline
+from precompute.baseline import Baseline, find_baseline, most_typical
 from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from precompute.neutral import nearest_gait
 from precompute.prepared import PreparedClip, prepare
@@ -55,21 +54,22 @@ def precompute(
     baseline: str | None = None,
     roles: Mapping[str, str | Sequence[str]] | None = None,
     settings: ClipSettings = DEFAULT_SETTINGS,
-    jobs: int | None = None,
+    jobs: int = 1,
     progress: Progress = lambda stage, done, total: None,
 ) -> Outcome:
     """Reads clips, aligns each to the baseline and writes the bank `out`.
 
     `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it, and `settings`
-    hold for files of which it says nothing. Without
-    `baseline`, it is the locomotion whose stride closes best. Clips that fail are left out and reported. Raises
+    hold for files of which it says nothing. More than one of `jobs` are processes of their own, which a script
+    must not start outside `if __name__ == "__main__"`. Without
+    `baseline`, it is the locomotion whose stride is the most typical. Clips that fail are left out and reported. Raises
     MotionError if there is nothing to do, the baseline is unusable, or two clips have one name.
     """
     sources = find_sources(paths, roles or {}, settings)
     failed: Failures = {}
     loaded: dict[str, Loaded] = {}
     prepared: dict[str, PreparedClip] = {}
-    with workers(min(jobs or os.cpu_count() or 1, len(sources))) as pool:
+    with workers(min(jobs, len(sources))) as pool:
         for done, (source, result) in enumerate(outcomes(pool, load, sources), 1):
             _sort(source.name, result, loaded, failed)
             progress("reading", done, len(sources))
@@ -95,13 +95,13 @@ def load(source: Source) -> Loaded:
 
 
 def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionError], name: str | None) -> Baseline:
-    """The named clip's stride, or the stride that closes best among all locomotions. Raises BaselineError."""
+    """The named clip's stride, or the most typical of all locomotions' strides. Raises BaselineError."""
     if name is None:
         strides = [one.stride for one in loaded.values() if one.stride is not None]
         if not strides:
             reasons = "".join(f" {error}" for error in failed.values())
             raise BaselineError(f"none of the clips can serve as the baseline, for none has a stride.{reasons}")
-        return min(strides, key=lambda stride: (stride.loop, stride.name))
+        return most_typical(strides)
     if name in failed:
         raise BaselineError(f"the baseline cannot be read: {failed[name]}")
     if name not in loaded:

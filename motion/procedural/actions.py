@@ -49,9 +49,9 @@ def _still(point: tuple[float, float, float], rhythm: Rhythm, bob: float = 0.0) 
 
 def _carry_box(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
     """Leaning back under a heavy box, held in front by its sides."""
-    width, low, ahead = 0.19 * random.uniform(0.93, 1.07), random.uniform(-0.36, -0.32), random.uniform(0.35, 0.38)
+    width, low, ahead = 0.19 * random.uniform(0.93, 1.07), random.uniform(-0.38, -0.35), random.uniform(0.33, 0.36)
     held = trunk(replace(carriage, twist=0.5 * carriage.twist), rhythm)
-    held = replace(held, pitch=held.pitch - np.radians(random.uniform(10.5, 12.0)))
+    held = replace(held, pitch=held.pitch - np.radians(random.uniform(13.0, 15.0)))
     wrist = _still((width - _SHOULDER[0], low, ahead), rhythm, bob=-0.008)
     arms = {
         side: reaching_arm(side, wrist, (0.45, -1.0, -0.5), pronation=-0.25, extension=-0.1) for side in (LEFT, RIGHT)
@@ -69,7 +69,7 @@ def _carry_cup(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) 
 
 def _punch(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
     """Straight punches out of the guard, left and right in turn, each as the other side's foot lands."""
-    reach, drive = random.uniform(0.50, 0.53), random.uniform(0.85, 1.1)
+    reach, drive = random.uniform(0.555, 0.565), random.uniform(0.85, 1.1)
     base = trunk(replace(carriage, twist=0.4 * carriage.twist), rhythm)
     arms, thrusts = {}, {}
     for side in (LEFT, RIGHT):
@@ -77,7 +77,7 @@ def _punch(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> U
         thrust = ease(since / 0.17) - ease((since - 0.21) / 0.25)
         thrusts[side] = thrust
         guard = np.array([-0.08, 0.06, 0.25])
-        target = np.array([-0.16, 0.04, reach])
+        target = np.array([0.08, 0.05, reach])
         arms[side] = reaching_arm(
             side,
             guard + (target - guard) * thrust[:, None],
@@ -91,9 +91,9 @@ def _punch(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> U
 
 def _push(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
     """Leaning into something heavy, with both palms on it."""
-    height, reach = random.uniform(-0.14, -0.08), random.uniform(0.46, 0.50)
+    height, reach = random.uniform(-0.04, 0.02), random.uniform(0.54, 0.56)
     leaning = trunk(replace(carriage, twist=0.6 * carriage.twist), rhythm)
-    leaning = replace(leaning, pitch=leaning.pitch + np.radians(random.uniform(14.0, 16.0)))
+    leaning = replace(leaning, pitch=leaning.pitch + np.radians(random.uniform(16.0, 18.0)))
     wrist = _still((-0.02, height, reach), rhythm)
     arms = {
         side: reaching_arm(side, wrist, (0.7, -1.0, 0.0), pronation=1.35, extension=1.15) for side in (LEFT, RIGHT)
@@ -107,7 +107,7 @@ def _wave(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Up
     beat = np.sin(2.0 * np.pi * (rate * rhythm.time + start))
     late = np.sin(2.0 * np.pi * (rate * rhythm.time + start) - 0.7)
     swept = np.radians(16.0) + np.radians(21.0) * beat
-    elbow = np.array([0.235, -0.10, 0.20])
+    elbow = np.array([0.21, -0.15, 0.20])
     elbow *= UPPER_ARM / np.linalg.norm(elbow)
     lower = np.stack([np.sin(swept) * 0.97, np.cos(swept) * 0.97, np.full_like(swept, 0.24)], axis=-1)
     wrist = elbow + FOREARM * lower / np.linalg.norm(lower, axis=-1, keepdims=True)

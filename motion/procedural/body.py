@@ -19,7 +19,7 @@ from motion.skeleton import Skeleton
 STATURE = 1.78
 THIGH, SHANK, ANKLE_HEIGHT = 0.245 * STATURE, 0.246 * STATURE, 0.039 * STATURE
 UPPER_ARM, FOREARM, HAND = 0.186 * STATURE, 0.146 * STATURE, 0.108 * STATURE
-HEEL = (-0.05, -ANKLE_HEIGHT)  # forward and up of the ankle, metres
+HEEL = (-0.055, -ANKLE_HEIGHT)  # forward and up of the ankle, metres
 BALL = (0.135, 0.024 - ANKLE_HEIGHT)  # the joint of the toes
 
 UP: Floats = np.array([0.0, 1.0, 0.0])

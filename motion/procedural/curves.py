@@ -3,7 +3,8 @@
 Angles at every 5 % of the cycle, degrees, read off the published figures and rounded: walking after Winter
 (1991), The Biomechanics and Motor Control of Human Gait, and Perry (1992), Gait Analysis; running after Novacheck
 (1998), The biomechanics of running; stairs after Riener, Rabuffetti and Frigo (2002), Stair ascent and descent at
-different inclinations. A thigh's angle is against the vertical, forward positive; a knee's is its flexion.
+different inclinations. A thigh's angle is against the vertical, forward positive; a knee's is its flexion; a foot's is its
+pitch over the floor, toes up positive, keyed so that it is exactly flat while it stands.
 """
 
 from __future__ import annotations
@@ -47,13 +48,21 @@ def keyed(keys: tuple[tuple[float, float], ...], blur: float = 0.012) -> Curve:
     return lambda phase, derivative=0: np.asarray(spline(np.mod(phase, 1.0), derivative))
 
 
+def scaled(curve: Curve, factor: float) -> Curve:
+    """`factor` times `curve`."""
+    return lambda phase, derivative=0: factor * curve(phase, derivative)
+
+
 @dataclass(frozen=True)
 class Norm:
-    """One leg's sagittal motion over a cycle: `thigh`, `knee`, and the `foot`'s pitch (toes up positive)."""
+    """One leg's sagittal motion over a cycle."""
 
     thigh: Curve
     knee: Curve
-    foot: Curve
+
+    def scaled(self, factor: float) -> Norm:
+        """The same motion, `factor` times as wide."""
+        return Norm(scaled(self.thigh, factor), scaled(self.knee, factor))
 
 
 WALK = Norm(
@@ -61,34 +70,34 @@ WALK = Norm(
         (22, 21.5, 19, 15.5, 12, 8, 3.5, -1, -6, -10.5, -14, -14.5, -10, -1, 9, 17, 22, 25, 25.5, 24), harmonics=6
     ),
     knee=fourier(
-        (4, 11, 17, 19.5, 18.5, 15.5, 11.5, 8.5, 7, 8.5, 13, 22.5, 37, 52.5, 61, 61, 53, 39, 21, 7), harmonics=7
-    ),
-    foot=keyed(
-        (
-            *((0.0, 21), (0.04, 10), (0.08, 1), (0.10, 0), (0.36, 0), (0.42, -4), (0.50, -17), (0.56, -34)),
-            *((0.62, -56), (0.66, -64), (0.72, -57), (0.78, -36), (0.84, -12), (0.90, 9), (0.95, 20)),
-        )
+        (6, 12, 18, 20.5, 19.5, 16, 12, 9, 7.5, 8.5, 13, 22.5, 37, 52.5, 61.5, 61, 53, 39, 21, 8), harmonics=7
     ),
 )
+WALK_FOOT = keyed(
+    (
+        *((0.0, 23), (0.04, 12), (0.085, 1), (0.10, 0), (0.36, 0), (0.42, -4), (0.50, -17), (0.56, -34)),
+        *((0.62, -56), (0.66, -64), (0.72, -57), (0.78, -36), (0.84, -12), (0.90, 9), (0.95, 20)),
+    )
+)
 RUN = Norm(
-    thigh=fourier((30, 30, 28, 24, 18, 11, 4, -2, -7, -8, -4, 4, 13, 22, 30, 37, 42, 43, 40, 34), harmonics=6),
+    thigh=fourier((23, 23, 20, 15, 8, 0, -8, -15, -19, -18, -13, -4, 6, 15, 23, 30, 35, 36, 33, 28), harmonics=6),
     knee=fourier((17, 29, 39, 43, 42, 36, 28, 22, 20, 26, 40, 58, 77, 93, 101, 98, 83, 59, 34, 18), harmonics=7),
-    foot=keyed(
-        (
-            *((0.0, 9), (0.04, 2), (0.06, 0), (0.15, 0), (0.21, -10), (0.29, -34), (0.36, -52), (0.45, -62)),
-            *((0.55, -77), (0.64, -84), (0.72, -74), (0.80, -46), (0.88, -14), (0.95, 8)),
-        )
-    ),
+)
+RUN_FOOT = keyed(
+    (
+        *((0.0, 9), (0.04, 2), (0.06, 0), (0.15, 0), (0.21, -10), (0.29, -34), (0.36, -52), (0.45, -62)),
+        *((0.55, -77), (0.64, -84), (0.72, -74), (0.80, -46), (0.88, -14), (0.95, 8)),
+    )
 )
 STAIRS_UP = Norm(
     thigh=fourier((52, 49, 44, 38, 32, 27, 22, 18, 14, 11, 8, 7, 9, 18, 33, 48, 58, 61, 59, 55), harmonics=6),
     knee=fourier((62, 60, 56, 50, 43, 36, 29, 23, 18, 15, 13, 16, 28, 50, 73, 88, 90, 83, 73, 66), harmonics=7),
-    foot=keyed(
-        (
-            *((0.0, 2), (0.04, 0), (0.44, 0), (0.52, -9), (0.58, -23), (0.63, -36), (0.68, -40), (0.76, -22)),
-            *((0.86, 3), (0.93, 6)),
-        )
-    ),
+)
+STAIRS_UP_FOOT = keyed(
+    (
+        *((0.0, 2), (0.04, 0), (0.44, 0), (0.52, -9), (0.58, -23), (0.63, -36), (0.68, -40), (0.76, -22)),
+        *((0.86, 3), (0.93, 6)),
+    )
 )
 SIDE_STEP_FOOT = keyed(
     ((0.0, -4), (0.06, 0), (0.50, 0), (0.58, -9), (0.64, -20), (0.74, -16), (0.84, -6), (0.93, -5))

@@ -7,10 +7,12 @@ while no foot slides.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from motion import quaternion
@@ -34,8 +36,9 @@ from motion.procedural.path import Path, ease, forward, leftward
 from motion.quaternion import Floats
 
 TURN = 2.0 * np.pi
-LEAVE, LAND = 0.14, 0.16  # phases over which a foot goes from the ground's path to the swing's, and back
-LONGEST = 0.9985 * (THIGH + SHANK)  # a leg is never quite straight
+LEAVE, LAND = 0.12, 0.1  # phases over which a foot goes from the ground's path to the swing's, and back
+LANDED = 0.07  # the phase by which a foot has come to rest after heel strike
+LONGEST = 0.998 * (THIGH + SHANK)  # a leg is never quite straight
 
 
 @dataclass(frozen=True)
@@ -72,34 +75,37 @@ class Gait:
 
     @cached_property
     def height(self) -> Floats:
-        """Fourier coefficients of the hips' height: mean, then cosine and sine of once and twice a step."""
+        """The hips' height over a step, as coefficients of `_harmonics`."""
         return self._fit[0]
 
     @cached_property
-    def reach(self) -> float:
-        """How far ahead of the hips' place at mid-stance a foot is put."""
+    def surge(self) -> Floats:
+        """How far the hips are ahead of even speed, less how far a foot is put ahead of them, likewise."""
         return self._fit[1]
 
     @cached_property
-    def _fit(self) -> tuple[Floats, float]:
+    def _fit(self) -> tuple[Floats, Floats]:
+        """Where the hips must be for a leg that stands to bend as the norm says, in the least squares."""
         if self.norm is None:
-            return np.array([THIGH + SHANK + ANKLE_HEIGHT + 0.03 - self.lowered, self.bob, 0.0, 0.0, 0.0]), 0.0
+            straight = THIGH + SHANK + ANKLE_HEIGHT - _hip(LEFT)[1]
+            return np.array([straight - self.lowered, self.bob, 0.0, 0.0, 0.0]), np.zeros(5)
         u = np.linspace(0.0, self.duty, 200)
+        basis = _harmonics(u)
         hip = quaternion.rotate(euler(*self.pelvis_turn(u)), _hip(LEFT))
         ahead, up = _ankle(self.norm, u)
         roll_ahead, roll_up = rocker(self.foot(u))
-        travelled = self.stride * (u - 0.5 * self.duty)
-        shift = float(np.mean(travelled + hip[:, 2] + ahead - roll_ahead))
-        apart = shift + roll_ahead - travelled - hip[:, 2]
+        travelled = u - 0.5 * self.duty
+        surge = np.linalg.lstsq(basis, roll_ahead - self.stride * travelled - hip[:, 2] - ahead, rcond=None)[0]
+        apart = roll_ahead - self.stride * travelled - hip[:, 2] - basis @ surge
         length = np.minimum(np.hypot(ahead, up), LONGEST)
-        lateral = 0.5 * self.width - hip[:, 0] - self.sway * np.cos(TURN * (u - 0.5 * self.duty))
-        level = np.sqrt(np.maximum(length**2 - apart**2 - lateral**2, 0.25))
-        target = ANKLE_HEIGHT + roll_up + level - hip[:, 1] - self.rise * (u - 0.5 * self.duty)
-        weight = np.sin(np.pi * u / self.duty) + 0.3
-        fit, *_ = np.linalg.lstsq(_harmonics(u) * weight[:, None], target * weight, rcond=None)
+        aside = 0.5 * self.width - hip[:, 0] - self.sway * np.cos(TURN * travelled)
+        tall = np.sqrt(np.maximum(length**2 - apart**2 - aside**2, 0.25))
+        level = ANKLE_HEIGHT + roll_up + tall - hip[:, 1] - self.rise * travelled
         if self.bob:
-            fit[1:] = -self.bob * np.array([np.cos(TURN * self.duty), np.sin(TURN * self.duty), 0.0, 0.0])
-        return fit, shift
+            bob = -self.bob * np.array([0.0, np.cos(TURN * self.duty), np.sin(TURN * self.duty), 0.0, 0.0])
+            bob[0] = np.mean(level - basis @ bob)
+            return bob, surge
+        return np.linalg.lstsq(basis, level, rcond=None)[0], surge
 
 
 def _hip(side: float) -> Floats:
@@ -140,7 +146,8 @@ def _swing(gait: Gait, u: Floats) -> Floats:
     ahead, up = _ankle(gait.norm, u)
     travelled = u - 0.5 * gait.duty
     height = _harmonics(u) @ gait.height + gait.rise * travelled - ANKLE_HEIGHT
-    return np.stack([gait.stride * travelled + hip[:, 2] + ahead - gait.reach, height + hip[:, 1] + up + lift], axis=-1)
+    along = _harmonics(u) @ gait.surge + gait.stride * travelled
+    return np.stack([along + hip[:, 2] + ahead, height + hip[:, 1] + up + lift], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -157,11 +164,11 @@ def foot(gait: Gait, path: Path, side: float, time: Floats, start: float) -> Foo
     """The motion of one foot at times [F] seconds, for a clip that begins at phase `start`."""
     offset = start if side == LEFT else start + 0.5
     phase = time / gait.period + offset
-    cycle = np.floor(phase)
+    cycle = np.floor(phase - LANDED)
     first = int(cycle.min())
     at = (np.arange(first, int(cycle.max()) + 2) + 0.5 * gait.duty - offset) * gait.period
     yaw = path.heading(at)
-    place = path.position(at) + forward(yaw) * gait.reach + leftward(yaw) * (0.5 * side * gait.width)
+    place = path.position(at) + leftward(yaw) * (0.5 * side * gait.width)
     yaw = yaw + side * gait.toe_out
     pace = path.pace(at)
     index = cycle.astype(np.int64) - first
@@ -175,9 +182,10 @@ def foot(gait: Gait, path: Path, side: float, time: Floats, start: float) -> Foo
     pitch = gait.foot(u) * between(pace)
     foot_yaw = between(yaw)
     # In swing the foot follows the norm; just off and just before the ground it still, or already, rolls there.
-    leaving, landing = 1.0 - ease((u - gait.duty) / LEAVE), ease((u - 1.0) / LAND + 1.0)
+    leaving = 1.0 - ease((u - gait.duty) / LEAVE + 0.5)
+    landing = ease((u - 1.0 - LANDED) / LAND + 1.0)
     rolled = np.stack(rocker(pitch), axis=-1)
-    moved = _swing(gait, np.maximum(u, gait.duty)) - eased[:, None] * np.array([gait.stride, gait.rise])
+    moved = _swing(gait, np.maximum(u, 0.5 * gait.duty)) - eased[:, None] * np.array([gait.stride, gait.rise])
     moved *= between(pace)[:, None]
 
     def on(ground: Floats, direction: Floats, offset: Floats) -> Floats:
@@ -202,25 +210,17 @@ class LowerBody:
     phase: Floats
 
 
-def lower_body(gait: Gait, path: Path, time: Floats, start: float, lean: Floats) -> LowerBody:
-    """The lower body at times [F] seconds; `lean` [F] radians rolls the pelvis into a curve."""
+def lower_body(gait: Gait, path: Path, time: Floats, start: float, lean: Callable[[Floats], Floats]) -> LowerBody:
+    """The lower body at times [F] seconds; `lean`, of times, is the roll to the left in radians."""
+    root, pelvis, feet = _planned(gait, path, time, start, lean)
+    root = root - UP * _sink(gait, path, time, start, lean)[:, None]
     phase = time / gait.period + start
-    heading = path.heading(time)
-    yaw, pitch, roll = gait.pelvis_turn(phase)
-    pace = path.pace(time)
-    pelvis = euler(heading + yaw * pace, pitch, roll * pace - lean)
-    bob = _harmonics(phase)
-    bob[:, 1:] *= (pace**2)[:, None]
-    height = bob @ gait.height
-    aside = gait.sway * np.cos(TURN * (phase - 0.5 * gait.duty)) + np.tan(lean) * 0.6
-    root = path.position(time) + leftward(heading) * aside[:, None] + UP * height[:, None]
-    feet = {side: foot(gait, path, side, time, start) for side in (LEFT, RIGHT)}
-    root = root - UP * _overreach(root, pelvis, feet)[:, None]
+    heading = path.heading(time) + gait.pelvis_turn(phase)[0]
     world = {"Hips": pelvis}
     for side, one in feet.items():
         name = side_name(side)
         hip = root + quaternion.rotate(pelvis, _hip(side))
-        pole = forward(0.5 * (heading + yaw + one.yaw))
+        pole = forward(0.5 * (heading + one.yaw))
         leg = two_bones(one.ankle - hip, pole, THIGH, SHANK)
         ankle = euler(one.yaw, -one.pitch, 0.0)
         world[name + "UpLeg"] = frame(leg.hinge, -leg.upper)
@@ -230,13 +230,37 @@ def lower_body(gait: Gait, path: Path, time: Floats, start: float, lean: Floats)
     return LowerBody(root, world, phase)
 
 
-def _overreach(root: Floats, pelvis: Floats, feet: dict[float, Foot]) -> Floats:
-    """How far [F] the hips must sink, smoothly over frames, so that no leg is longer than it can be."""
-    sink = np.zeros(len(root))
+def _planned(
+    gait: Gait, path: Path, time: Floats, start: float, lean: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats, dict[float, Foot]]:
+    """Root positions [F, 3], pelvis rotations [F, 4] and feet, before any leg is asked whether it can reach."""
+    phase = time / gait.period + start
+    heading, pace, rolled = path.heading(time), path.pace(time), lean(time)
+    yaw, pitch, roll = gait.pelvis_turn(phase)
+    pelvis = euler(heading + yaw * pace, pitch, roll * pace - 0.5 * rolled)
+    bob, surge = _harmonics(phase), (_harmonics(phase) @ gait.surge) * pace
+    bob[:, 1:] *= (pace**2)[:, None]
+    aside = gait.sway * np.cos(TURN * (phase - 0.5 * gait.duty)) + 0.5 * np.tan(rolled)
+    root = path.position(time) + forward(heading) * surge[:, None] + leftward(heading) * aside[:, None]
+    root = root + UP * (bob @ gait.height)[:, None]
+    return root, pelvis, {side: foot(gait, path, side, time, start) for side in (LEFT, RIGHT)}
+
+
+def _sink(gait: Gait, path: Path, time: Floats, start: float, lean: Callable[[Floats], Floats]) -> Floats:
+    """How far [F] the hips must sink, smoothly, so that no leg reaches further than `LONGEST`.
+
+    It is worked out on a time grid of its own, beyond both ends, so that neither rate nor ends show in it.
+    """
+    rate, radius = 100.0, 10
+    margin = 2.0 * radius / rate
+    grid = np.arange(time[0] - margin, time[-1] + margin + 2.0 / rate, 1.0 / rate)
+    root, pelvis, feet = _planned(gait, path, grid, start, lean)
+    excess = np.zeros(len(grid))
     for side, one in feet.items():
         leg = root + quaternion.rotate(pelvis, _hip(side)) - one.ankle
         tallest = np.sqrt(np.maximum(LONGEST**2 - leg[:, 0] ** 2 - leg[:, 2] ** 2, 0.01))
-        sink = np.maximum(sink, leg[:, 1] - tallest)
-    if not sink.any():
-        return sink
-    return gaussian_filter1d(maximum_filter1d(sink, 9), 4.0, mode="nearest")
+        excess = np.maximum(excess, leg[:, 1] - tallest)
+    # The blur's kernel is no wider than the maximum's window, so the result nowhere falls below the excess.
+    return CubicSpline(grid, gaussian_filter1d(maximum_filter1d(excess, 2 * radius + 1), radius / 3, radius=radius))(
+        time
+    )

@@ -40,21 +40,21 @@ def make(
         raise SettingsError(f"there is no action {action!r}", mend=did_you_mean(action, ACTIONS))
     if not (0.0 <= seconds <= 3600.0 and 1.0 <= rate <= 1000.0):
         raise SettingsError(
-            f"{seconds} seconds at {rate} frames per second", mend="Ask for up to an hour at 1 to 1000 frames per second"
+            f"{seconds} seconds at {rate} frames per second",
+            mend="Ask for up to an hour at 1 to 1000 frames per second",
         )
     random = np.random.default_rng([seed, LOCOMOTIONS.index(locomotion)])
     chosen = locomotions.varied(known[locomotion], random)
     start = random.uniform()
     time = np.arange(int(round(seconds * rate)) + 1) / rate
     path = locomotions.path_of(locomotion, chosen.gait, seconds)
-    lean = _lean(path, time)
-    lower = lower_body(chosen.gait, path, time, start, lean)
+    lower = lower_body(chosen.gait, path, time, start, path.lean)
     rhythm = Rhythm(
         phase=lower.phase,
         pace=path.pace(time),
         shoulders=path.heading(time + _SHOULDERS_LEAD),
         gaze=path.heading(time + _GAZE_LEADS),
-        lean=lean,
+        lean=path.lean(time),
         period=chosen.gait.period,
         time=time,
     )
@@ -68,25 +68,18 @@ def make(
     return Clip(name, SKELETON, rate, lower.root, _local(world))
 
 
+_SAMPLE_SEEDS = {name: seed for seed, name in enumerate((*LOCOMOTIONS, *ACTIONS), start=1)}
+
+
 def sample_clips() -> dict[str, Clip]:
     """All locomotions, and every action on a walk, each with a seed of its own, by name."""
-    plain = {name: make(name, seed=seed) for seed, name in enumerate(LOCOMOTIONS, start=1)}
-    acted = {name: make("walk", name, seed=seed) for seed, name in enumerate(ACTIONS, start=len(LOCOMOTIONS) + 1)}
-    return plain | acted
+    plain = {name: make(name, seed=_SAMPLE_SEEDS[name]) for name in LOCOMOTIONS}
+    return plain | {name: make("walk", name, seed=_SAMPLE_SEEDS[name]) for name in ACTIONS}
 
 
-def _lean(path: Path, time: Floats) -> Floats:
-    """The roll to the left [F] that balances the path's curvature."""
-    around = np.linspace(-0.25, 0.25, 11)
-    times = time[:, None] + around
-    step = 1e-2
-
-    def heading_rate(t: Floats) -> Floats:
-        return (path.heading(t + step) - path.heading(t - step)) / (2.0 * step)
-
-    velocity = (path.position(times.ravel() + step) - path.position(times.ravel() - step)) / (2.0 * step)
-    speed = np.linalg.norm(velocity, axis=-1).reshape(times.shape)
-    return np.asarray(np.arctan((speed * heading_rate(times)).mean(axis=1) / locomotions.GRAVITY))
+def truth(locomotion: str, action: str) -> Clip:
+    """What splicing two of the sample clips should give: the locomotion's person doing the action."""
+    return make(locomotion, action, seed=_SAMPLE_SEEDS[locomotion])
 
 
 def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Arm]) -> dict[str, Floats]:
@@ -94,8 +87,8 @@ def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Ar
     shoulders = euler(rhythm.shoulders + chest.yaw, chest.pitch, chest.roll)
     gaze = euler(rhythm.gaze + 0.15 * chest.yaw, 0.3 * chest.pitch + 0.02, 0.25 * chest.roll)
     world = {
-        "Spine": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.3)),
-        "Spine1": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.65)),
+        "Spine": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.45)),
+        "Spine1": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.75)),
         "Spine2": shoulders,
         "Neck": quaternion.slerp(shoulders, gaze, np.full(len(hips), 0.45)),
         "Head": gaze,

@@ -8,12 +8,20 @@ from types import MappingProxyType
 
 import numpy as np
 
-from motion.procedural.curves import RUN, SIDE_STEP_FOOT, STAIRS_UP, WALK
+from motion.procedural.curves import (
+    RUN,
+    RUN_FOOT,
+    SIDE_STEP_FOOT,
+    STAIRS_UP,
+    STAIRS_UP_FOOT,
+    WALK,
+    WALK_FOOT,
+    scaled,
+)
 from motion.procedural.gait import Gait
 from motion.procedural.path import Path, about_turn, circle, straight
 from motion.procedural.upper import Carriage
 
-GRAVITY = 9.81
 RISE, TREAD = 0.17, 0.29  # of a stair, metres
 
 
@@ -28,10 +36,10 @@ class Locomotion:
 _WALK = Locomotion(
     Gait(
         period=1.08,
-        stride=1.38,
+        stride=1.31,
         duty=0.62,
         width=0.15,
-        foot=WALK.foot,
+        foot=WALK_FOOT,
         norm=WALK,
         pelvis_tilt=np.radians(4.0),
         pelvis_list=np.radians(4.0),
@@ -48,7 +56,7 @@ _WALK = Locomotion(
         abduction=np.radians(9.0),
         inward=np.radians(12.0),
         elbow=np.radians(24.0),
-        elbow_swing=np.radians(11.0),
+        elbow_swing=np.radians(9.0),
     ),
 )
 
@@ -56,7 +64,15 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
     {
         "walk": _WALK,
         "slow_walk": Locomotion(
-            replace(_WALK.gait, period=1.42, stride=1.14, duty=0.65, width=0.17, sway=0.03),
+            replace(
+                _WALK.gait,
+                period=1.42,
+                stride=1.12,
+                width=0.17,
+                sway=0.03,
+                norm=WALK.scaled(0.9),
+                foot=scaled(WALK_FOOT, 0.85),
+            ),
             replace(
                 _WALK.carriage,
                 lean=np.radians(2.0),
@@ -73,7 +89,7 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
                 stride=2.15,
                 duty=0.36,
                 width=0.08,
-                foot=RUN.foot,
+                foot=RUN_FOOT,
                 norm=RUN,
                 pelvis_tilt=np.radians(9.0),
                 pelvis_list=np.radians(4.0),
@@ -91,8 +107,8 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
                 hang=np.radians(-12.0),
                 abduction=np.radians(14.0),
                 inward=np.radians(26.0),
-                elbow=np.radians(88.0),
-                elbow_swing=np.radians(16.0),
+                elbow=np.radians(98.0),
+                elbow_swing=np.radians(12.0),
             ),
         ),
         "stairs_up": Locomotion(
@@ -101,7 +117,7 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
                 stride=2.0 * TREAD,
                 duty=0.63,
                 width=0.16,
-                foot=STAIRS_UP.foot,
+                foot=STAIRS_UP_FOOT,
                 norm=STAIRS_UP,
                 rise=2.0 * RISE,
                 pelvis_tilt=np.radians(10.0),
@@ -126,7 +142,7 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
                 width=0.4,
                 foot=SIDE_STEP_FOOT,
                 lift=0.045,
-                lowered=0.075,
+                lowered=0.05,
                 bob=-0.012,
                 pelvis_tilt=np.radians(5.0),
                 pelvis_list=np.radians(2.0),

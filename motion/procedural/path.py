@@ -10,6 +10,8 @@ from scipy.interpolate import CubicSpline
 
 from motion.quaternion import Floats
 
+GRAVITY = 9.81
+
 
 def forward(heading: Floats) -> Floats:
     """The unit vector [..., 3] over the floor at `heading` [...] radians about Y from +Z."""
@@ -37,6 +39,14 @@ class Path:
     position: Callable[[Floats], Floats]
     heading: Callable[[Floats], Floats]
     pace: Callable[[Floats], Floats]
+
+    def lean(self, time: Floats) -> Floats:
+        """The roll to the left [n] that balances the path's curvature, taken over half a second."""
+        around = time[:, None] + np.linspace(-0.25, 0.25, 11)
+        after, before = around.ravel() + 0.01, around.ravel() - 0.01
+        turning = (self.heading(after) - self.heading(before)) / 0.02
+        speed = np.linalg.norm(self.position(after) - self.position(before), axis=-1) / 0.02
+        return np.asarray(np.arctan((speed * turning).reshape(around.shape).mean(axis=1) / GRAVITY))
 
 
 def _even(t: Floats) -> Floats:

@@ -169,9 +169,19 @@ def test_all_rows_have_one_scale() -> None:
     clip = walk()
     half = replace(clip, skeleton=clip.skeleton.scaled(0.5), root_positions=clip.root_positions * 0.5)
     sheet = contact_sheet([("adult", clip, ROLES), ("child", half, ROLES)], columns=1, view="front")
-    inked = (pixels(sheet)[24:-54, 200:] < 120).any(axis=(1, 2))
-    adult, child = (int(np.ptp(np.flatnonzero(part))) for part in np.array_split(inked, 2))
+    lines = np.flatnonzero((pixels(sheet)[:-54, 200:] < 120).any(axis=(1, 2)))
+    gap = int(np.argmax(np.diff(lines)))
+    adult, child = lines[gap] - lines[0], lines[-1] - lines[gap + 1]
+    assert adult > 150
     assert child == pytest.approx(adult / 2, abs=3)
+
+
+def test_a_moment_between_frames_and_one_after_the_end_have_their_floor() -> None:
+    clip = walk()
+    for time in (0.0, 0.512, 1.0, 7.0):
+        camera = Camera.beside(clip, ROLES, np.array([time]), "side")
+        assert camera.ground == pytest.approx(0.0, abs=0.15)
+        assert contact_sheet([("walk", clip, ROLES)], columns=1, start=time, end=time).width == 1200
 
 
 def test_a_motion_that_has_ended_is_held_and_paler() -> None:
@@ -287,6 +297,7 @@ def test_an_animation_at_an_impossible_rate_is_refused(rate: float) -> None:
         animation([("walk", walk(), ROLES)], rate=rate)
 
 
-def test_an_animation_of_too_many_frames_is_refused() -> None:
-    with pytest.raises(SettingsError, match=f"{MAX_FRAMES}"):
-        animation([("walk", walk(), ROLES)], end=1e9)
+@pytest.mark.parametrize("end", [MAX_FRAMES / 25.0, 1e9, 1e307])
+def test_an_animation_of_too_many_frames_is_refused(end: float) -> None:
+    with pytest.raises(SettingsError, match=f"{MAX_FRAMES} frames"):
+        animation([("walk", walk(), ROLES)], end=end)

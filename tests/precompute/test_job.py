@@ -51,7 +51,7 @@ def test_progress_counts_every_clip(tmp_path: Path) -> None:
     assert seen == [("reading", 1, 2), ("reading", 2, 2), ("aligning", 1, 2), ("aligning", 2, 2)]
 
 
-def test_without_a_baseline_the_stride_that_closes_best_is_taken(tmp_path: Path) -> None:
+def test_without_a_baseline_the_most_typical_stride_is_taken(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], turn=CLIPS["turn_180"])
     assert precompute([clips], tmp_path / "bank", jobs=1).baseline.name == "walk"
 

@@ -85,7 +85,7 @@ def test_any_file_missing_cut_short_or_with_one_flipped_bit_is_refused(copy: Pat
         with pytest.raises(BankError, match="cut short"):
             Bank.open(copy)
         file.unlink()
-        with pytest.raises(BankError, match="missing|no bank here"):
+        with pytest.raises(BankError, match=r"missing|no bank here"):
             Bank.open(copy)
         file.write_bytes(sound)
     assert Bank.open(copy).clips

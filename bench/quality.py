@@ -50,8 +50,7 @@ def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Sc
     bank = evaluator.bank
     clip_l, clip_u, neutral = (bank.motion(name) for name in (locomotion, action, bank.neutral(action)))
     exact = {
-        posture: splice_exact(clip_l, clip_u, bank.roles, posture=posture, neutral=neutral).clip
-        for posture in POSTURES
+        posture: splice_exact(clip_l, clip_u, bank.roles, posture=posture, neutral=neutral).clip for posture in POSTURES
     }
     covered = exact["off"].frame_count
     splice = {posture: evaluator.clip(locomotion, action, posture=posture) for posture in POSTURES}

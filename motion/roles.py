@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
 
-from motion.skeleton import Skeleton
+import numpy as np
+
+from motion.errors import RoleError, SettingsError, did_you_mean
+from motion.quaternion import Floats
+from motion.role_names import OPTIONAL, PAIRED, roles_by_name
+from motion.skeleton import Integers, Skeleton
+
+GivenRole = str | Sequence[str]  # the name of a joint, or for the spine of several
+NOTHING_GIVEN: Mapping[str, GivenRole] = MappingProxyType({})
+LIMBS = tuple(f"{side}_{role}" for role in PAIRED if role != "toe" for side in ("left", "right"))
+ENDS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder")
 
 
 @dataclass(frozen=True)
@@ -49,3 +63,100 @@ class Roles:
         """Metres from hip over knee to ankle, mean of both legs."""
         bones = (self.left_knee, self.left_ankle, self.right_knee, self.right_ankle)
         return sum(skeleton.bone_length(joint) for joint in bones) / 2.0
+
+
+def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Roles:
+    """The roles of a rig, as `given` by joint name, else found by the names of the limbs and the shape of the tree.
+
+    The root must be joint 0 (`motion.formats.fold` sees to that). Raises RoleError if a role cannot be found, with
+    all joints, what was found, and a file to fill in.
+    """
+    found = limbs_by_name(skeleton.names, given)
+    if missing := [role for role in LIMBS if role not in found]:
+        raise RoleError(
+            f"no joint was found for {', '.join(missing)}. The joints are {', '.join(skeleton.names)}. "
+            f"Found were {', '.join(f'{role} = {skeleton.names[at]}' for role, at in found.items()) or 'none'}",
+            mend=f"Name the missing ones in a file and pass it as --roles:\n\n{_stub(missing)}",
+        )
+    root = common_ancestor(skeleton.parents, [found[role] for role in ENDS])
+    chest = common_ancestor(skeleton.parents, [found["left_shoulder"], found["right_shoulder"]])
+    if root != 0 or chest == root:
+        problem = f"legs and arms part at {skeleton.names[root]!r} and {skeleton.names[chest]!r}, so there is no trunk"
+        raise RoleError(problem, mend="Name the joints of the legs and arms in a file and pass it as --roles")
+    way = skeleton.chain(chest)
+    pelvis = _given_joint(skeleton, given, "pelvis", way[way.index(root) - 1])
+    trunk = way[: way.index(pelvis)][::-1] if pelvis in way else []
+    spine = given.get("spine", tuple(skeleton.names[joint] for joint in trunk))
+    names = (spine,) if isinstance(spine, str) else tuple(spine)
+    limbs = {role: found.get(role, -1) for role in (*LIMBS, *OPTIONAL)}
+    return Roles(root=root, pelvis=pelvis, spine=tuple(skeleton.index(name) for name in names), **limbs)
+
+
+def limbs_by_name(names: tuple[str, ...], given: Mapping[str, GivenRole]) -> dict[str, int]:
+    """The joint of each limb, of neck and head, as given or by name. Raises RoleError for a joint that is not there."""
+    found = roles_by_name(names)
+    for role, name in given.items():
+        if role in LIMBS or role in OPTIONAL:
+            if name not in names:
+                raise RoleError(f"{role} is given as {name!r}, which is no joint", mend=did_you_mean(str(name), names))
+            found[role] = names.index(str(name))
+    return found
+
+
+def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:
+    """The lowest joint that all of `joints` hang on."""
+    chains = []
+    for joint in joints:
+        chain = [joint]
+        while parents[chain[-1]] >= 0:
+            chain.append(int(parents[chain[-1]]))
+        chains.append(chain)
+    shared = set(chains[0]).intersection(*chains[1:])
+    return next(joint for joint in chains[0] if joint in shared)
+
+
+def check_shape(positions: Floats, roles: Roles) -> None:
+    """Raises RoleError unless roles fit how a body moves, in most frames [F, J, 3]: knees below hips, shoulders above
+    the pelvis, and left and right on the same sides above and below."""
+    where = np.median(positions - positions[:, :1], axis=0)
+    hips = positions[:, roles.left_hip] - positions[:, roles.right_hip]
+    shoulders = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
+    for problem, sound in {
+        "the left knee is above the left hip": where[roles.left_knee, 1] < where[roles.left_hip, 1],
+        "the right knee is above the right hip": where[roles.right_knee, 1] < where[roles.right_hip, 1],
+        "the left shoulder is below the pelvis": where[roles.left_shoulder, 1] > where[roles.pelvis, 1],
+        "the right shoulder is below the pelvis": where[roles.right_shoulder, 1] > where[roles.pelvis, 1],
+        "left and right are crossed between hips and shoulders": np.median(np.sum(hips * shoulders, axis=1)) > 0.0,
+    }.items():
+        if not sound:
+            raise RoleError(
+                f"the roles do not fit the body: {problem}",
+                mend="Is the file Y up? If so, name the joints in a file and pass it as --roles",
+            )
+
+
+def read_roles_file(file: Path) -> dict[str, GivenRole]:
+    """The `[roles]` of a TOML file, joint names by role. Raises SettingsError, naming the file and the key."""
+    try:
+        document = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SettingsError(f"it is not TOML: {error}", file=str(file)) from None
+    roles = document.get("roles")
+    if not isinstance(roles, dict) or set(document) != {"roles"}:
+        raise SettingsError("it needs one table, [roles]", file=str(file), mend='Write [roles] and left_hip = "..."')
+    known = (*LIMBS, *OPTIONAL, "pelvis", "spine")
+    for role, name in roles.items():
+        if role not in known:
+            raise SettingsError(f"unknown role {role!r}", file=str(file), mend=did_you_mean(role, known))
+        names = name if isinstance(name, list) and role == "spine" else [name]
+        if not all(isinstance(one, str) for one in names):
+            raise SettingsError(f"{role} = {name!r} is not the name of a joint", file=str(file))
+    return roles
+
+
+def _given_joint(skeleton: Skeleton, given: Mapping[str, GivenRole], role: str, otherwise: int) -> int:
+    return skeleton.index(str(given[role])) if role in given else otherwise
+
+
+def _stub(missing: Sequence[str]) -> str:
+    return "[roles]\n" + "\n".join(f'{role} = ""' for role in missing)

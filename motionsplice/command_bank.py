@@ -20,9 +20,9 @@ console = Console()
 
 
 def register(app: typer.Typer) -> None:
-    app.command(
-        "precompute", epilog="Example: [bold]motionsplice precompute clips/ --out bank --baseline walk[/bold]"
-    )(precompute_command)
+    app.command("precompute", epilog="Example: [bold]motionsplice precompute clips/ --out bank --baseline walk[/bold]")(
+        precompute_command
+    )
     app.command("inspect", epilog="Example: [bold]motionsplice inspect bank[/bold]")(inspect_command)
 
 

@@ -11,7 +11,8 @@ from rich.console import Console
 from service.settings import Settings
 
 from motion.formats.bvh import dump
-from motion.procedural.library import ACTIONS, sample_clips
+from motion.procedural.library import truth
+from motion.roles import find_roles
 from motionsplice import command_bank, command_serve
 from motionsplice.command_motion import Method, Posture, spliced
 from motionsplice.drawing import animation, contact_sheet
@@ -56,6 +57,4 @@ def demo_command(
     if sys.stdout.isatty():
         command_serve.start(bank_folder, settings)
     else:
-        console.print(
-            f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/docs"
-        )
+        console.print(f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/docs")

@@ -184,9 +184,7 @@ def _head_shape(skeleton: Skeleton, roles: Roles, head: int) -> Floats:
     up = _direction(skeleton.offsets[head], np.array([0.0, 1.0, 0.0]))
     bind = np.tile(quaternion.IDENTITY, (1, skeleton.joint_count, 1))
     positions = world_transforms(skeleton, np.zeros((1, 3)), bind)[0][0]
-    front = _direction(
-        np.cross(positions[roles.left_hip] - positions[roles.right_hip], up), np.array([0.0, 0.0, 1.0])
-    )
+    front = _direction(np.cross(positions[roles.left_hip] - positions[roles.right_hip], up), np.array([0.0, 0.0, 1.0]))
     return np.stack([0.7 * up, 0.55 * up + 1.3 * front])
 
 

@@ -20,7 +20,6 @@ from precompute.baseline import Baseline
 from precompute.prepared import PreparedClip
 from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, ClipEntry, content_digest
 
-
 CELLS_PER_FRAME = 4  # of the inverse table: phase may pass four times more slowly than on average
 
 

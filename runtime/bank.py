@@ -145,9 +145,7 @@ class Bank:
                 problem = f"table {name!r} is {table.dtype}{table.shape}, not {np.dtype(kind)}{wanted}"
                 raise BankError(problem, file=str(self.path), mend=REBUILD)
             if kind is not np.int32 and not np.isfinite(table).all():
-                raise BankError(
-                    f"table {name!r} holds numbers that are not finite", file=str(self.path), mend=REBUILD
-                )
+                raise BankError(f"table {name!r} holds numbers that are not finite", file=str(self.path), mend=REBUILD)
         frame = cell = 0
         for clip in self.clips:
             fits = clip.frame_count >= 2 and clip.cell_count >= 2 and clip.first_phase < clip.last_phase
@@ -176,9 +174,7 @@ def _read_manifest(folder: Path) -> tuple[str, dict[str, Any]]:
     file = folder / MANIFEST
     if not file.is_file():
         problem = "there is no bank here" if folder.is_dir() else "there is no such folder"
-        raise BankError(
-            problem, file=str(folder), mend="Build one with `motionsplice precompute CLIPS... --out BANK`"
-        )
+        raise BankError(problem, file=str(folder), mend="Build one with `motionsplice precompute CLIPS... --out BANK`")
     if file.stat().st_size > LARGEST_MANIFEST:
         raise BankError("the manifest is too large to be one", file=str(file), mend=REBUILD)
     try:

@@ -198,13 +198,7 @@ def world_positions(bank: BankArrays, roots: Array, rotations: Array, world: Arr
             tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
             ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
             tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
-            positions[character, joint, 0] = (
-                positions[character, parent, 0] + v[0] + q[3] * tx + q[1] * tz - q[2] * ty
-            )
-            positions[character, joint, 1] = (
-                positions[character, parent, 1] + v[1] + q[3] * ty + q[2] * tx - q[0] * tz
-            )
-            positions[character, joint, 2] = (
-                positions[character, parent, 2] + v[2] + q[3] * tz + q[0] * ty - q[1] * tx
-            )
+            positions[character, joint, 0] = positions[character, parent, 0] + v[0] + q[3] * tx + q[1] * tz - q[2] * ty
+            positions[character, joint, 1] = positions[character, parent, 1] + v[1] + q[3] * ty + q[2] * tx - q[0] * tz
+            positions[character, joint, 2] = positions[character, parent, 2] + v[2] + q[3] * tz + q[0] * ty - q[1] * tx
             multiply(q, rotations[character, joint], world[joint])

@@ -28,7 +28,7 @@ def reaching_arm(
     pronation: float | Floats = 0.0,
     extension: float | Floats = 0.0,
 ) -> Arm:
-    """The arm with its wrist at `wrist` [F, 3], in metres outward, up and forward of the shoulder, in the chest's axes.
+    """The arm with its wrist at `wrist` [F, 3]: metres outward, up and forward of the shoulder in the chest's axes.
 
     The elbow points to `elbow`, also outward, up and forward. Without `pronation` the palm faces inwards on a
     forearm held forward; a quarter turn faces it down. `extension` bends the hand back.
@@ -51,7 +51,7 @@ def _carry_box(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) 
     """Leaning back under a heavy box, held in front by its sides."""
     width, low, ahead = 0.19 * random.uniform(0.93, 1.07), random.uniform(-0.38, -0.35), random.uniform(0.33, 0.36)
     held = trunk(replace(carriage, twist=0.5 * carriage.twist), rhythm)
-    held = replace(held, pitch=held.pitch - np.radians(random.uniform(13.0, 15.0)))
+    held = replace(held, pitch=held.pitch - np.radians(random.uniform(15.5, 17.0)))
     wrist = _still((width - _SHOULDER[0], low, ahead), rhythm, bob=-0.008)
     arms = {
         side: reaching_arm(side, wrist, (0.45, -1.0, -0.5), pronation=-0.25, extension=-0.1) for side in (LEFT, RIGHT)
@@ -95,9 +95,7 @@ def _push(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Up
     leaning = trunk(replace(carriage, twist=0.6 * carriage.twist), rhythm)
     leaning = replace(leaning, pitch=leaning.pitch + np.radians(random.uniform(16.0, 18.0)))
     wrist = _still((-0.02, height, reach), rhythm)
-    arms = {
-        side: reaching_arm(side, wrist, (0.7, -1.0, 0.0), pronation=1.35, extension=1.15) for side in (LEFT, RIGHT)
-    }
+    arms = {side: reaching_arm(side, wrist, (0.7, -1.0, 0.0), pronation=1.35, extension=1.15) for side in (LEFT, RIGHT)}
     return leaning, arms
 
 

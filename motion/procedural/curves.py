@@ -1,10 +1,11 @@
-"""Periodic curves of the gait cycle, in cycles from heel strike, and the published norms of walking people.
+"""Periodic curves of the gait cycle, in cycles from heel strike, and norms of how people move.
 
-Angles at every 5 % of the cycle, degrees, read off the published figures and rounded: walking after Winter
-(1991), The Biomechanics and Motor Control of Human Gait, and Perry (1992), Gait Analysis; running after Novacheck
-(1998), The biomechanics of running; stairs after Riener, Rabuffetti and Frigo (2002), Stair ascent and descent at
-different inclinations. A thigh's angle is against the vertical, forward positive; a knee's is its flexion; a foot's is its
-pitch over the floor, toes up positive, keyed so that it is exactly flat while it stands.
+Angles in degrees at every 5 % of the cycle, drawn to within a few degrees after published curves, not copied from
+tables: walking after Winter (1991), The Biomechanics and Motor Control of Human Gait, and Perry (1992), Gait
+Analysis; running after Novacheck (1998), The biomechanics of running; stairs after Riener, Rabuffetti and Frigo
+(2002), Stair ascent and descent at different inclinations. A thigh's angle is against the vertical, forward positive
+(so less than the hip's flexion by the pelvis's tilt); a knee's is its flexion; a foot's is its pitch over the floor,
+toes up positive, keyed so that it is exactly flat while it stands.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ from scipy.ndimage import gaussian_filter1d
 
 from motion.quaternion import Floats
 
-Curve = Callable[..., Floats]  # curve(phase, derivative=0), phase in cycles
+Curve = Callable[[Floats], Floats]  # of phases [n] in cycles, to radians [n]
 
-_GRID = 400
+_GRID = 400  # samples of a cycle
+_BLUR = 0.012  # of a cycle
 
 
 def fourier(samples: tuple[float, ...], harmonics: int) -> Curve:
@@ -28,29 +30,27 @@ def fourier(samples: tuple[float, ...], harmonics: int) -> Curve:
     spectrum = np.fft.rfft(np.radians(samples)) / len(samples)
     order = np.arange(1, harmonics + 1)
 
-    def curve(phase: Floats, derivative: int = 0) -> Floats:
-        turn = 2j * np.pi * order
-        waves = np.exp(np.multiply.outer(phase, turn)) * turn**derivative
-        mean = spectrum[0].real if derivative == 0 else 0.0
-        return np.asarray(mean + 2.0 * (waves @ spectrum[1 : harmonics + 1]).real)
+    def curve(phase: Floats) -> Floats:
+        waves = np.exp(np.multiply.outer(phase, 2j * np.pi * order))
+        return np.asarray(spectrum[0].real + 2.0 * (waves @ spectrum[1 : harmonics + 1]).real)
 
     return curve
 
 
-def keyed(keys: tuple[tuple[float, float], ...], blur: float = 0.012) -> Curve:
-    """A smooth periodic curve near (phase, degrees) keys from phase 0 to below 1, flat where the keys are; radians."""
+def keyed(keys: tuple[tuple[float, float], ...]) -> Curve:
+    """A smooth periodic curve near (phase, degrees) keys, phases in [0, 1), flat where the keys are; in radians."""
     at, value = np.array(keys).T
     at = np.concatenate([at - 1.0, at, at + 1.0])
     grid = np.arange(_GRID) / _GRID
     samples = PchipInterpolator(at, np.tile(np.radians(value), 3))(grid)
-    smooth = gaussian_filter1d(samples, blur * _GRID, mode="wrap", truncate=3.0)
+    smooth = gaussian_filter1d(samples, _BLUR * _GRID, mode="wrap", truncate=3.0)
     spline = CubicSpline(np.arange(_GRID + 1) / _GRID, np.append(smooth, smooth[0]), bc_type="periodic")
-    return lambda phase, derivative=0: np.asarray(spline(np.mod(phase, 1.0), derivative))
+    return lambda phase: np.asarray(spline(np.mod(phase, 1.0)))
 
 
 def scaled(curve: Curve, factor: float) -> Curve:
     """`factor` times `curve`."""
-    return lambda phase, derivative=0: factor * curve(phase, derivative)
+    return lambda phase: factor * curve(phase)
 
 
 @dataclass(frozen=True)
@@ -95,10 +95,8 @@ STAIRS_UP = Norm(
 )
 STAIRS_UP_FOOT = keyed(
     (
-        *((0.0, 2), (0.04, 0), (0.44, 0), (0.52, -9), (0.58, -23), (0.63, -36), (0.68, -40), (0.76, -22)),
+        *((0.0, 2), (0.04, 0), (0.44, 0), (0.52, -9), (0.58, -22), (0.63, -33), (0.67, -34), (0.76, -16)),
         *((0.86, 3), (0.93, 6)),
     )
 )
-SIDE_STEP_FOOT = keyed(
-    ((0.0, -4), (0.06, 0), (0.50, 0), (0.58, -9), (0.64, -20), (0.74, -16), (0.84, -6), (0.93, -5))
-)
+SIDE_STEP_FOOT = keyed(((0.0, -4), (0.06, 0), (0.50, 0), (0.58, -9), (0.64, -20), (0.74, -16), (0.84, -6), (0.93, -5)))

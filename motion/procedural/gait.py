@@ -47,7 +47,10 @@ class Gait:
 
     A stride takes `period` seconds and goes `stride` forward and `rise` up; a foot stands for `duty` of it.
     `norm` is absent where the literature has none (side-steps): then `foot` alone shapes the swing, and the
-    pelvis is `lowered` from where the legs would be straight. `lift` raises the swing foot further.
+    pelvis is `lowered` from where the legs would be straight. `lift` raises the swing foot further. The feet are
+    `width` apart. The pelvis tilts forward, drops on the swing side and turns by the three `pelvis_` angles, and
+    moves over the standing foot by `sway`. `bob` is the amplitude of its height where the norm is not to say it (a
+    run's flight): lowest at mid-stance, or highest if negative.
     """
 
     period: float
@@ -86,26 +89,26 @@ class Gait:
     @cached_property
     def _fit(self) -> tuple[Floats, Floats]:
         """Where the hips must be for a leg that stands to bend as the norm says, in the least squares."""
+        bob = -self.bob * np.array([0.0, np.cos(TURN * self.duty), np.sin(TURN * self.duty), 0.0, 0.0])
         if self.norm is None:
-            straight = THIGH + SHANK + ANKLE_HEIGHT - _hip(LEFT)[1]
-            return np.array([straight - self.lowered, self.bob, 0.0, 0.0, 0.0]), np.zeros(5)
+            bob[0] = THIGH + SHANK + ANKLE_HEIGHT - _hip(LEFT)[1] - self.lowered
+            return bob, np.zeros(5)
         u = np.linspace(0.0, self.duty, 200)
         basis = _harmonics(u)
         hip = quaternion.rotate(euler(*self.pelvis_turn(u)), _hip(LEFT))
         ahead, up = _ankle(self.norm, u)
         roll_ahead, roll_up = rocker(self.foot(u))
         travelled = u - 0.5 * self.duty
-        surge = np.linalg.lstsq(basis, roll_ahead - self.stride * travelled - hip[:, 2] - ahead, rcond=None)[0]
+        surge = _fitted(basis, roll_ahead - self.stride * travelled - hip[:, 2] - ahead)
         apart = roll_ahead - self.stride * travelled - hip[:, 2] - basis @ surge
         length = np.minimum(np.hypot(ahead, up), LONGEST)
         aside = 0.5 * self.width - hip[:, 0] - self.sway * np.cos(TURN * travelled)
         tall = np.sqrt(np.maximum(length**2 - apart**2 - aside**2, 0.25))
         level = ANKLE_HEIGHT + roll_up + tall - hip[:, 1] - self.rise * travelled
         if self.bob:
-            bob = -self.bob * np.array([0.0, np.cos(TURN * self.duty), np.sin(TURN * self.duty), 0.0, 0.0])
             bob[0] = np.mean(level - basis @ bob)
             return bob, surge
-        return np.linalg.lstsq(basis, level, rcond=None)[0], surge
+        return _fitted(basis, level), surge
 
 
 def _hip(side: float) -> Floats:
@@ -115,6 +118,10 @@ def _hip(side: float) -> Floats:
 def _harmonics(phase: Floats) -> Floats:
     step = 2.0 * TURN * phase
     return np.stack([np.ones_like(step), np.cos(step), np.sin(step), np.cos(2 * step), np.sin(2 * step)], axis=-1)
+
+
+def _fitted(basis: Floats, values: Floats) -> Floats:
+    return np.asarray(np.linalg.lstsq(basis, values, rcond=None)[0], np.float64)
 
 
 def _ankle(norm: Norm, phase: Floats) -> tuple[Floats, Floats]:
@@ -130,9 +137,15 @@ def rocker(pitch: Floats) -> tuple[Floats, Floats]:
     It rolls about the heel with the toes up (positive), about the ball with the heel up.
     """
     heel = pitch > 0.0
-    z, y = np.where(heel, -HEEL[0], -BALL[0]), np.where(heel, -HEEL[1], -BALL[1])
+    z: Floats = np.where(heel, -HEEL[0], -BALL[0])
+    y = np.where(heel, -HEEL[1], -BALL[1]).astype(np.float64)
     sine, cosine = np.sin(pitch), np.cos(pitch)
     return z * cosine - y * sine - z, z * sine + y * cosine - y
+
+
+def _progress(gait: Gait, u: Floats) -> Floats:
+    """How much of the way to its next place a foot has gone, and turned: all of it shortly before it lands."""
+    return ease((u - gait.duty) / (0.9 * (1.0 - gait.duty)))
 
 
 def _swing(gait: Gait, u: Floats) -> Floats:
@@ -141,7 +154,8 @@ def _swing(gait: Gait, u: Floats) -> Floats:
     lift = gait.lift * 64.0 * (s * (1.0 - s)) ** 3
     if gait.norm is None:
         ahead, up = rocker(gait.foot(u))
-        return np.stack([ahead + gait.stride * ease(s), up + gait.rise * ease(s) + lift], axis=-1)
+        progress = _progress(gait, u)
+        return np.stack([ahead + gait.stride * progress, up + gait.rise * progress + lift], axis=-1)
     hip = quaternion.rotate(euler(*gait.pelvis_turn(u)), _hip(LEFT))
     ahead, up = _ankle(gait.norm, u)
     travelled = u - 0.5 * gait.duty
@@ -166,7 +180,7 @@ def foot(gait: Gait, path: Path, side: float, time: Floats, start: float) -> Foo
     phase = time / gait.period + offset
     cycle = np.floor(phase - LANDED)
     first = int(cycle.min())
-    at = (np.arange(first, int(cycle.max()) + 2) + 0.5 * gait.duty - offset) * gait.period
+    at = (np.arange(first, int(cycle.max()) + 2, dtype=np.float64) + 0.5 * gait.duty - offset) * gait.period
     yaw = path.heading(at)
     place = path.position(at) + leftward(yaw) * (0.5 * side * gait.width)
     yaw = yaw + side * gait.toe_out
@@ -174,7 +188,7 @@ def foot(gait: Gait, path: Path, side: float, time: Floats, start: float) -> Foo
     index = cycle.astype(np.int64) - first
     u = phase - cycle
     s = np.clip((u - gait.duty) / (1.0 - gait.duty), 0.0, 1.0)
-    eased = ease(s)
+    eased = _progress(gait, u)
 
     def between(values: Floats) -> Floats:
         return values[index] + (values[index + 1] - values[index]) * eased
@@ -182,11 +196,12 @@ def foot(gait: Gait, path: Path, side: float, time: Floats, start: float) -> Foo
     pitch = gait.foot(u) * between(pace)
     foot_yaw = between(yaw)
     # In swing the foot follows the norm; just off and just before the ground it still, or already, rolls there.
-    leaving = 1.0 - ease((u - gait.duty) / LEAVE + 0.5)
+    leaving = 1.0 - ease((u - gait.duty) / LEAVE + 0.35)
     landing = ease((u - 1.0 - LANDED) / LAND + 1.0)
     rolled = np.stack(rocker(pitch), axis=-1)
     moved = _swing(gait, np.maximum(u, 0.5 * gait.duty)) - eased[:, None] * np.array([gait.stride, gait.rise])
-    moved *= between(pace)[:, None]
+    stepping = between(pace)
+    moved *= np.stack([stepping, 0.4 + 0.6 * stepping], axis=-1)
 
     def on(ground: Floats, direction: Floats, offset: Floats) -> Floats:
         return ground + direction * offset[:, :1] + UP * (ANKLE_HEIGHT + offset[:, 1:])

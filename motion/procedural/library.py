@@ -14,7 +14,6 @@ from motion.errors import SettingsError, did_you_mean
 from motion.procedural import actions, locomotions
 from motion.procedural.body import LEFT, RIGHT, SKELETON, euler, side_name
 from motion.procedural.gait import lower_body
-from motion.procedural.path import Path
 from motion.procedural.upper import Arm, Rhythm, Trunk, swinging_arms, trunk
 from motion.quaternion import Floats
 
@@ -46,8 +45,8 @@ def make(
     random = np.random.default_rng([seed, LOCOMOTIONS.index(locomotion)])
     chosen = locomotions.varied(known[locomotion], random)
     start = random.uniform()
-    time = np.arange(int(round(seconds * rate)) + 1) / rate
-    path = locomotions.path_of(locomotion, chosen.gait, seconds)
+    time = np.arange(round(seconds * rate) + 1) / rate
+    path = locomotions.path_of(locomotion, chosen.gait, seconds, start)
     lower = lower_body(chosen.gait, path, time, start, path.lean)
     rhythm = Rhythm(
         phase=lower.phase,
@@ -55,7 +54,6 @@ def make(
         shoulders=path.heading(time + _SHOULDERS_LEAD),
         gaze=path.heading(time + _GAZE_LEADS),
         lean=path.lean(time),
-        period=chosen.gait.period,
         time=time,
     )
     if action is None:

@@ -70,6 +70,7 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
                 stride=1.12,
                 width=0.17,
                 sway=0.03,
+                lift=0.012,
                 norm=WALK.scaled(0.9),
                 foot=scaled(WALK_FOOT, 0.85),
             ),
@@ -87,7 +88,7 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
             Gait(
                 period=0.73,
                 stride=2.15,
-                duty=0.36,
+                duty=0.335,
                 width=0.08,
                 foot=RUN_FOOT,
                 norm=RUN,
@@ -120,6 +121,7 @@ LOCOMOTIONS: Mapping[str, Locomotion] = MappingProxyType(
                 foot=STAIRS_UP_FOOT,
                 norm=STAIRS_UP,
                 rise=2.0 * RISE,
+                lift=0.03,
                 pelvis_tilt=np.radians(10.0),
                 pelvis_list=np.radians(3.5),
                 pelvis_rotation=np.radians(4.0),
@@ -189,13 +191,15 @@ def varied(locomotion: Locomotion, random: np.random.Generator) -> Locomotion:
     )
 
 
-def path_of(name: str, gait: Gait, seconds: float) -> Path:
-    """Where a locomotion leads; an about-turn is half way through the clip."""
+def path_of(name: str, gait: Gait, seconds: float, start: float) -> Path:
+    """Where a locomotion that begins at phase `start` leads; an about-turn is half way through the clip."""
     speed = gait.stride / gait.period
     if name == "curve":
         return circle(speed, radius=2.6)
     if name == "turn_180":
-        return about_turn(speed, middle=0.5 * seconds, lasting=1.5, slowest=0.2)
+        return about_turn(speed, middle=0.5 * seconds, lasting=1.5, slowest=0.25)
     if name == "side_step":
         return straight((speed, 0.0, 0.0))
-    return straight((0.0, gait.rise / gait.period, speed))
+    # No foot stands lower than Y = 0: the left one is then on the stair above.
+    below = gait.rise * (start - 0.5 * gait.duty + 0.5)
+    return straight((0.0, gait.rise / gait.period, speed), (0.0, below, 0.0))

@@ -53,9 +53,9 @@ def _even(t: Floats) -> Floats:
     return np.ones_like(t)
 
 
-def straight(velocity: tuple[float, float, float]) -> Path:
-    """Facing +Z, moving at `velocity` metres per second."""
-    return Path(lambda t: np.multiply.outer(t, np.array(velocity)), np.zeros_like, _even)
+def straight(velocity: tuple[float, float, float], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Path:
+    """Facing +Z, moving at `velocity` metres per second from `origin`."""
+    return Path(lambda t: np.array(origin) + np.multiply.outer(t, np.array(velocity)), np.zeros_like, _even)
 
 
 def circle(speed: float, radius: float) -> Path:

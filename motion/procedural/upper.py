@@ -40,7 +40,7 @@ class Rhythm:
     """What the locomotion imposes on the upper body, over F frames.
 
     phase [F] in cycles from the left heel strike; pace [F], the steps' length against full ones; headings [F] of
-    shoulders and gaze; lean [F], the roll into a curve; period of a stride and time [F] in seconds.
+    shoulders and gaze; lean [F], the roll into a curve; time [F] in seconds.
     """
 
     phase: Floats
@@ -48,7 +48,6 @@ class Rhythm:
     shoulders: Floats
     gaze: Floats
     lean: Floats
-    period: float
     time: Floats
 
 

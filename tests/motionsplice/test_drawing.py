@@ -70,9 +70,7 @@ def rig(*, ends: bool = True, fingers: int = 0) -> Skeleton:
         offsets.append((0.12, 0.0, 0.02 * finger - 0.04))
     tips = (AT["hand_l"], AT["hand_r"]) if ends else ()
     reach = np.array([[0.15, 0.0, 0.0], [-0.15, 0.0, 0.0]])[: len(tips)]
-    return Skeleton(
-        tuple(names), np.array(parents), np.array(offsets), np.array(tips, np.int64), reach.reshape(-1, 3)
-    )
+    return Skeleton(tuple(names), np.array(parents), np.array(offsets), np.array(tips, np.int64), reach.reshape(-1, 3))
 
 
 def walk(

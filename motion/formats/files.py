@@ -1,0 +1,133 @@
+"""Motion files of any format -> clips."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import FormatError, MotionError
+from motion.formats import asf_amc, bvh
+from motion.formats.fold import Folded, Nodes, fold
+from motion.formats.units import guess_unit, metres_per_unit
+from motion.kinematics import joint_positions
+from motion.quaternion import Floats
+from motion.roles import (
+    ENDS,
+    NOTHING_GIVEN,
+    GivenRole,
+    Roles,
+    check_shape,
+    common_ancestor,
+    find_roles,
+    limbs_by_name,
+)
+
+SUFFIXES = (".amc", ".bvh")
+JUMP = 0.1  # radians, mean over joints: more between the first two frames, and nowhere else, is a pose, not motion
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A clip, its roles, the metres that one of the file's units was taken for, and what is worth knowing."""
+
+    clip: Clip
+    roles: Roles
+    unit: float
+    notes: tuple[str, ...]
+
+
+def read_clip(
+    path: Path, *, skip_frames: int = 0, unit: str | None = None, roles: Mapping[str, GivenRole] = NOTHING_GIVEN
+) -> Reading:
+    """Reads a BVH or AMC file; an AMC file's skeleton is the ASF file beside it.
+
+    `skip_frames` leading frames are left out; `unit` is the file's unit of length, for files that do not say it and
+    whose legs do not show it; `roles` name joints that cannot be found by name. Raises MotionError naming the file.
+    """
+    try:
+        return _read(path, skip_frames, unit, roles)
+    except MotionError as error:
+        raise error.within(str(path)) from None
+
+
+def _read(path: Path, skip_frames: int, unit: str | None, given: Mapping[str, GivenRole]) -> Reading:
+    nodes, rate, own_unit = _parse(path)
+    if not 0 <= skip_frames < len(nodes.rotations):
+        problem = f"{skip_frames} frames cannot be skipped of {len(nodes.rotations)}"
+        raise FormatError(problem, mend="Choose a smaller --skip-frames")
+    folded = fold(nodes, _root(nodes, given))
+    roles = find_roles(folded.skeleton, given)
+    notes = list(folded.notes)
+    leg = roles.leg_length(folded.skeleton)
+    if unit is not None:
+        metres = metres_per_unit(unit)
+    elif own_unit is not None:
+        metres = own_unit
+    else:
+        metres, note = guess_unit(leg)
+        notes.append(note)
+    clip = _clip(path.stem, folded, rate, metres, skip_frames)
+    if skip_frames == 0 and _starts_with_a_pose(clip.rotations):
+        notes.append("its first frame looks like a bind pose; --skip-frames 1 leaves it out")
+    if not given:
+        check_shape(joint_positions(clip), roles)
+    return Reading(clip, roles, metres, tuple(notes))
+
+
+def _parse(path: Path) -> tuple[Nodes, float, float | None]:
+    """A file's nodes, frames per second, and metres per unit if it says so."""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise FormatError(f"files of kind {suffix!r} cannot be read", mend=f"Give one of {', '.join(SUFFIXES)}")
+    data = _bytes(path)
+    if suffix == ".bvh":
+        return *bvh.parse(data), None
+    asf = _skeleton_file(path)
+    try:
+        skeleton = asf_amc.parse_skeleton(_bytes(asf))
+    except MotionError as error:
+        raise error.within(str(asf)) from None
+    return *asf_amc.parse_motion(data, skeleton), skeleton.unit
+
+
+def _bytes(path: Path) -> bytes:
+    if not path.is_file():
+        raise FormatError("there is no such file", file=str(path))
+    data = path.read_bytes()
+    if not data.strip():
+        raise FormatError("the file is empty", file=str(path))
+    return data
+
+
+def _skeleton_file(path: Path) -> Path:
+    """The ASF file of an AMC file: `16.asf` of `16_15.amc`, else the only one in the folder."""
+    named = path.with_name(f"{path.stem.rpartition('_')[0]}.asf")
+    if named.is_file():
+        return named
+    beside = sorted(path.parent.glob("*.asf"))
+    if len(beside) == 1:
+        return beside[0]
+    raise FormatError(f"its skeleton is missing: there is no {named.name} beside it", mend="Put its .asf file there")
+
+
+def _root(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:
+    """Where legs and trunk part; the file's own root if names do not show it, which `find_roles` then reports."""
+    found = limbs_by_name(nodes.names, given)
+    return common_ancestor(nodes.parents, [found[role] for role in ENDS]) if set(ENDS) <= set(found) else 0
+
+
+def _clip(name: str, folded: Folded, rate: float, metres: float, skip: int) -> Clip:
+    positions = folded.root_positions[skip:] * metres
+    return Clip(name, folded.skeleton.scaled(metres), rate, positions, folded.rotations[skip:])
+
+
+def _starts_with_a_pose(rotations: Floats) -> bool:
+    if len(rotations) < 4:
+        return False
+    jumps = quaternion.angle(rotations[:-1], rotations[1:]).mean(axis=1)
+    return bool(jumps[0] > JUMP and jumps[0] > 5.0 * np.max(jumps[1:]))

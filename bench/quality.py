@@ -48,9 +48,11 @@ class Score:
 def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Score:
     """Scores one pair over the frames that the pairwise alignment covers."""
     bank = evaluator.bank
-    clip_l, clip_u, neutral = (bank.motion(name) for name in (locomotion, action, bank.neutral(action)))
+    clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
+    neutrals = bank.motion(bank.neutral(locomotion)), bank.motion(bank.neutral(action))
     exact = {
-        posture: splice_exact(clip_l, clip_u, bank.roles, posture=posture, neutral=neutral).clip for posture in POSTURES
+        posture: splice_exact(clip_l, clip_u, bank.roles, posture=posture, neutrals=neutrals).clip
+        for posture in POSTURES
     }
     covered = exact["off"].frame_count
     splice = {posture: evaluator.clip(locomotion, action, posture=posture) for posture in POSTURES}

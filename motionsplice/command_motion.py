@@ -84,9 +84,9 @@ def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: P
         return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value)
     if start != 0.0:
         raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
-    names = (locomotion, action, bank.neutral(action))
-    clip_l, clip_u, neutral = (bank.motion(name) for name in names)
-    return splice_exact(clip_l, clip_u, bank.roles, posture=posture.value, neutral=neutral).clip
+    clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
+    neutrals = bank.motion(bank.neutral(locomotion)), bank.motion(bank.neutral(action))
+    return splice_exact(clip_l, clip_u, bank.roles, posture=posture.value, neutrals=neutrals).clip
 
 
 def render_command(

@@ -1,6 +1,7 @@
 """A strictly increasing cubic B-spline through a time alignment, in time linear in its length.
 
-Heck et al. 2006, 3.1: "we fit a strictly increasing, endpoint interpolating B-spline to the optimal path".
+Heck et al. 2006, 3.1: "we fit a strictly increasing, endpoint interpolating B-spline to the optimal path". The spline's
+ends are its first and last coefficients; they are fitted like all others, for a path's ends are whole frames.
 A B-spline rises strictly where its coefficients do, so the fit is a least-squares problem whose
 coefficients must each lie a little above the one before: a quadratic programme with banded matrices.
 """
@@ -22,7 +23,7 @@ MOST_STEPS = 60
 
 
 def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float) -> BSpline[np.float64]:
-    """The least-squares spline through (x, y) [n] that starts and ends on them and rises everywhere between.
+    """The least-squares spline through (x, y) [n] on clamped knots that rises everywhere between its ends.
 
     x is increasing (not strictly: a path may climb straight up), and y[-1] lies above y[0]; both are frames or
     cycles. One knot per `knot_spacing` of x.

@@ -42,12 +42,12 @@ def splice_exact(
     roles: Roles,
     *,
     posture: Posture = "relative",
-    neutral: Clip | None = None,
+    neutrals: tuple[Clip, Clip] | None = None,
 ) -> Splice:
     """The action's upper body on the locomotion's root and lower body, by the papers' three steps.
 
-    Both clips share one skeleton. `neutral` is the action's gait without the action, for posture `relative`;
-    without it the action is its own neutral, as a plain locomotion is (DESIGN 4.5).
+    All clips share one skeleton. `neutrals`, for posture `relative`, are the gaits of the locomotion and of the action
+    without any action; without them each clip is its own neutral, as a plain locomotion is (DESIGN 4.5).
     """
     check_same_rig(locomotion, action)
     warp, action_frames = align_in_time(locomotion, action, roles)
@@ -59,8 +59,10 @@ def splice_exact(
     if posture == "absolute":
         turn = horn_rotation(torso_u.posture, measure_torso(result, roles).posture)
         result = transfer_posture(result, torso_l, turn, roles)
-    elif posture == "relative" and neutral is not None:
-        turn = horn_rotation(torso_u.posture, measure_torso(neutral, roles).posture)
+    elif posture == "relative" and neutrals is not None:
+        own = horn_rotation(measure_torso(locomotion, roles).posture, measure_torso(neutrals[0], roles).posture)
+        theirs = horn_rotation(torso_u.posture, measure_torso(neutrals[1], roles).posture)
+        turn = quaternion.multiply(theirs, quaternion.conjugate(own))
         result = transfer_posture(result, torso_l, turn, roles)
     return Splice(result, action_frames, warp)
 

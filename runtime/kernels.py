@@ -23,7 +23,7 @@ Array = NDArray[Any]
 class BankArrays(NamedTuple):
     """A bank as the kernels see it: `TABLES`, the clips' columns, and what follows from them.
 
-    neutral_turns: [clips, 4] q_G of posture `relative`, from each clip's neutral to the clip.
+    neutral_turns: [clips, 4] the turn from each clip's neutral posture to its own; the identity for a locomotion.
     lower, upper:  joints of the two halves; the pelvis is in neither.
     """
 
@@ -134,7 +134,9 @@ def transfer_posture(
     """Turns the pelvis by q_G, applied in the locomotion's posture frame (DESIGN 4.5)."""
     turn, frame, pelvis = scratch.turn, scratch.frame, scratch.pelvis
     if posture == RELATIVE:
-        turn[:] = bank.neutral_turns[clip_u]
+        for i in range(4):
+            frame[i] = bank.neutral_turns[clip_l, i] * (1.0 if i == 3 else -1.0)
+        multiply(bank.neutral_turns[clip_u], frame, turn)
     else:
         correlation = scratch.correlation
         for i in range(3):

@@ -30,13 +30,11 @@ def planar_distance(a: Floats, b: Floats) -> float:
 
 
 def increasing_coefficients(design: Floats, y: Floats, floor: Floats) -> Floats:
-    """Least squares with first and last coefficient given by y's ends and increments of at least `floor`."""
+    """Least squares with increments of at least `floor`, as SciPy solves it for a first value and increments."""
     count = design.shape[1]
-    rise = np.tril(np.ones((count, count - 1)), -1)
-    heavy = 1e4 * np.ones((1, count - 1))
-    right = np.concatenate([y - design.sum(axis=1) * y[0], [1e4 * (y[-1] - y[0])]])
-    fit = lsq_linear(np.vstack([design @ rise, heavy]), right, bounds=(floor, np.inf), method="bvls", tol=1e-12)
-    return np.asarray(y[0] + rise @ fit.x)
+    rise = np.concatenate([np.ones((count, 1)), np.tril(np.ones((count, count - 1)), -1)], axis=1)
+    fit = lsq_linear(design @ rise, y, bounds=(np.concatenate([[-np.inf], floor]), np.inf), method="bvls", tol=1e-12)
+    return np.asarray(rise @ fit.x)
 
 
 def cheapest_path_cost(grid: Floats, most_flat: int) -> Floats:
@@ -113,16 +111,24 @@ def pose(
         return root, rotations
     clouds = between("upper_clouds", *in_l), between("upper_clouds", *in_u)
     turned = quaternion.multiply(pelvis_l, horn_rotation(*clouds))
-    if posture != "off":
-        reference = bank.neutral(action) if posture == "relative" else locomotion
-        wanted, given = (tables["postures"][bank.number(name)] for name in (action, reference))
-        frame = between("posture_frames", *in_l)
-        turn = quaternion.multiply(
-            quaternion.multiply(frame, horn_rotation(wanted, given)), quaternion.conjugate(frame)
-        )
-        turned = quaternion.multiply(turn, turned)
+    frame = between("posture_frames", *in_l)
+    if posture == "absolute":
+        turn = posture_turn(bank, locomotion, action)
+    elif posture == "relative":
+        own, theirs = (posture_turn(bank, bank.neutral(name), name) for name in (locomotion, action))
+        turn = quaternion.multiply(theirs, quaternion.conjugate(own))
+    else:
+        turn = quaternion.IDENTITY
+    seen = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
+    turned = quaternion.multiply(seen, turned)
     rotations[pelvis] = turned
     return root, rotations
+
+
+def posture_turn(bank: Bank, given: str, wanted: str) -> Floats:
+    """The rotation [4] that lays one clip's posture on another's."""
+    postures = bank.tables["postures"]
+    return horn_rotation(postures[bank.number(wanted)], postures[bank.number(given)])
 
 
 QUATERNIONS = ("rotations", "posture_frames")

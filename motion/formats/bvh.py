@@ -1,8 +1,8 @@
 """Biovision Hierarchy (BVH), read and written.
 
 No reader on PyPI takes position channels on inner joints and is fast (docs/formats.md), so this is ours: the hierarchy
-is parsed line by line without recursion, the frames by NumPy. Euler channels are intrinsic rotations in the order in which they stand;
-position channels replace the joint's offset.
+is parsed line by line without recursion, the frames by NumPy. Euler channels are intrinsic rotations in the order in
+which they stand; position channels replace the joint's offset.
 """
 
 from __future__ import annotations

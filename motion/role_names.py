@@ -18,7 +18,6 @@ NAMES = {
     "head":     ("head",),
 }  # fmt: skip
 PAIRED = ("hip", "knee", "ankle", "toe", "shoulder", "elbow", "wrist")
-SINGLE = ("neck", "head")
 OPTIONAL = ("left_toe", "right_toe", "neck", "head")
 
 NAMESPACE = re.compile(r"^.*[:|]")
@@ -46,9 +45,11 @@ def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
     for joint, name in enumerate(names):
         parts.setdefault(side_and_part(name), joint)
     found: dict[str, int] = {}
-    for role, side in [(role, side) for role in PAIRED for side in ("left", "right")] + [(role, "") for role in SINGLE]:
-        for part in NAMES[role]:
-            if (side, part) in parts:
-                found[f"{side}_{role}" if side else role] = parts[side, part]
-                break
+    for role, candidates in NAMES.items():
+        sides = ("left", "right") if role in PAIRED else ("",)
+        # Both sides by one name, or a rig whose one arm is called oddly would have its collar bone for the other.
+        known = [[side for side in sides if (side, part) in parts] for part in candidates]
+        best = max(known, key=len)
+        for side in best:
+            found[f"{side}_{role}" if side else role] = parts[side, candidates[known.index(best)]]
     return found

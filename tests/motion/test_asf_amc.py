@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from motion import quaternion
+from motion.errors import FormatError, MotionError
+from motion.formats.asf_amc import parse_motion, parse_skeleton
+from motion.formats.files import read_clip
+from motion.kinematics import joint_positions
+
+ASF = """# a comment
+:version 1.10
+:name VICON
+:units
+  mass 1.0
+  length 0.45
+  angle deg
+:root
+  order TX TY TZ RX RY RZ
+  axis XYZ
+  position 0 0 0
+  orientation 0 0 0
+:bonedata
+  begin
+    id 1
+    name thigh
+    direction 0 -1 0
+    length 2
+    axis 0 0 20 XYZ
+    dof rx rz
+    limits (-160 20)
+           (-70 70)
+  end
+  begin
+    id 2
+    name shin
+    direction 0 -1 0
+    length 3
+    axis 0 0 0 XYZ
+  end
+:hierarchy
+  begin
+    root thigh
+    thigh shin
+  end
+"""
+AMC = """#!OML:ASF
+:FULLY-SPECIFIED
+:DEGREES
+1
+root 1 2 3 10 20 30
+thigh 40 50
+2
+root 1 2 4 11 21 31
+thigh 41 51
+"""
+
+
+def test_joints_sit_where_bones_begin() -> None:
+    skeleton = parse_skeleton(ASF.encode())
+    nodes, rate = parse_motion(AMC.encode(), skeleton)
+    assert nodes.names == ("root", "thigh", "shin")
+    assert nodes.parents.tolist() == [-1, 0, 1]
+    np.testing.assert_allclose(nodes.offsets, [[0, 0, 0], [0, 0, 0], [0, -2, 0]])
+    np.testing.assert_allclose(nodes.end_offsets, [[0, -3, 0]])
+    assert skeleton.unit == pytest.approx(0.056444, abs=1e-6)
+    assert rate == 120.0
+
+
+def test_rotations_are_about_the_bones_own_axes() -> None:
+    nodes, _ = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
+    axes = Rotation.from_euler("xyz", [0, 0, 20], degrees=True)
+    thigh = axes * Rotation.from_euler("xyz", [40, 0, 50], degrees=True) * axes.inv()
+    assert quaternion.angle(nodes.rotations[0, 1], thigh.as_quat()) < 1e-9
+    root = Rotation.from_euler("xyz", [10, 20, 30], degrees=True)
+    assert quaternion.angle(nodes.rotations[0, 0], root.as_quat()) < 1e-9
+    np.testing.assert_allclose(nodes.translations[0], [[1, 2, 3], [1, 2, 4]])
+    np.testing.assert_array_equal(nodes.rotations[:, 2], np.tile(quaternion.IDENTITY, (2, 1)))
+
+
+def test_radians_rate_and_another_order_of_the_root() -> None:
+    asf = ASF.replace("order TX TY TZ RX RY RZ", "order RZ RY RX TZ TY TX")
+    amc = AMC.replace(":DEGREES", ":RADIANS\n:SAMPLES-PER-SECOND 60").replace("1 2 3 10 20 30", "0.1 0.2 0.3 3 2 1")
+    nodes, rate = parse_motion(amc.encode(), parse_skeleton(asf.encode()))
+    assert rate == 60.0
+    np.testing.assert_allclose(nodes.translations[0][0], [1, 2, 3])
+    assert quaternion.angle(nodes.rotations[0, 0], Rotation.from_euler("zyx", [0.1, 0.2, 0.3]).as_quat()) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "no :units section"),
+        (b"\x00\x01", "binary"),
+        (ASF[: ASF.index(":hierarchy")], "no :hierarchy section"),
+        (ASF.replace("  end\n:hierarchy", ":hierarchy"), "a bone has no end"),
+        (ASF.replace("direction 0 -1 0\n    length 3", "length 3"), "a bone has no direction"),
+        (ASF.replace("length 3", "length nan"), "finite"),
+        (ASF.replace("length 3", "length three"), "line 28: 1 finite numbers"),
+        (ASF.replace("dof rx rz", "dof rx l"), "degree of freedom 'l'"),
+        (ASF.replace("order TX TY", "order TX TX"), "line 9: the root's order"),
+        (ASF.replace("thigh shin\n", "thigh shim\n"), r"unknown bone 'shim'. Did you mean 'shin'"),
+        (ASF.replace("thigh shin\n", "thigh thigh\n"), "does not hang on the root by one way"),
+        (ASF.replace("    thigh shin\n", ""), "'shin' hangs on nothing"),
+        (ASF.replace("name shin", "name thigh"), "stands twice"),
+        (ASF.replace("length 0.45", "length -1"), "must be positive"),
+        (ASF.replace("20 XYZ", "20 XXZ"), "no order of axes"),
+    ],
+)
+def test_a_malformed_skeleton_is_told_with_its_place(text: str | bytes, words: str) -> None:
+    with pytest.raises(FormatError, match=words):
+        parse_skeleton(text.encode() if isinstance(text, str) else text)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "no frames"),
+        (b"1\nroot 1 2 3 4 5 6\x00", "binary"),
+        (AMC[: AMC.index("thigh 41")], "frame 1 lacks bone 'thigh'"),
+        (AMC.replace("thigh 40 50\n", ""), "line 6: frame 0 lacks bone 'thigh'"),
+        (AMC.replace("thigh 41 51", "thigh 41"), "line 9, frame 1"),
+        (AMC.replace("thigh 41 51", "thing 41 51"), r"no moving bone 'thing'. Did you mean 'thigh'"),
+        (AMC.replace("thigh 41 51", "shin 41 51"), "no moving bone 'shin'"),
+        (AMC.replace("thigh 41 51", "thigh 41 inf"), "bone 'thigh': a value is not a finite number"),
+        (AMC.replace("thigh 41 51", "thigh 41 five"), "not a finite number"),
+        (AMC.replace("thigh 41 51", "thigh 41 51\nthigh 41 51"), "line 10, frame 1"),
+        (AMC.replace("1\nroot", "root", 1), "was expected"),
+    ],
+)
+def test_a_malformed_motion_is_told_with_its_place(text: str | bytes, words: str) -> None:
+    with pytest.raises(FormatError, match=words):
+        parse_motion(text.encode() if isinstance(text, str) else text, parse_skeleton(ASF.encode()))
+
+
+@given(st.data())
+def test_any_mutation_is_read_or_refused_but_never_breaks(data: st.DataObject) -> None:
+    texts = [bytearray(ASF.encode()), bytearray(AMC.encode())]
+    text = texts[data.draw(st.integers(0, 1))]
+    at = data.draw(st.integers(0, len(text) - 1))
+    if data.draw(st.booleans()):
+        text[at] = data.draw(st.integers(0, 255))
+    else:
+        del text[at : at + data.draw(st.integers(1, 60))]
+    with suppress(MotionError):
+        nodes, _ = parse_motion(bytes(texts[1]), parse_skeleton(bytes(texts[0])))
+        assert np.isfinite(nodes.rotations).all()
+
+
+def test_real_people_walk_upright(real_motion: Path) -> None:
+    for name in ("16_15", "02_01", "127_04"):
+        reading = read_clip(real_motion / f"{name}.amc")
+        positions, roles = joint_positions(reading.clip), reading.roles
+        assert -0.05 < np.median(positions[:, :, 1].min(axis=1)) < 0.1
+        assert 0.35 < np.median(positions[:, roles.left_knee, 1]) < 0.6
+        assert positions[:, :, 1].argmax(axis=1).tolist().count(roles.head) > 0.9 * len(positions)
+        assert 0.75 < roles.leg_length(reading.clip.skeleton) < 0.95

@@ -1,0 +1,239 @@
+from __future__ import annotations
+
+import itertools
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import ClipError, FormatError, MotionError
+from motion.formats import bvh
+from motion.formats.fold import fold
+from motion.kinematics import joint_positions
+from motion.skeleton import Skeleton
+
+SMALL = """HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 1 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Chest
+  {
+    OFFSET 0 0.5 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 0.25 0
+    }
+  }
+}
+MOTION
+Frames: 2
+Frame Time: 0.0333333
+1 2 3 10 20 30 5 6 7
+2 3 4 11 21 31 6 7 8
+"""
+ORDERS = ["".join(order) for order in itertools.permutations("XYZ")]
+angles = st.floats(-180.0, 180.0)
+
+
+def clip_of(text: str | bytes) -> Clip:
+    nodes, rate = bvh.parse(text.encode() if isinstance(text, str) else text)
+    folded = fold(nodes, 0)
+    return Clip("clip", folded.skeleton, rate, folded.root_positions, folded.rotations)
+
+
+def test_reads_what_is_written_in_it() -> None:
+    clip = clip_of(SMALL)
+    assert clip.skeleton.names == ("Hips", "Chest")
+    assert clip.rate == 30.0
+    np.testing.assert_allclose(clip.root_positions, [[1, 2, 3], [2, 3, 4]])
+    np.testing.assert_allclose(clip.skeleton.offsets[1], [0, 0.5, 0])
+    np.testing.assert_allclose(clip.skeleton.end_offsets, [[0, 0.25, 0]])
+    expected = Rotation.from_euler("ZXY", [[10, 20, 30], [11, 21, 31]], degrees=True).as_quat()
+    assert quaternion.angle(clip.rotations[:, 0], expected).max() < 1e-9
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@given(values=st.tuples(angles, angles, angles))
+def test_every_euler_order_is_scipys(order: str, values: tuple[float, float, float]) -> None:
+    channels = " ".join(f"{axis}rotation" for axis in order)
+    text = SMALL.replace("CHANNELS 3 Zrotation Xrotation Yrotation", f"CHANNELS 3 {channels}")
+    text = text.replace("5 6 7", " ".join(map(repr, values)))
+    expected = Rotation.from_euler(order, values, degrees=True).as_quat()
+    assert quaternion.angle(clip_of(text).rotations[0, 1], expected) < 1e-7
+
+
+@given(order=st.permutations(bvh.CHANNELS), values=st.lists(angles, min_size=6, max_size=6))
+def test_channels_may_stand_in_any_order(order: list[str], values: list[float]) -> None:
+    text = SMALL.replace("Xposition Yposition Zposition Zrotation Xrotation Yrotation", " ".join(order))
+    clip = clip_of(text.replace("1 2 3 10 20 30", " ".join(map(repr, values))))
+    given_values = dict(zip(order, values, strict=True))
+    np.testing.assert_allclose(clip.root_positions[0], [given_values[f"{axis}position"] for axis in "XYZ"])
+    turns = [channel for channel in order if channel.endswith("rotation")]
+    expected = Rotation.from_euler(
+        "".join(turn[0] for turn in turns), [given_values[turn] for turn in turns], degrees=True
+    )
+    assert quaternion.angle(clip.rotations[0, 0], expected.as_quat()) < 1e-7
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: text.replace("\n", "\r\n"),
+        lambda text: text.replace(" ", " \t  "),
+        lambda text: text.replace("\n", "\n\n"),
+        lambda text: text.replace("rotation", "ROTATION").replace("HIERARCHY", "hierarchy").replace("JOINT", "Joint"),
+        lambda text: text.replace("{", "{ ").rstrip("\n"),
+        lambda text: text.replace("Frames: 2", "Frames:2").replace("Frame Time: ", "Frame Time:\t"),
+    ],
+)
+def test_white_space_and_case_do_not_matter(change: object) -> None:
+    changed, plain = clip_of(change(SMALL)), clip_of(SMALL)  # type: ignore[operator]
+    np.testing.assert_array_equal(changed.rotations, plain.rotations)
+    np.testing.assert_array_equal(changed.root_positions, plain.root_positions)
+
+
+def test_names_keep_colons_and_blanks() -> None:
+    assert clip_of(SMALL.replace("Chest", "rig:the chest")).skeleton.names[1] == "rig:the chest"
+
+
+def test_a_joint_without_channels_does_not_move() -> None:
+    text = SMALL.replace("    CHANNELS 3 Zrotation Xrotation Yrotation\n", "")
+    clip = clip_of(text.replace(" 5 6 7", "").replace(" 6 7 8", ""))
+    np.testing.assert_array_equal(clip.rotations[:, 1], np.tile(quaternion.IDENTITY, (2, 1)))
+
+
+@given(st.integers(0, 10**6))
+def test_written_and_read_again_is_the_same_motion(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    joints, frames = int(draw.integers(1, 12)), int(draw.integers(1, 6))
+    parents = np.array([-1] + [int(draw.integers(0, joint)) for joint in range(1, joints)])
+    ends = draw.integers(0, joints, 3)
+    skeleton = Skeleton(
+        tuple(f"j{joint}" for joint in range(joints)),
+        parents,
+        np.concatenate([np.zeros((1, 3)), draw.normal(size=(joints - 1, 3))]),
+        ends,
+        draw.normal(size=(3, 3)),
+    )
+    rotations = Rotation.random(frames * joints, random_state=seed).as_quat().reshape(frames, joints, 4)
+    clip = Clip(
+        "clip", skeleton, float(draw.choice([24.0, 30.0, 60.0, 120.0])), draw.normal(size=(frames, 3)), rotations
+    )
+    unit = float(draw.choice([1.0, 0.01]))
+    again = clip_of(bvh.dump(clip, unit))
+    order = [again.skeleton.names.index(name) for name in skeleton.names]
+    assert again.rate == clip.rate
+    assert quaternion.angle(again.rotations[:, order], clip.rotations).max() < 1e-5
+    np.testing.assert_allclose(again.root_positions * unit, clip.root_positions, atol=1e-6)
+    np.testing.assert_allclose(joint_positions(again)[:, order] * unit, joint_positions(clip), atol=1e-4)
+    assert len(again.skeleton.end_parents) == 3
+
+
+def test_moving_and_turned_parents_of_the_root_fold_into_it() -> None:
+    text = SMALL.replace("CHANNELS 3 Zrot", "CHANNELS 6 Xposition Yposition Zposition Zrot")
+    text = text.replace("5 6 7", "0 0.5 0 5 6 7").replace("6 7 8", "0 0.7 0 6 7 8")
+    nodes, _ = bvh.parse(text.encode())
+    whole, folded = fold(nodes, 0), fold(nodes, 1)
+    assert folded.skeleton.names == ("Chest",)
+    turned = quaternion.rotate(whole.rotations[:, 0], [[0, 0.5, 0], [0, 0.7, 0]])
+    np.testing.assert_allclose(folded.root_positions, whole.root_positions + turned)
+    expected = quaternion.multiply(whole.rotations[:, 0], whole.rotations[:, 1])
+    np.testing.assert_allclose(folded.rotations[:, 0], expected)
+    assert "left out: Hips" in folded.notes[0]
+
+
+def test_an_inner_joint_that_moves_is_fixed_and_noted() -> None:
+    text = SMALL.replace("CHANNELS 3 Zrot", "CHANNELS 6 Xposition Yposition Zposition Zrot")
+    moving = fold(bvh.parse(text.replace("5 6 7", "0 0.5 0 5 6 7").replace("6 7 8", "0 0.9 0 6 7 8").encode())[0], 0)
+    np.testing.assert_allclose(moving.skeleton.offsets[1], [0, 0.7, 0])
+    assert "'Chest' moves on its parent" in moving.notes[0]
+    steady = fold(bvh.parse(text.replace("5 6 7", "0 0.6 0 5 6 7").replace("6 7 8", "0 0.6 0 6 7 8").encode())[0], 0)
+    np.testing.assert_allclose(steady.skeleton.offsets[1], [0, 0.6, 0])
+    assert not steady.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "ends inside the hierarchy"),
+        ("hello world", "line 1: a BVH file begins with HIERARCHY"),
+        (b"\x00\x01\x02", "binary"),
+        (SMALL[: SMALL.index("  CHANNELS 6")], "ends inside the hierarchy.*cut short"),
+        (SMALL[: SMALL.index("MOTION")], "before MOTION"),
+        (SMALL[: SMALL.index("Frame Time")], "before the frames"),
+        (SMALL[:-9], r"line 20, frame 1: 5 values where the channels need 9"),
+        (SMALL.replace("20 30", "nan 30"), "line 19, frame 0: 'nan' is not a finite number"),
+        (SMALL.replace("20 30", "inf 30"), "'inf' is not a finite number"),
+        (SMALL.replace("20 30", "1e999 30"), "not a finite number"),
+        (SMALL.replace("20 30", "2O 30"), "'2O' is not a finite number"),
+        (SMALL.replace("20 30", "20"), "frame 0: 8 values where the channels need 9"),
+        (SMALL.replace("Frames: 2", "Frames: 3"), "the header says 3 frames, and 2 are there"),
+        (SMALL.replace("Frames: 2", "Frames: 1"), "the header says 1 frames, and 2 are there"),
+        (SMALL.replace("Frames: 2", "Frames: 99999999999"), "the header says 99999999999 frames"),
+        (SMALL[: SMALL.index("Frames")] + "Frames: 0\nFrame Time: 0.1\n", "no frames"),
+        (SMALL.replace("Frames: 2", "Frames: -2"), "not a motion"),
+        (SMALL.replace("0.0333333", "0"), "not a motion"),
+        (SMALL.replace("0.0333333", "soon"), "line 18: .*Frame Time"),
+        (SMALL.replace("OFFSET 0 0.5 0", "OFFSET 0 0.5"), "line 8: OFFSET needs three"),
+        (SMALL.replace("    OFFSET 0 0.5 0\n", ""), "'Chest' has no OFFSET"),
+        (SMALL.replace("CHANNELS 3", "CHANNELS 999999999"), "line 9: CHANNELS names 3"),
+        (SMALL.replace("Xrotation", "Wrotation"), "unknown channel 'Wrotation'"),
+        (SMALL.replace("CHANNELS 3 Zrotation Xrotation", "CHANNELS 3 Zrotation Zrotation"), "twice"),
+        (SMALL.replace("JOINT", "ROOT"), "one ROOT"),
+        (SMALL.replace("JOINT Chest", "JOINT"), "line 6"),
+        (SMALL.replace("}\nMOTION", "}\n}\nMOTION"), "line 16"),
+    ],
+)
+def test_a_malformed_file_is_told_with_its_place(text: str | bytes, words: str) -> None:
+    with pytest.raises(FormatError, match=words):
+        bvh.parse(text.encode() if isinstance(text, str) else text)
+
+
+def test_two_joints_of_one_name_are_refused() -> None:
+    with pytest.raises(ClipError, match="one name"):
+        clip_of(SMALL.replace("Chest", "Hips"))
+
+
+def test_deep_nesting_is_read_without_recursion() -> None:
+    depth = 3000
+    opening = "".join(
+        f"{'JOINT' if n else 'ROOT'} j{n}\n{{\nOFFSET 0 1 0\nCHANNELS 1 Xrotation\n" for n in range(depth)
+    )
+    text = f"HIERARCHY\n{opening}" + "}\n" * depth + f"MOTION\nFrames: 1\nFrame Time: 0.1\n{'0 ' * depth}\n"
+    assert len(bvh.parse(text.encode())[0].names) == depth
+
+
+@given(st.data())
+def test_any_mutation_is_read_or_refused_but_never_breaks(data: st.DataObject) -> None:
+    text = bytearray(SMALL.encode())
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(text) - 1))
+        match data.draw(st.integers(0, 2)):
+            case 0:
+                text[at] = data.draw(st.integers(0, 255))
+            case 1:
+                del text[at : at + data.draw(st.integers(1, 40))]
+            case _:
+                text[at:at] = text[data.draw(st.integers(0, len(text) - 1)) :][:30]
+        if not text:
+            break
+    with suppress(MotionError):
+        assert clip_of(bytes(text)).frame_count > 0
+
+
+def test_real_files_have_people_standing_on_the_floor(real_motion: Path) -> None:
+    nodes, rate = bvh.parse((real_motion / "06_01.bvh").read_bytes())
+    folded = fold(nodes, 0)
+    clip = Clip("walk", folded.skeleton.scaled(0.05644), rate, folded.root_positions * 0.05644, folded.rotations)
+    assert clip.rate == 120.0
+    heights = joint_positions(clip)[1:, :, 1]
+    assert -0.05 < np.percentile(heights.min(axis=1), 50) < 0.1
+    assert 1.4 < np.median(heights.max(axis=1)) < 1.9

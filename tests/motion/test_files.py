@@ -1,0 +1,101 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import MotionError, RoleError, SettingsError
+from motion.formats import bvh
+from motion.formats.files import read_clip
+from motion.formats.units import UNITS, guess_unit, metres_per_unit
+from motion.kinematics import joint_positions
+from tests.conftest import CLIPS
+
+WALK = CLIPS["walk"].frames(0, 30)
+
+
+def written(folder: Path, clip: Clip = WALK, unit: float = 1.0) -> Path:
+    path = folder / "walk.bvh"
+    path.write_bytes(bvh.dump(clip, unit))
+    return path
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_the_unit_is_guessed_from_the_legs_and_said(tmp_path: Path, unit: str) -> None:
+    reading = read_clip(written(tmp_path, unit=UNITS[unit]))
+    assert reading.unit == UNITS[unit]
+    assert f"taken for {unit} " in reading.notes[0]
+    np.testing.assert_allclose(reading.clip.root_positions, WALK.root_positions, atol=1e-4)
+
+
+def test_a_unit_that_is_given_is_taken(tmp_path: Path) -> None:
+    reading = read_clip(written(tmp_path), unit="2.5")
+    np.testing.assert_allclose(reading.clip.root_positions, 2.5 * WALK.root_positions, atol=1e-4)
+    assert not reading.notes
+    for wrong in ("furlong", "0", "-1", "nan"):
+        with pytest.raises(SettingsError, match="no unit of length"):
+            metres_per_unit(wrong)
+    with pytest.raises(MotionError, match="legs have no length"):
+        guess_unit(0.0)
+
+
+def test_leading_frames_are_skipped(tmp_path: Path) -> None:
+    clip = read_clip(written(tmp_path), skip_frames=7, unit="m").clip
+    np.testing.assert_allclose(clip.root_positions, WALK.root_positions[7:], atol=1e-5)
+    with pytest.raises(MotionError, match=r"walk\.bvh: 30 frames cannot be skipped of 30"):
+        read_clip(written(tmp_path), skip_frames=30)
+
+
+def test_a_leading_bind_pose_is_noticed(tmp_path: Path) -> None:
+    posed = WALK.rotations.copy()
+    posed[0] = quaternion.IDENTITY
+    with_pose = Clip("walk", WALK.skeleton, WALK.rate, WALK.root_positions, posed)
+    assert any("--skip-frames 1" in note for note in read_clip(written(tmp_path, with_pose)).notes)
+    assert not any("--skip-frames" in note for note in read_clip(written(tmp_path)).notes)
+
+
+def test_one_frame_is_a_clip(tmp_path: Path) -> None:
+    assert read_clip(written(tmp_path, WALK.frames(0, 1))).clip.frame_count == 1
+
+
+def test_the_motion_is_kept_whatever_the_order_of_joints(tmp_path: Path) -> None:
+    clip = read_clip(written(tmp_path)).clip
+    order = [clip.skeleton.index(name) for name in WALK.skeleton.names]
+    np.testing.assert_allclose(joint_positions(clip)[:, order], joint_positions(WALK), atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "words"),
+    [
+        ("absent.bvh", None, "absent.bvh: there is no such file"),
+        ("absent.amc", None, "absent.amc: there is no such file"),
+        ("empty.bvh", b"", "empty.bvh: the file is empty"),
+        ("blank.amc", b" \n\n", "blank.amc: the file is empty"),
+        ("walk.fbx", b"Kaydara", r"kind '.fbx' cannot be read. Give one of .amc, .bvh"),
+        ("lone_01.amc", b"1\nroot 0 0 0 0 0 0\n", "no lone.asf beside it"),
+        ("noise.bvh", bytes(range(256)), "noise.bvh: this is a binary file"),
+    ],
+)
+def test_a_bad_file_is_named(tmp_path: Path, name: str, data: bytes | None, words: str) -> None:
+    if data is not None:
+        (tmp_path / name).write_bytes(data)
+    with pytest.raises(MotionError, match=words):
+        read_clip(tmp_path / name)
+
+
+def test_a_bad_skeleton_file_is_named_rather_than_the_motion(tmp_path: Path) -> None:
+    (tmp_path / "a.asf").write_text("nothing")
+    (tmp_path / "a_01.amc").write_text("1\nroot 0 0 0 0 0 0\n")
+    with pytest.raises(MotionError, match=r"a\.asf: it has no :units"):
+        read_clip(tmp_path / "a_01.amc")
+
+
+def test_a_rig_with_unknown_names_is_answered_with_a_file_to_fill_in(tmp_path: Path) -> None:
+    text = bvh.dump(WALK).replace(b"LeftLeg", b"Alpha")
+    (tmp_path / "odd.bvh").write_bytes(text)
+    with pytest.raises(RoleError, match=r"odd\.bvh: no joint was found for left_knee"):
+        read_clip(tmp_path / "odd.bvh")
+    assert read_clip(tmp_path / "odd.bvh", roles={"left_knee": "Alpha"}).clip.frame_count == 30

@@ -1,0 +1,199 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion.errors import RoleError, SettingsError
+from motion.formats.fold import Nodes, fold
+from motion.kinematics import joint_positions
+from motion.roles import ENDS, check_shape, common_ancestor, find_roles, limbs_by_name, read_roles_file
+from motion.skeleton import Skeleton
+from tests.conftest import CLIPS
+
+# Each rig as its chains below the joint that is named first.
+RIGS: Mapping[str, tuple[str, ...]] = {
+    "CMU (BVH)": (
+        "Hips LHipJoint LeftUpLeg LeftLeg LeftFoot LeftToeBase",
+        "Hips RHipJoint RightUpLeg RightLeg RightFoot RightToeBase",
+        "Hips LowerBack Spine Spine1 Neck Neck1 Head",
+        "Spine1 LeftShoulder LeftArm LeftForeArm LeftHand LeftFingerBase LeftHandIndex1",
+        "Spine1 RightShoulder RightArm RightForeArm RightHand RightFingerBase RThumb",
+    ),
+    "CMU (ASF)": (
+        "root lhipjoint lfemur ltibia lfoot ltoes",
+        "root rhipjoint rfemur rtibia rfoot rtoes",
+        "root lowerback upperback thorax lowerneck upperneck head",
+        "thorax lclavicle lhumerus lradius lwrist lhand lfingers",
+        "thorax rclavicle rhumerus rradius rwrist rhand rfingers",
+    ),
+    "Mixamo": (
+        "mixamorig:Hips mixamorig:Spine mixamorig:Spine1 mixamorig:Spine2 mixamorig:Neck mixamorig:Head",
+        "mixamorig:Spine2 mixamorig:LeftShoulder mixamorig:LeftArm mixamorig:LeftForeArm mixamorig:LeftHand",
+        "mixamorig:Spine2 mixamorig:RightShoulder mixamorig:RightArm mixamorig:RightForeArm mixamorig:RightHand",
+        "mixamorig:Hips mixamorig:LeftUpLeg mixamorig:LeftLeg mixamorig:LeftFoot mixamorig:LeftToeBase",
+        "mixamorig:Hips mixamorig:RightUpLeg mixamorig:RightLeg mixamorig:RightFoot mixamorig:RightToeBase",
+    ),
+    "Unreal": (
+        "root pelvis spine_01 spine_02 spine_03 neck_01 head",
+        "spine_03 clavicle_l upperarm_l upperarm_twist_01_l",
+        "upperarm_l lowerarm_l hand_l index_01_l",
+        "lowerarm_l lowerarm_twist_01_l",
+        "spine_03 clavicle_r upperarm_r lowerarm_r hand_r",
+        "pelvis thigh_l calf_l foot_l ball_l",
+        "thigh_l thigh_twist_01_l",
+        "pelvis thigh_r calf_r foot_r ball_r",
+        "root ik_foot_root ik_foot_l",
+        "ik_foot_root ik_foot_r",
+        "root ik_hand_root ik_hand_gun ik_hand_l",
+        "ik_hand_gun ik_hand_r",
+    ),
+    "LAFAN1": (
+        "Hips LeftUpLeg LeftLeg LeftFoot LeftToe",
+        "Hips RightUpLeg RightLeg RightFoot RightToe",
+        "Hips Spine Spine1 Spine2 Neck Head",
+        "Spine2 LeftShoulder LeftArm LeftForeArm LeftHand",
+        "Spine2 RightShoulder RightArm RightForeArm RightHand",
+    ),
+    "Bandai Namco": (
+        "joint_Root Hips Spine Chest Neck Head",
+        "Chest Shoulder_L UpperArm_L LowerArm_L Hand_L",
+        "Chest Shoulder_R UpperArm_R LowerArm_R Hand_R",
+        "Hips UpperLeg_L LowerLeg_L Foot_L Toes_L",
+        "Hips UpperLeg_R LowerLeg_R Foot_R Toes_R",
+    ),
+    "glTF humanoid": (
+        "hips spine chest upperChest neck head",
+        "upperChest leftShoulder leftUpperArm leftLowerArm leftHand",
+        "upperChest rightShoulder rightUpperArm rightLowerArm rightHand",
+        "hips leftUpperLeg leftLowerLeg leftFoot leftToes",
+        "hips rightUpperLeg rightLowerLeg rightFoot rightToes",
+    ),
+    "VRoid": (
+        "Root J_Bip_C_Hips J_Bip_C_Spine J_Bip_C_Chest J_Bip_C_UpperChest J_Bip_C_Neck J_Bip_C_Head",
+        "J_Bip_C_UpperChest J_Bip_L_Shoulder J_Bip_L_UpperArm J_Bip_L_LowerArm J_Bip_L_Hand",
+        "J_Bip_C_UpperChest J_Bip_R_Shoulder J_Bip_R_UpperArm J_Bip_R_LowerArm J_Bip_R_Hand",
+        "J_Bip_C_Hips J_Bip_L_UpperLeg J_Bip_L_LowerLeg J_Bip_L_Foot J_Bip_L_ToeBase",
+        "J_Bip_C_Hips J_Bip_R_UpperLeg J_Bip_R_LowerLeg J_Bip_R_Foot J_Bip_R_ToeBase",
+    ),
+    "Rigify": (
+        "DEF-spine DEF-spine.001 DEF-spine.002 DEF-spine.003 DEF-spine.004 DEF-spine.006",
+        "DEF-spine.003 DEF-shoulder.L DEF-upper_arm.L DEF-upper_arm.L.001 DEF-forearm.L DEF-forearm.L.001 DEF-hand.L",
+        "DEF-spine.003 DEF-shoulder.R DEF-upper_arm.R DEF-upper_arm.R.001 DEF-forearm.R DEF-forearm.R.001 DEF-hand.R",
+        "DEF-spine DEF-thigh.L DEF-thigh.L.001 DEF-shin.L DEF-shin.L.001 DEF-foot.L DEF-toe.L",
+        "DEF-spine DEF-thigh.R DEF-thigh.R.001 DEF-shin.R DEF-shin.R.001 DEF-foot.R DEF-toe.R",
+    ),
+    "Biped": (
+        "Bip01 Bip01_Pelvis Bip01_Spine Bip01_Spine1 Bip01_Neck Bip01_Head",
+        "Bip01_Spine1 Bip01_L_Clavicle Bip01_L_UpperArm Bip01_L_Forearm Bip01_L_Hand",
+        "Bip01_Spine1 Bip01_R_Clavicle Bip01_R_UpperArm Bip01_R_Forearm Bip01_R_Hand",
+        "Bip01_Pelvis Bip01_L_Thigh Bip01_L_Calf Bip01_L_Foot Bip01_L_Toe0",
+        "Bip01_Pelvis Bip01_R_Thigh Bip01_R_Calf Bip01_R_Foot Bip01_R_Toe0",
+    ),
+}
+EXPECTED = {  # root, pelvis, top of the spine, left hip, left knee, left shoulder, left elbow, left wrist
+    "CMU (BVH)": "Hips LowerBack Spine1 LeftUpLeg LeftLeg LeftArm LeftForeArm LeftHand",
+    "CMU (ASF)": "root lowerback thorax lfemur ltibia lhumerus lradius lwrist",
+    "Mixamo": "mixamorig:Hips mixamorig:Spine mixamorig:Spine2 mixamorig:LeftUpLeg mixamorig:LeftLeg mixamorig:LeftArm"
+    " mixamorig:LeftForeArm mixamorig:LeftHand",
+    "Unreal": "pelvis spine_01 spine_03 thigh_l calf_l upperarm_l lowerarm_l hand_l",
+    "LAFAN1": "Hips Spine Spine2 LeftUpLeg LeftLeg LeftArm LeftForeArm LeftHand",
+    "Bandai Namco": "Hips Spine Chest UpperLeg_L LowerLeg_L UpperArm_L LowerArm_L Hand_L",
+    "glTF humanoid": "hips spine upperChest leftUpperLeg leftLowerLeg leftUpperArm leftLowerArm leftHand",
+    "VRoid": "J_Bip_C_Hips J_Bip_C_Spine J_Bip_C_UpperChest J_Bip_L_UpperLeg J_Bip_L_LowerLeg J_Bip_L_UpperArm"
+    " J_Bip_L_LowerArm J_Bip_L_Hand",
+    "Rigify": "DEF-spine DEF-spine.001 DEF-spine.003 DEF-thigh.L DEF-shin.L DEF-upper_arm.L DEF-forearm.L DEF-hand.L",
+    "Biped": "Bip01_Pelvis Bip01_Spine Bip01_Spine1 Bip01_L_Thigh Bip01_L_Calf Bip01_L_UpperArm Bip01_L_Forearm"
+    " Bip01_L_Hand",
+}
+
+
+def rig(chains: tuple[str, ...]) -> Skeleton:
+    """A rig of joints one metre apart; where they are does not matter to names."""
+    names: list[str] = []
+    parents: list[int] = []
+    for chain in chains:
+        joints = chain.split()
+        for above, joint in zip([None, *joints], joints, strict=False):
+            if joint not in names:
+                names.append(joint)
+                parents.append(-1 if above is None else names.index(above))
+    return Skeleton(tuple(names), np.array(parents), np.ones((len(names), 3)), np.zeros(0, np.int64), np.zeros((0, 3)))
+
+
+def folded(skeleton: Skeleton) -> Skeleton:
+    found = limbs_by_name(skeleton.names, {})
+    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (1, skeleton.joint_count, 1))
+    nodes = Nodes(
+        skeleton.names, skeleton.parents, skeleton.offsets, skeleton.end_parents, skeleton.end_offsets, {}, rotations
+    )
+    return fold(nodes, common_ancestor(skeleton.parents, [found[role] for role in ENDS])).skeleton
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_the_common_rigs_are_known_by_name(name: str) -> None:
+    skeleton = folded(rig(RIGS[name]))
+    roles = find_roles(skeleton)
+    joints = (roles.root, roles.pelvis, roles.spine[-1], roles.left_hip, roles.left_knee)
+    joints += (roles.left_shoulder, roles.left_elbow, roles.left_wrist)
+    assert " ".join(skeleton.names[joint] for joint in joints) == EXPECTED[name]
+    for role in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist"):
+        left, right = (skeleton.names[getattr(roles, f"{side}_{role}")] for side in ("left", "right"))
+        mirrored = left.replace("Left", "Right").replace("left", "right")
+        mirrored = re.sub(r"(?<=[_.])[lL](?=$|_)", lambda side: {"l": "r", "L": "R"}[side[0]], mirrored)
+        assert right == ("r" + left[1:] if name == "CMU (ASF)" else mirrored)
+
+
+def test_given_roles_win_over_names() -> None:
+    skeleton = rig(RIGS["Mixamo"])
+    roles = find_roles(skeleton, {"left_wrist": "mixamorig:LeftForeArm", "spine": ["mixamorig:Spine2"]})
+    assert roles.left_wrist == skeleton.index("mixamorig:LeftForeArm")
+    assert roles.spine == (skeleton.index("mixamorig:Spine2"),)
+    with pytest.raises(RoleError, match="Did you mean 'mixamorig:LeftHand'"):
+        find_roles(skeleton, {"left_wrist": "mixamorig:LeftHnd"})
+
+
+def test_what_is_missing_is_told_with_all_joints_and_a_file_to_fill_in() -> None:
+    skeleton = rig(tuple(chain.replace("LeftLeg", "Alpha").replace("RightArm", "Beta") for chain in RIGS["LAFAN1"]))
+    with pytest.raises(RoleError) as error:
+        find_roles(skeleton)
+    told = str(error.value)
+    for words in ("left_knee, right_shoulder", "Alpha", "left_hip = LeftUpLeg", '[roles]\nleft_knee = ""'):
+        assert words in told
+
+
+def test_a_rig_without_a_trunk_is_refused() -> None:
+    chains = tuple(chain.replace("Spine2 ", "Hips ") for chain in RIGS["LAFAN1"] if not chain.startswith("Hips Spine"))
+    with pytest.raises(RoleError, match="no trunk"):
+        find_roles(rig(chains))
+
+
+def test_roles_that_do_not_fit_the_body_are_refused() -> None:
+    clip = CLIPS["walk"]
+    positions = joint_positions(clip)
+    names = clip.skeleton.names
+    check_shape(positions, find_roles(clip.skeleton))
+    crossed = {"left_shoulder": "RightArm", "right_shoulder": "LeftArm"}
+    with pytest.raises(RoleError, match="crossed"):
+        check_shape(positions, find_roles(clip.skeleton, crossed))
+    with pytest.raises(RoleError, match="left knee is above"):
+        check_shape(positions, find_roles(clip.skeleton, {"left_knee": "Head"}))
+    assert names[find_roles(clip.skeleton).pelvis] == "Spine"
+
+
+def test_a_roles_file_is_checked(tmp_path: Path) -> None:
+    file = tmp_path / "roles.toml"
+    file.write_text('[roles]\nleft_knee = "Alpha"\nspine = ["A", "B"]\n')
+    assert read_roles_file(file) == {"left_knee": "Alpha", "spine": ["A", "B"]}
+    for text, words in {
+        "[roles]\nleft_nee = 'x'": "Did you mean 'left_knee'",
+        "[roles]\nleft_knee = 3": "not the name of a joint",
+        "[rolls]\nleft_knee = 'x'": "needs one table",
+        "[roles": "not TOML",
+    }.items():
+        file.write_text(text)
+        with pytest.raises(SettingsError, match=words):
+            read_roles_file(file)

@@ -21,7 +21,7 @@ from motion.clip import Clip
 from motion.kinematics import joint_positions
 from motion.quaternion import Floats
 from precompute.bank_builder import write_bank
-from precompute.baseline import find_baseline
+from precompute.baseline import WORKING_RATE, find_baseline
 from precompute.prepared import prepare
 from precompute.splice import align_in_time, splice_exact
 from runtime.bank import Bank
@@ -34,7 +34,7 @@ def main(
     baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
 ) -> None:
     """Prints the identities, one row per clip."""
-    table = Table(title="distances in mm, warp errors in frames (median / 95th percentile)")
+    table = Table(title="distances in mm, warp errors in frames at 30 Hz (median / 95th percentile)")
     for column in (
         "clip",
         "self exact",
@@ -56,6 +56,7 @@ def main(
             uneven = warped(clip, frames, "uneven")
             small = _bank(Path(folder) / "small", bank, ring_clip, clip, uneven)
             pairwise = align_in_time(uneven, clip, bank.roles)[1]
+            working = WORKING_RATE / clip.rate
             axes = local_axes(bank.skeleton.joint_count, seed=1)
             pair = ring_clip, clip
             turned = with_local_axes(ring_clip, axes), with_local_axes(clip, axes)
@@ -66,8 +67,8 @@ def main(
                 entry.name,
                 f"{_apart(own, clip):.4f}",
                 f"{_apart(evaluator.clip(entry.name, entry.name), clip):.3f}",
-                _percentiles(pairwise - frames[: len(pairwise)]),
-                _percentiles(_through(small, uneven.name, clip.name) - frames),
+                _percentiles((pairwise - frames[: len(pairwise)]) * working),
+                _percentiles(_slip(small, uneven.name, clip.name, frames) * working),
                 f"{_apart(*exact):.1e}",
                 f"{_apart(*splice):.4f}",
             )
@@ -83,13 +84,18 @@ def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
     return Bank.open(folder)
 
 
-def _through(bank: Bank, locomotion: str, action: str) -> Floats:
-    """The action's frame at each of the locomotion's, by phase."""
+def _slip(bank: Bank, uneven: str, even: str, frames: Floats) -> Floats:
+    """How far the uneven copy's phase is from that of the frame it was made of, as frames of the clip.
+
+    Whole cycles are left out: where a person turns on the spot, a ring may be wound once more or once less.
+    """
     phases = []
-    for name in (locomotion, action):
+    for name in (uneven, even):
         clip = bank.clip(name)
         phases.append(bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count])
-    return np.interp(phases[0] + round(phases[1][0] - phases[0][0]), phases[1], np.arange(len(phases[1])))
+    numbers = np.arange(len(phases[1]))
+    apart = phases[0] - np.interp(frames, numbers, phases[1])
+    return (apart - np.round(apart)) / np.interp(frames, numbers, np.gradient(phases[1]))
 
 
 def _apart(a: Clip, b: Clip) -> float:

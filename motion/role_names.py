@@ -47,9 +47,9 @@ def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
     found: dict[str, int] = {}
     for role, candidates in NAMES.items():
         sides = ("left", "right") if role in PAIRED else ("",)
-        # Both sides by one name, or a rig whose one arm is called oddly would have its collar bone for the other.
+        # The first name that either side has counts for both: if one arm is called oddly, it is not its collar bone.
         known = [[side for side in sides if (side, part) in parts] for part in candidates]
-        best = max(known, key=len)
+        best = next(filter(None, known), [])
         for side in best:
             found[f"{side}_{role}" if side else role] = parts[side, candidates[known.index(best)]]
     return found

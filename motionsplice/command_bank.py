@@ -90,31 +90,33 @@ def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank.")]) -> No
 def show_bank(bank: Bank) -> None:
     """Prints a bank's clips as a table, and what was noted while they were read."""
     stride = bank.baseline["end"] - bank.baseline["start"]
-    table = Table(
-        title=f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, "
-        f"baseline {bank.baseline['clip']!r} (a stride of {stride:.2f} s from {bank.baseline['start']:.2f} s)",
-        caption="mismatch: root and knees against the baseline's at the same phase",
+    console.print(
+        f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, baseline {bank.baseline['clip']!r} "
+        f"(a stride of {stride:.2f} s from {bank.baseline['start']:.2f} s)",
+        highlight=False,
+        soft_wrap=True,
     )
-    for column in ("clip", "kind", "neutral", "tags"):
+    table = Table(caption="mismatch: root and knees against the baseline's at the same phase, cm, mean and worst")
+    for column in ("clip", "neutral"):
         table.add_column(column, overflow="fold")
-    for column in ("seconds", "frames/s", "cycles", "mean mismatch", "worst"):
-        table.add_column(column, justify="right")
+    for column in ("seconds", "rate", "cycles", "mean", "worst"):
+        table.add_column(column, justify="right", no_wrap=True)
     for clip in bank.clips:
-        mismatch = f"{100 * clip.mean_mismatch:.1f} cm"
+        mean = f"{100 * clip.mean_mismatch:.1f}"
         table.add_row(
-            clip.name,
-            clip.kind,
-            bank.neutral(clip.name),
-            ", ".join(clip.tags),
+            " ".join((clip.name, *(f"[cyan]#{tag}[/cyan]" for tag in clip.tags))),
+            bank.neutral(clip.name) if clip.kind == "action" else "",
             f"{clip.duration:.2f}",
             f"{clip.rate:.5g}",
             f"{clip.cycles:.2f}",
-            f"[yellow]{mismatch}[/yellow]" if clip.warnings else mismatch,
-            f"{100 * clip.worst_mismatch:.1f} cm",
+            f"[yellow]{mean}[/yellow]" if clip.warnings else mean,
+            f"{100 * clip.worst_mismatch:.1f}",
         )
     console.print(table)
-    for clip in bank.clips:
-        for warning in clip.warnings:
-            console.print(f"[yellow]{clip.name} {warning}[/yellow]", highlight=False, soft_wrap=True)
-        for note in clip.notes:
-            console.print(f"[dim]{clip.name}: {note}[/dim]", highlight=False, soft_wrap=True)
+    for style, said in (("yellow", "warnings"), ("dim", "notes")):
+        names: dict[str, list[str]] = {}
+        for clip in bank.clips:
+            for sentence in getattr(clip, said):
+                names.setdefault(sentence, []).append(clip.name)
+        for sentence, clips in names.items():
+            console.print(f"[{style}]{', '.join(clips)}: {sentence}[/{style}]", highlight=False, soft_wrap=True)

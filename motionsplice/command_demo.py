@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from service.settings import Settings
 
 from motion.formats.bvh import dump
 from motion.procedural.library import truth
@@ -18,6 +17,7 @@ from motionsplice.command_motion import Method, Posture, spliced
 from motionsplice.drawing import animation, contact_sheet
 from motionsplice.sample_folder import write_sample_clips
 from runtime.bank import Bank
+from service.settings import Settings
 
 LOCOMOTION, ACTION = "curve", "carry_box"
 
@@ -48,8 +48,8 @@ def demo_command(
         ("truth", real, find_roles(real.skeleton)),
     ]
     sheet, film = motion.with_suffix(".png"), motion.with_suffix(".gif")
-    contact_sheet(rows).save(sheet)
-    film.write_bytes(animation(rows))
+    contact_sheet(rows, ghost=real).save(sheet)
+    film.write_bytes(animation(rows, ghost=real))
     console.print(f"\n{ACTION!r} spliced onto {LOCOMOTION!r}, as never captured:")
     for what, file in (("motion", motion), ("picture", sheet), ("animation", film), ("bank", bank_folder)):
         console.print(f"  {what:9} {file}", highlight=False)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+
 from service.server import serve
 from service.settings import Settings
 
@@ -24,8 +25,9 @@ def serve_command(
 
     Settings may also come from the environment, as MOTIONSPLICE_HOST and so on; flags win.
     """
-    given = {"host": host, "port": port}
-    start(bank, Settings(**{name: value for name, value in given.items() if value is not None}))
+    settings = Settings()
+    port = settings.port if port is None else port
+    start(bank, settings.model_copy(update={"host": host or settings.host, "port": port}))
 
 
 def start(bank: Path, settings: Settings) -> None:

@@ -47,11 +47,13 @@ class Baseline:
 class Alignment:
     """When a clip is where in the baseline's stride.
 
-    phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
+    phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres;
+    chance: what its mean would be at random phases.
     """
 
     phase: Floats
     cost: Floats
+    chance: float
 
     @property
     def cycles(self) -> float:
@@ -136,7 +138,7 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     seconds = np.linspace(0.0, clip.duration, len(wound))
     curve = fit_increasing(seconds, (wound + between) / cells, KNOT_SPACING)
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
-    return Alignment(phase - np.floor(phase[0]), at)
+    return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()))
 
 
 def level(clouds: Floats) -> Floats:

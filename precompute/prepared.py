@@ -11,7 +11,7 @@ from precompute.baseline import Alignment, Baseline, align
 from precompute.common_skeleton import onto_skeleton
 from precompute.posture import Torso, measure_torso
 
-FOREIGN_GAIT = 0.09  # metres of mean mismatch above which a clip does not look like locomotion
+FOREIGN_GAIT = 0.65  # of the cost at random phases: above it a clip does not look like locomotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +34,10 @@ class PreparedClip:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a person should know before using the clip."""
-        mismatch = self.alignment.mean_mismatch
-        if mismatch <= FOREIGN_GAIT:
+        if self.alignment.cost.mean() <= FOREIGN_GAIT * self.alignment.chance:
             return ()
-        return (f"does not look like locomotion: its legs are {100.0 * mismatch:.0f} cm off the baseline's",)
+        far = f"{100.0 * self.alignment.mean_mismatch:.0f} cm off the baseline's"
+        return (f"does not look like locomotion: its legs are {far}, hardly nearer than at random phases",)
 
 
 def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles, baseline: Baseline) -> PreparedClip:

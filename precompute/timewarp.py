@@ -20,6 +20,7 @@ from precompute.increasing_spline import fit_increasing
 MEETING_WINDOW = 5  # frames
 MOST_FLAT_STEPS = 3  # in a row, horizontal or vertical: the path's slope stays within 1/4 and 4
 KNOT_SPACING = 0.2  # seconds
+EQUAL = 1e-9  # square metres of mean cost
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,13 +114,13 @@ def _best_path(cost: Floats, came: NDArray[np.int8]) -> NDArray[np.int64]:
     """The path [steps, 2] that ends on the top or right edge with the least mean cost per cell."""
     rows, columns, _ = cost.shape
     best_mean, best_path = np.inf, np.zeros((1, 2), np.int64)
-    edge = {(rows - 1, j) for j in range(columns)} | {(i, columns - 1) for i in range(rows)}
-    for i, j in sorted(edge):
-        if np.isinf(cost[i, j].min()) or i == 0 or j == 0:
+    edge = {(rows - 1, j) for j in range(1, columns)} | {(i, columns - 1) for i in range(1, rows)}
+    for i, j in sorted(edge, key=sum, reverse=True):  # of equals the longest, for a clip may end in still frames
+        if np.isinf(cost[i, j].min()):
             continue
         path = trace(cost, came, i, j)
         mean = float(cost[i, j].min()) / len(path)
-        if mean < best_mean:
+        if mean < best_mean - EQUAL:
             best_mean, best_path = mean, path
     return best_path
 

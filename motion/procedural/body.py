@@ -33,11 +33,13 @@ _SPINE = (
     ("Neck", "Spine2", (0.0, 0.19, 0.0)),
     ("Head", "Neck", (0.0, 0.09, 0.02)),
 )
-_LIMB = (
+_ARM = (
     ("Shoulder", "Spine2", (0.04, 0.135, 0.0)),
     ("Arm", "Shoulder", (0.145, 0.0, 0.0)),
     ("ForeArm", "Arm", (UPPER_ARM, 0.0, 0.0)),
     ("Hand", "ForeArm", (FOREARM, 0.0, 0.0)),
+)
+_LEG = (
     ("UpLeg", "Hips", (0.09, -0.03, 0.0)),
     ("Leg", "UpLeg", (0.0, -THIGH, 0.0)),
     ("Foot", "Leg", (0.0, -SHANK, 0.0)),
@@ -53,11 +55,12 @@ _ENDS = (
 
 
 def _skeleton() -> Skeleton:
-    joints = list(_SPINE)
-    for side, sign in (("Left", LEFT), ("Right", RIGHT)):
-        for name, parent, (x, y, z) in _LIMB:
-            inner = parent in ("Spine2", "Hips")
-            joints.append((side + name, parent if inner else side + parent, (sign * x, y, z)))
+    joints = list(_SPINE)  # depth first, as files have them, so that no order changes on the way through one
+    for limb in (_ARM, _LEG):
+        for side, sign in (("Left", LEFT), ("Right", RIGHT)):
+            for name, parent, (x, y, z) in limb:
+                inner = parent in ("Spine2", "Hips")
+                joints.append((side + name, parent if inner else side + parent, (sign * x, y, z)))
     names = tuple(name for name, _, _ in joints)
     return Skeleton(
         names=names,

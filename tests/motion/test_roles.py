@@ -137,8 +137,8 @@ def folded(skeleton: Skeleton) -> Skeleton:
 def test_the_common_rigs_are_known_by_name(name: str) -> None:
     skeleton = folded(rig(RIGS[name]))
     roles = find_roles(skeleton)
-    joints = (roles.root, roles.pelvis, roles.spine[-1], roles.left_hip, roles.left_knee)
-    joints += (roles.left_shoulder, roles.left_elbow, roles.left_wrist)
+    joints = [roles.root, roles.pelvis, roles.spine[-1], roles.left_hip, roles.left_knee]
+    joints += [roles.left_shoulder, roles.left_elbow, roles.left_wrist]
     assert " ".join(skeleton.names[joint] for joint in joints) == EXPECTED[name]
     for role in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist"):
         left, right = (skeleton.names[getattr(roles, f"{side}_{role}")] for side in ("left", "right"))

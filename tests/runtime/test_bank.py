@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgpack
 import numpy as np
@@ -93,7 +95,7 @@ def test_any_file_missing_cut_short_or_with_one_flipped_bit_is_refused(copy: Pat
 
 def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None:
     outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
-    lies = [
+    lies: list[Callable[[dict[str, Any]], object]] = [
         lambda body: body["clips"][0].update(frame_count=10**9),
         lambda body: body["clips"][1].update(first_frame=0),
         lambda body: body["clips"][0].pop("rate"),

@@ -11,7 +11,6 @@ from rich.console import Console
 
 from motion.formats.bvh import dump
 from motion.procedural.library import truth
-from motion.roles import find_roles
 from motionsplice import command_bank, command_serve
 from motionsplice.command_motion import Method, Posture, spliced
 from motionsplice.drawing import animation, contact_sheet
@@ -19,7 +18,8 @@ from motionsplice.sample_folder import write_sample_clips
 from runtime.bank import Bank
 from service.settings import Settings
 
-LOCOMOTION, ACTION = "curve", "carry_box"
+LOCOMOTION, ACTION = "curve", "carry_cup"
+SHOWN = (0.5, 3.0)  # seconds on the contact sheet
 
 console = Console()
 
@@ -42,14 +42,10 @@ def demo_command(
     motion = folder / f"{LOCOMOTION}+{ACTION}.bvh"
     motion.write_bytes(dump(splice))
     real = truth(LOCOMOTION, ACTION)
-    rows = [
-        ("naive splice", naive, bank.roles),
-        ("motionsplice", splice, bank.roles),
-        ("truth", real, find_roles(real.skeleton)),
-    ]
+    rows = [("naive splice", naive, bank.roles), ("motionsplice", splice, bank.roles), ("truth", real, bank.roles)]
     sheet, film = motion.with_suffix(".png"), motion.with_suffix(".gif")
-    contact_sheet(rows, ghost=real).save(sheet)
-    film.write_bytes(animation(rows, ghost=real))
+    contact_sheet(rows, start=SHOWN[0], end=SHOWN[1], ghost=real).save(sheet)
+    film.write_bytes(animation(rows, end=4.0, ghost=real))
     console.print(f"\n{ACTION!r} spliced onto {LOCOMOTION!r}, as never captured:")
     for what, file in (("motion", motion), ("picture", sheet), ("animation", film), ("bank", bank_folder)):
         console.print(f"  {what:9} {file}", highlight=False)

@@ -92,7 +92,10 @@ def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: P
 def render_command(
     motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), one row each.")],
     out: Annotated[Path, typer.Option(help="A .png contact sheet, or a .gif that plays them side by side.")],
+    ghost: Annotated[Path | None, typer.Option(help="A motion of the same rig, in grey behind each row.")] = None,
     columns: Annotated[int, typer.Option(min=1, max=60, help="Moments on a contact sheet.")] = 10,
+    start: Annotated[float, typer.Option(min=0.0, help="Seconds from which to draw.")] = 0.0,
+    end: Annotated[float | None, typer.Option(min=0.0, help="Seconds up to which to draw; else all.")] = None,
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
 ) -> None:
@@ -102,8 +105,9 @@ def render_command(
         raise SettingsError(f"a picture cannot be written as {kind!r}", mend="End --out in .png or .gif")
     readings = [read_clip(file, skip_frames=skip_frames) for file in motions]
     rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
+    behind = read_clip(ghost).clip if ghost else None
     if kind == ".png":
-        contact_sheet(rows, columns=columns, view=view).save(out)
+        contact_sheet(rows, columns=columns, start=start, end=end, view=view, ghost=behind).save(out)
     else:
-        out.write_bytes(animation(rows, view=view))
+        out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind))
     console.print(f"{out}")

@@ -89,7 +89,7 @@ def test_render_draws_sheets_and_animations(clip_folder: Path, tmp_path: Path) -
 def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
     shown = run("demo", tmp_path).output
     for kind in ("bvh", "png", "gif"):
-        assert (tmp_path / f"curve+carry_box.{kind}").stat().st_size > 1000
+        assert (tmp_path / f"curve+carry_cup.{kind}").stat().st_size > 1000
     assert "http://127.0.0.1:8000" in shown
     assert Bank.open(tmp_path / "bank").clip("carry_box").kind == "action"
 

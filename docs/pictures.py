@@ -1,0 +1,33 @@
+"""Draws the pictures of the documentation: `python docs/pictures.py`, from the project's root."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from bench.clips import bank_of
+from motion.procedural.library import truth
+from motionsplice.command_demo import demo_command
+from motionsplice.drawing import contact_sheet
+from runtime.evaluator import POSTURES, Evaluator, Posture
+
+IMAGES = Path(__file__).parent / "images"
+FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")
+
+
+def main() -> None:
+    """Writes docs/images."""
+    IMAGES.mkdir(exist_ok=True)
+    assert set(FORMS) == set(POSTURES)
+    with tempfile.TemporaryDirectory() as folder:
+        demo_command(Path(folder) / "demo")
+        for picture in ("curve+carry_cup.png", "curve+carry_cup.gif"):
+            (IMAGES / picture).write_bytes((Path(folder) / "demo" / picture).read_bytes())
+        bank = bank_of(None, "walk", Path(folder))
+        evaluator, real = Evaluator(bank), truth("stairs_up", "carry_box")
+        rows = [(form, evaluator.clip("stairs_up", "carry_box", posture=form), bank.roles) for form in FORMS]
+        contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=real).save(IMAGES / "postures.png")
+
+
+if __name__ == "__main__":
+    main()

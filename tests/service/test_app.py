@@ -51,8 +51,8 @@ def test_the_bank_and_its_clips_are_told(client: TestClient, bank: Bank) -> None
 @pytest.mark.parametrize("method", ["splice", "naive", "none"])
 @pytest.mark.parametrize("posture", ["relative", "absolute", "off"])
 def test_a_pose_is_the_evaluators(client: TestClient, bank: Bank, method: Any, posture: Any) -> None:
-    query = {"locomotion": "run", "time": 1.25, "action": "wave", "start": 0.5, "method": method, "posture": posture}
-    answer = client.get("/v1/pose", params={**query, "world": True})
+    query = f"locomotion=run&time=1.25&action=wave&start=0.5&method={method}&posture={posture}&world=true"
+    answer = client.get(f"/v1/pose?{query}")
     assert answer.status_code == 200
     evaluator = Evaluator(bank)
     poses = evaluator.pose("run", 1.25, "wave", start=0.5, method=method, posture=posture)

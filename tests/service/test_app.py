@@ -80,8 +80,8 @@ def test_a_stream_is_the_evaluators_frames(client: TestClient, bank: Bank, pace:
 
 
 def test_a_stream_for_people_is_lines_of_json(client: TestClient, bank: Bank) -> None:
-    query = {"locomotion": "walk", "action": "wave", "format": "json", "rate": 10}
-    header, *frames = (json.loads(line) for line in client.get("/v1/splice", params=query).text.splitlines())
+    query = "locomotion=walk&action=wave&format=json&rate=10"
+    header, *frames = (json.loads(line) for line in client.get(f"/v1/splice?{query}").text.splitlines())
     assert header["rate"] == 10
     assert len(frames) == header["frames"] == int(bank.clip("walk").duration * 10) + 1
     poses = Evaluator(bank).pose("walk", frames[7]["time"], "wave")

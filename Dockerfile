@@ -10,16 +10,17 @@ COPY service service
 RUN python -m venv /opt/motionsplice && /opt/motionsplice/bin/pip install --no-cache-dir .
 # Kernels are compiled for any CPU of the architecture, so that the cache fits wherever the image runs.
 ENV NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES=""
-RUN /opt/motionsplice/bin/motionsplice demo /demo
+RUN /opt/motionsplice/bin/motionsplice demo /demo && /opt/motionsplice/bin/python -c \
+    "import motionsplice; motionsplice.Evaluator(motionsplice.Bank.open('/demo/bank')).warm()"
 
 FROM python:3.11-slim
-RUN useradd --system --no-create-home --shell /usr/sbin/nologin motionsplice
+RUN useradd --system --uid 10001 --no-create-home --shell /usr/sbin/nologin motionsplice
 COPY --from=build /opt/motionsplice /opt/motionsplice
 COPY --from=build /demo/bank /bank
 ENV PATH=/opt/motionsplice/bin:$PATH \
     NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES="" \
     MOTIONSPLICE_HOST=0.0.0.0 MOTIONSPLICE_PORT=8000
-USER motionsplice
+USER 10001
 EXPOSE 8000
 HEALTHCHECK --interval=10s --timeout=3s --start-period=20s \
     CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:8000/readyz', timeout=2)"]

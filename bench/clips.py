@@ -9,6 +9,7 @@ from precompute.clip_settings import FILE_NAME
 from precompute.job import precompute
 from runtime.bank import Bank
 
+REAL_CLIP = "06_02.bvh"
 REAL_SETTINGS = Path(__file__).with_name("real_clips.toml")
 
 
@@ -24,9 +25,9 @@ def bank_of(clips: Path | None, baseline: str | None, folder: Path) -> Bank:
 
 
 def link(clips: Path, folder: Path) -> None:
-    """Links a folder's files into another, with the settings of the real clips unless it has its own."""
+    """Links a folder's files into another, with the settings of the real clips if they are those."""
     folder.mkdir()
     for file in clips.iterdir():
         (folder / file.name).symlink_to(file.resolve())
-    if not (clips / FILE_NAME).exists():
+    if (clips / REAL_CLIP).exists() and not (clips / FILE_NAME).exists():
         (folder / FILE_NAME).write_text(REAL_SETTINGS.read_text())

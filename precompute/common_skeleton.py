@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -10,7 +10,7 @@ from scipy.optimize import linear_sum_assignment
 from motion.clip import Clip
 from motion.errors import SkeletonError
 from motion.quaternion import Floats
-from motion.roles import Roles
+from motion.roles import LIMBS, Roles
 from motion.skeleton import Skeleton
 
 WIDEST_BIND_ANGLE = np.radians(25.0)  # between the same limb of two rigs in their bind poses
@@ -23,12 +23,11 @@ def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: 
     bind poses must agree, or the same rotations would mean other poses. Raises SkeletonError.
     """
     match = _match(clip.skeleton, skeleton, clip.name)
-    for role in fields(Roles):
-        theirs, ours = getattr(roles, role.name), getattr(skeleton_roles, role.name)
-        theirs, ours = (np.atleast_1d(value).tolist() for value in (theirs, ours))
-        if [joint if joint < 0 else match.index(joint) for joint in theirs] != ours:
+    for role in (*LIMBS, "pelvis", "spine"):
+        theirs, ours = (np.atleast_1d(getattr(one, role)).tolist() for one in (roles, skeleton_roles))
+        if [match.index(joint) for joint in theirs] != ours:
             raise SkeletonError(
-                f"its {role.name} is another joint than the bank's",
+                f"its {role} is another joint than the bank's",
                 place=f"clip {clip.name!r}",
                 mend="Give both rigs the same roles with a roles file",
             )

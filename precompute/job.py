@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from motion.errors import BaselineError, MotionError, SettingsError, did_you_mean
+from motion.errors import BaselineError, ClipError, MotionError, SettingsError, did_you_mean
 from motion.formats.files import Reading, read_clip
 from motion.roles import Roles
 from motion.skeleton import Skeleton
@@ -79,7 +79,7 @@ def precompute(
         for done, (one, ready) in enumerate(outcomes(pool, align_one, list(loaded.values())), 1):
             _sort(one.source.name, ready, prepared, failed)
             progress("aligning", done, len(loaded))
-    _settle_neutrals(prepared, failed, rig.roles)
+    _settle_neutrals(prepared, failed, rig.roles, ring.name)
     digest = write_bank(out, rig.clip.skeleton, rig.roles, ring, list(prepared.values()))
     return Outcome(digest, ring, tuple(sorted(prepared)), dict(sorted(failed.items())))
 
@@ -121,18 +121,24 @@ def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) 
     )
 
 
-def _settle_neutrals(prepared: dict[str, PreparedClip], failed: Failures, roles: Roles) -> None:
-    """As named; else a locomotion is its own neutral, and an action has the locomotion nearest in gait."""
-    locomotions = {name: one for name, one in prepared.items() if one.kind == "locomotion"}
+def _settle_neutrals(prepared: dict[str, PreparedClip], failed: Failures, roles: Roles, baseline: str) -> None:
+    """As named; else a locomotion is its own, and an action has the locomotion nearest in gait, the baseline at last.
+
+    Clips whose neutral is not there fail. Raises ClipError if none is left.
+    """
     while astray := [one for one in prepared.values() if one.neutral and one.neutral not in prepared]:
         for one in astray:
             name, problem = one.clip.name, f"its neutral {one.neutral!r} is not in the bank"
             failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(one.neutral, prepared))
             del prepared[name]
+    if baseline not in prepared:
+        raise ClipError("the baseline is not in its own bank", mend=str(failed.get(baseline, "")))
+    locomotions = {name: one for name, one in prepared.items() if one.kind == "locomotion"}
+    candidates = locomotions or {baseline: prepared[baseline]}
     for name, one in prepared.items():
         if not one.neutral:
-            own = one.kind == "locomotion"
-            prepared[name] = replace(one, neutral=name if own else nearest_gait(one, locomotions, roles))
+            neutral = name if one.kind == "locomotion" else nearest_gait(one, candidates, roles)
+            prepared[name] = replace(one, neutral=neutral)
 
 
 def _sort(name: str, result: Made | MotionError, sound: dict[str, Made], failed: Failures) -> None:

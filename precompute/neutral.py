@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from motion.errors import ClipError
 from motion.kinematics import joint_positions
 from motion.quaternion import Floats
 from motion.roles import Roles
@@ -18,12 +17,10 @@ TEMPO_WEIGHT = 0.1  # metres of difference for a tempo that differs by a factor 
 
 
 def nearest_gait(action: PreparedClip, locomotions: Mapping[str, PreparedClip], roles: Roles) -> str:
-    """The name of the plain locomotion whose legs move most like the action's.
+    """The name of the one among `locomotions` whose legs move most like the action's.
 
-    Compared are the mean lower clouds by phase, and the tempo. Raises ClipError if there is no locomotion.
+    Compared are the mean lower clouds by phase, and the tempo.
     """
-    if not locomotions:
-        raise ClipError("there is no locomotion among the clips", mend="Say kind = 'locomotion' of at least one")
     profile, tempo = _profile(action, roles), _tempo(action)
     apart = {}
     for name, one in locomotions.items():

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from motion.errors import ClipError
+from motion.errors import ClipError, SettingsError, did_you_mean
 from motion.formats.files import SUFFIXES
 from precompute.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
 
@@ -46,8 +46,17 @@ def find_sources(
     settings: dict[str, ClipSettings] = {}
     for folder in sorted({file.parent for file in files.values()}):
         if (folder / FILE_NAME).is_file():
-            settings |= read_clip_settings(folder / FILE_NAME)
+            settings |= _settings_of(folder)
     return [Source(files[name], settings.get(name, default), roles) for name in sorted(files)]
+
+
+def _settings_of(folder: Path) -> dict[str, ClipSettings]:
+    settings, names = read_clip_settings(folder / FILE_NAME), [file.stem for file in _clip_files(folder)]
+    for name in settings:
+        if name not in names:
+            problem = f"there is no clip {name!r} beside it"
+            raise SettingsError(problem, file=str(folder / FILE_NAME), mend=did_you_mean(name, names))
+    return settings
 
 
 def _clip_files(folder: Path) -> list[Path]:

@@ -89,25 +89,26 @@ def parse_skeleton(data: bytes) -> AcclaimSkeleton:
 
 def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> tuple[Nodes, float]:
     """Reads an AMC file for a skeleton: its nodes in the skeleton's unit, and frames per second. Raises FormatError."""
-    degrees, rate, frames, number = True, RATE, -1, 0
+    degrees, rate, frames, seen, number = True, RATE, -1, 0, 0  # seen: bones in the frame at hand
     rows: dict[str, list[list[str]]] = {name: [] for name, bone in skeleton.bones.items() if bone.dof}
     for number, words in _lines(data):
         key = words[0]
-        if key.startswith(":"):
+        if key in rows and len(words) - 1 == len(skeleton.bones[key].dof) and len(rows[key]) == frames:
+            rows[key].append(words[1:])
+            seen += 1
+        elif len(words) == 1 and key.isdigit():
+            _check_complete(rows, seen, frames, number)
+            frames, seen = frames + 1, 0
+        elif key.startswith(":"):
             degrees = degrees and key.upper() != ":RADIANS"
             rate = _numbers(words[1:], 1, number)[0] if key.upper() == ":SAMPLES-PER-SECOND" else rate
-        elif len(words) == 1 and key.isdigit():
-            _check_complete(rows, frames + 1, number)
-            frames += 1
         elif key not in rows:
             known = did_you_mean(key, rows)
             raise FormatError(f"the skeleton has no moving bone {key!r}", place=f"line {number}", mend=known)
-        elif len(words) - 1 != len(skeleton.bones[key].dof) or len(rows[key]) != frames:
+        else:
             wanted = f"one line with {len(skeleton.bones[key].dof)} values for bone {key!r} in each frame"
             raise FormatError(f"{wanted} was expected", place=f"line {number}, frame {frames}")
-        else:
-            rows[key].append(words[1:])
-    _check_complete(rows, frames + 1, number)
+    _check_complete(rows, seen, frames, number)
     if frames < 0:
         raise FormatError("it has no frames", mend=CUT_SHORT)
     if not rate > 0.0:
@@ -186,9 +187,10 @@ def _link(lines: list[tuple[int, list[str]]], bones: dict[str, Bone]) -> None:
         raise FormatError(f"bone {lost[0]!r} hangs on nothing", place=":hierarchy", mend=CUT_SHORT)
 
 
-def _check_complete(rows: dict[str, list[list[str]]], frames: int, line: int) -> None:
-    if missing := [name for name, values in rows.items() if len(values) < frames]:
-        raise FormatError(f"frame {frames - 1} lacks bone {missing[0]!r}", place=f"line {line}", mend=CUT_SHORT)
+def _check_complete(rows: dict[str, list[list[str]]], seen: int, frame: int, line: int) -> None:
+    if frame >= 0 and seen < len(rows):
+        missing = next(name for name, values in rows.items() if len(values) <= frame)
+        raise FormatError(f"frame {frame} lacks bone {missing!r}", place=f"line {line}", mend=CUT_SHORT)
 
 
 def _values(name: str, rows: list[list[str]]) -> Floats:

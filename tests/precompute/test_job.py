@@ -36,10 +36,12 @@ def test_same_clips_make_the_same_bytes_however_and_wherever(clip_folder: Path, 
 
 def test_a_clip_that_fails_is_named_and_the_others_finish(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"], short=CLIPS["walk"].frames(0, 10))
+    write(clips, one_frame=CLIPS["walk"].frames(0, 1))
     (clips / "broken.bvh").write_bytes(b"HIERARCHY\nROOT")
     outcome = precompute([clips], tmp_path / "bank", baseline="walk", jobs=1)
     assert outcome.clips == ("run", "walk")
-    assert set(outcome.failed) == {"broken", "short"}
+    assert set(outcome.failed) == {"broken", "short", "one_frame"}
+    assert "lasts 0.000 s, too short" in str(outcome.failed["one_frame"])
     assert "broken.bvh" in str(outcome.failed["broken"])
     assert "too short" in str(outcome.failed["short"])
     assert [clip.name for clip in Bank.open(tmp_path / "bank").clips] == ["run", "walk"]
@@ -152,6 +154,7 @@ def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("[walkk]\nkind = 'action'", "no clip 'walkk' beside it. Did you mean 'walk'"),
         ("[walk]\nkindd = 'action'", "unknown key 'kindd'.*Did you mean 'kind'"),
         ("[walk]\nkind = 'dance'", "kind = 'dance' means nothing"),
         ("[walk]\nskip_frames = -1", "skip_frames = -1"),
@@ -203,3 +206,10 @@ def test_errors_survive_the_way_back_from_a_process(tmp_path: Path) -> None:
     outcome = precompute([clips], tmp_path / "bank", baseline="walk", jobs=2)
     assert isinstance(outcome.failed["broken"], MotionError)
     assert "broken.bvh" in str(outcome.failed["broken"])
+
+
+def test_without_any_locomotion_the_baseline_is_the_neutral(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", box=CLIPS["carry_box"], wave=CLIPS["wave"])
+    (clips / "clips.toml").write_text("[box]\nkind = 'action'\n[wave]\nkind = 'action'\n")
+    precompute([clips], tmp_path / "bank", baseline="box")
+    assert Bank.open(tmp_path / "bank").neutral("wave") == "box"

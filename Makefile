@@ -2,18 +2,22 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV   := .venv
 BIN    := $(VENV)/bin
 
-.PHONY: demo test check quality clean
+.PHONY: demo test check pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
 
-test: $(VENV)/ready            ## set up and run every test
+test: $(VENV)/ready            ## set up and run every test; kernels also as plain Python, which checks bounds
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_kernels.py tests/precompute/test_timewarp.py
 	$(BIN)/python -m pytest -n auto --dist loadgroup
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+pictures: $(VENV)/ready        ## draw the documentation's pictures anew
+	PYTHONPATH=. $(BIN)/python docs/pictures.py </dev/null
 
 $(VENV)/ready: pyproject.toml
 	$(PYTHON) -m venv $(VENV)

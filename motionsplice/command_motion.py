@@ -14,6 +14,7 @@ from motion.clip import Clip
 from motion.errors import SettingsError
 from motion.formats.bvh import dump
 from motion.formats.files import read_clip
+from motion.roles import read_roles_file
 from motionsplice.drawing import animation, contact_sheet
 from precompute.splice import splice_exact
 from runtime import evaluator
@@ -98,14 +99,17 @@ def render_command(
     end: Annotated[float | None, typer.Option(min=0.0, help="Seconds up to which to draw; else all.")] = None,
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
 ) -> None:
     """Draw one or several motions as stick figures, for judging by eye."""
     kind = out.suffix.lower()
     if kind not in (".png", ".gif"):
         raise SettingsError(f"a picture cannot be written as {kind!r}", mend="End --out in .png or .gif")
-    readings = [read_clip(file, skip_frames=skip_frames) for file in motions]
+    given = read_roles_file(roles) if roles else {}
+    readings = [read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
     rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
-    behind = read_clip(ghost).clip if ghost else None
+    behind = read_clip(ghost, skip_frames=skip_frames, unit=unit, roles=given).clip if ghost else None
     if kind == ".png":
         contact_sheet(rows, columns=columns, start=start, end=end, view=view, ghost=behind).save(out)
     else:

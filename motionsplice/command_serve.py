@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from runtime.bank import Bank
 from service.server import serve
 from service.settings import Settings
 
@@ -27,10 +28,10 @@ def serve_command(
     """
     settings = Settings()
     port = settings.port if port is None else port
-    start(bank, settings.model_copy(update={"host": host or settings.host, "port": port}))
+    start(Bank.open(bank), settings.model_copy(update={"host": host or settings.host, "port": port}))
 
 
-def start(bank: Path, settings: Settings) -> None:
+def start(bank: Bank, settings: Settings) -> None:
     """Says where the service will be, and runs it."""
-    Console().print(f"Serving {bank} at http://{settings.host}:{settings.port}/docs (Ctrl-C ends it)")
+    Console().print(f"Serving {bank.path} at http://{settings.host}:{settings.port}/docs (Ctrl-C ends it)")
     serve(bank, settings)

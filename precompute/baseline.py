@@ -92,7 +92,7 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
             f"clip {clip.name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s that ends as it began",
             mend="Name another clip with --baseline: a plain walk of a few steps is best",
         )
-    step = 1.0 / WORKING_RATE
+    step = clip.duration / (len(windows) + LOOP_WINDOW - 2)
     stride = slice(first, first + length + 1)
     return Baseline(clip.name, first * step, (first + length) * step, loop_distance, leg, _ring(clip, roles, stride))
 

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from motion.errors import BaselineError, ClipError, MotionError, SettingsError, did_you_mean
+from motion.errors import BaselineError, MotionError, SettingsError, did_you_mean
 from motion.formats.files import Reading, read_clip
 from motion.roles import Roles
 from motion.skeleton import Skeleton
@@ -59,18 +59,20 @@ def precompute(
 ) -> Outcome:
     """Reads clips, aligns each to the baseline and writes the bank `out`.
 
-    `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it, and `settings`
-    hold for files of which it says nothing. More than one of `jobs` are processes of their own, which a script
-    must not start outside `if __name__ == "__main__"`. Without
-    `baseline`, it is the locomotion whose stride is the most typical. Clips that fail are left out and reported. Raises
-    MotionError if there is nothing to do, the baseline is unusable, or two clips have one name.
+    `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it, and `settings` are for
+    files of which it says nothing. Without `baseline`, it is the locomotion whose stride is the most typical. More than
+    one of `jobs` are processes of their own, which a script must start under `if __name__ == "__main__"`. Clips that
+    fail are left out and reported. Raises MotionError if there is nothing to do, the baseline is unusable, or two clips
+    have one name.
     """
     sources = find_sources(paths, roles or {}, settings)
     failed: Failures = {}
     loaded: dict[str, Loaded] = {}
     prepared: dict[str, PreparedClip] = {}
     with workers(min(jobs, len(sources))) as pool:
-        for done, (source, result) in enumerate(outcomes(pool, load, sources), 1):
+        for done, (source, result) in enumerate(
+            outcomes(pool, partial(load, find_stride=baseline is None), sources), 1
+        ):
             _sort(source.name, result, loaded, failed)
             progress("reading", done, len(sources))
         ring = choose_baseline(loaded, failed, baseline)
@@ -84,11 +86,11 @@ def precompute(
     return Outcome(digest, ring, tuple(sorted(prepared)), dict(sorted(failed.items())))
 
 
-def load(source: Source) -> Loaded:
-    """Reads one clip file, and looks for a stride in it if it is a locomotion. Raises MotionError."""
+def load(source: Source, find_stride: bool) -> Loaded:
+    """Reads one clip file and, if asked and it is a locomotion, looks for a stride in it. Raises MotionError."""
     settings, stride = source.settings, None
     reading = read_clip(source.file, skip_frames=settings.skip_frames, unit=settings.unit, roles=source.roles)
-    if settings.kind == "locomotion":
+    if find_stride and settings.kind == "locomotion":
         with suppress(BaselineError):  # only one clip needs to serve as the baseline
             stride = find_baseline(reading.clip, reading.roles)
     return Loaded(source, content_digest(source.file.read_bytes()), reading, stride)
@@ -106,7 +108,7 @@ def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionErr
         raise BaselineError(f"the baseline cannot be read: {failed[name]}")
     if name not in loaded:
         raise BaselineError(f"the baseline {name!r} is not among the clips", mend=did_you_mean(name, loaded))
-    return loaded[name].stride or find_baseline(loaded[name].reading.clip, loaded[name].reading.roles)
+    return find_baseline(loaded[name].reading.clip, loaded[name].reading.roles)
 
 
 def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) -> PreparedClip:
@@ -124,7 +126,7 @@ def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) 
 def _settle_neutrals(prepared: dict[str, PreparedClip], failed: Failures, roles: Roles, baseline: str) -> None:
     """As named; else a locomotion is its own, and an action has the locomotion nearest in gait, the baseline at last.
 
-    Clips whose neutral is not there fail. Raises ClipError if none is left.
+    Clips whose neutral is not there fail. Raises BaselineError if the baseline is one of them.
     """
     while astray := [one for one in prepared.values() if one.neutral and one.neutral not in prepared]:
         for one in astray:
@@ -132,7 +134,7 @@ def _settle_neutrals(prepared: dict[str, PreparedClip], failed: Failures, roles:
             failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(one.neutral, prepared))
             del prepared[name]
     if baseline not in prepared:
-        raise ClipError("the baseline is not in its own bank", mend=str(failed.get(baseline, "")))
+        raise BaselineError(f"the baseline cannot be used: {failed[baseline]}")
     locomotions = {name: one for name, one in prepared.items() if one.kind == "locomotion"}
     candidates = locomotions or {baseline: prepared[baseline]}
     for name, one in prepared.items():

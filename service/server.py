@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import uvicorn
 
 from runtime.bank import Bank
@@ -11,6 +9,6 @@ from service.app import create_app
 from service.settings import Settings
 
 
-def serve(bank: Path, settings: Settings) -> None:
-    """Serves a bank until stopped. Raises BankError before it listens if the bank is unsound."""
-    uvicorn.run(create_app(Bank.open(bank), settings), host=settings.host, port=settings.port)
+def serve(bank: Bank, settings: Settings) -> None:
+    """Serves a bank until stopped."""
+    uvicorn.run(create_app(bank, settings), host=settings.host, port=settings.port)

@@ -39,5 +39,5 @@ def warped(clip: Clip, frames: Floats, name: str) -> Clip:
 def uneven_time(frame_count: int) -> Floats:
     """Frames of a clip played unevenly: between half and one and a half times as fast."""
     seconds = np.linspace(0.0, 1.0, frame_count)
-    curve = seconds + 0.08 * np.sin(2.0 * np.pi * seconds) + 0.02 * np.sin(6.0 * np.pi * seconds)
+    curve = seconds + 0.05 * np.sin(2.0 * np.pi * seconds) + 0.009 * np.sin(6.0 * np.pi * seconds)
     return (curve - curve[0]) / (curve[-1] - curve[0]) * (frame_count - 1)

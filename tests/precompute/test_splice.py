@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from motion.formats.files import read_clip
 from motion.kinematics import joint_positions
 from motion.roles import find_roles
 from precompute.bank_builder import write_bank
-from precompute.baseline import find_baseline
+from precompute.baseline import WORKING_RATE, find_baseline
 from precompute.prepared import prepare
 from precompute.splice import Posture, align_in_time, splice_exact, splice_naive
 from runtime.bank import Bank
@@ -28,8 +29,10 @@ ROLES = find_roles(WALK.skeleton)
 def bank_of(folder: Path, *clips: Clip) -> Bank:
     """A bank of clips on one skeleton, the first of them the baseline."""
     ring = find_baseline(clips[0], ROLES)
-    prepared = [prepare(clip, ROLES, clips[0].skeleton, ROLES, ring) for clip in clips]
-    settled = [type(one)(**{**vars(one), "neutral": clips[0].name}) for one in prepared]
+    prepared = [
+        prepare(clip, ROLES, clips[0].skeleton, ROLES, ring) for clip in {clip.name: clip for clip in clips}.values()
+    ]
+    settled = [replace(one, neutral=clips[0].name) for one in prepared]
     write_bank(folder, clips[0].skeleton, ROLES, ring, settled)
     return Bank.open(folder)
 
@@ -44,25 +47,30 @@ def test_a_clip_spliced_onto_itself_is_itself_to_a_tenth_of_a_millimetre(name: s
     assert np.linalg.norm(apart, axis=-1).max() < 1e-4
 
 
-def test_pairwise_alignment_gives_a_warp_back() -> None:
-    frames = uneven_time(WALK.frame_count)
-    found = align_in_time(warped(WALK, frames, "uneven"), WALK, ROLES)[1]
+@pytest.mark.parametrize("name", sorted(CLIPS))
+def test_pairwise_alignment_gives_a_warp_back(name: str) -> None:
+    clip = CLIPS[name]
+    frames = uneven_time(clip.frame_count)
+    found = align_in_time(warped(clip, frames, "uneven"), clip, ROLES)[1]
     error = np.abs(found - frames[: len(found)])
     assert np.median(error) < 0.5
     assert np.percentile(error, 95) < 2.0
 
 
-def test_the_bank_gives_a_warp_back(tmp_path: Path) -> None:
-    frames = uneven_time(WALK.frame_count)
-    bank = bank_of(tmp_path, WALK, warped(WALK, frames, "uneven"))
-    phase = {
-        clip.name: bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count]
-        for clip in bank.clips
-    }
-    found = np.interp(phase["uneven"], phase["walk"], np.arange(WALK.frame_count))
-    error = np.abs(found - frames)
+@pytest.mark.parametrize("name", ["walk", "run", "carry_box", "wave"])
+def test_the_bank_gives_a_warp_back(name: str, tmp_path: Path) -> None:
+    clip = replace(CLIPS[name], name=name)
+    frames = uneven_time(clip.frame_count)
+    bank = bank_of(tmp_path, WALK, clip, warped(clip, frames, "uneven"))
+    even, uneven = (bank.tables["phase_of_frame"][rows_of(bank, one)] for one in (name, "uneven"))
+    error = np.abs(np.interp(uneven, even, np.arange(clip.frame_count)) - frames) * (WORKING_RATE / clip.rate)
     assert np.median(error) < 0.5
     assert np.percentile(error, 95) < 2.0
+
+
+def rows_of(bank: Bank, name: str) -> slice:
+    clip = bank.clip(name)
+    return slice(clip.first_frame, clip.first_frame + clip.frame_count)
 
 
 @pytest.mark.parametrize("posture", ["off", "relative", "absolute"])

@@ -93,7 +93,7 @@ def _slip(bank: Bank, uneven: str, even: str, frames: Floats) -> Floats:
     phases = []
     for name in (uneven, even):
         clip = bank.clip(name)
-        phases.append(bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count])
+        phases.append(bank.tables["phase_of_frame"][clip.first_row : clip.first_row + clip.frame_count])
     numbers = np.arange(len(phases[1]))
     apart = phases[0] - np.interp(frames, numbers, phases[1])
     return (apart - np.round(apart)) / np.interp(frames, numbers, np.gradient(phases[1]))

@@ -74,21 +74,24 @@ def write_bank(
 
 
 def _entries(clips: Sequence[PreparedClip]) -> list[ClipEntry]:
-    entries, frame = [], 0
+    entries, row = [], 0
     for one in clips:
-        phase = one.alignment.phase
+        phase, rows = one.seamed.phase, one.seamed.clip.frame_count
         entries.append(
             ClipEntry(
                 name=one.clip.name,
                 kind=one.kind,
                 tags=one.tags,
                 rate=float(one.clip.rate),
-                first_frame=frame,
+                first_row=row,
                 frame_count=one.clip.frame_count,
-                first_cell=CELLS_PER_FRAME * frame,
-                cell_count=CELLS_PER_FRAME * one.clip.frame_count,
+                row_count=rows,
+                first_cell=CELLS_PER_FRAME * row,
+                cell_count=CELLS_PER_FRAME * rows,
                 first_phase=float(phase[0]),
                 last_phase=float(phase[-1]),
+                cycles=one.alignment.cycles,
+                loop=one.seamed.strides,
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
                 warnings=one.warnings,
@@ -96,20 +99,20 @@ def _entries(clips: Sequence[PreparedClip]) -> list[ClipEntry]:
                 source=one.source,
             )
         )
-        frame += one.clip.frame_count
+        row += rows
     return entries
 
 
 def _tables(clips: Sequence[PreparedClip]) -> dict[str, NDArray[Any]]:
     numbers = {one.clip.name: number for number, one in enumerate(clips)}
     return {
-        "rotations": np.concatenate([one.clip.rotations for one in clips]),
-        "root_positions": np.concatenate([one.clip.root_positions for one in clips]),
-        "phase_of_frame": np.concatenate([one.alignment.phase for one in clips]),
-        "frame_of_phase": np.concatenate([frame_of_phase(one.alignment.phase) for one in clips]),
+        "rotations": np.concatenate([one.seamed.clip.rotations for one in clips]),
+        "root_positions": np.concatenate([one.seamed.clip.root_positions for one in clips]),
+        "phase_of_frame": np.concatenate([one.seamed.phase for one in clips]),
+        "frame_of_phase": np.concatenate([frame_of_phase(one.seamed.phase) for one in clips]),
         "upper_clouds": np.concatenate([one.torso.clouds for one in clips]),
         "posture_frames": np.concatenate([one.torso.frames for one in clips]),
-        "postures": np.stack([one.torso.posture for one in clips]),
+        "postures": np.stack([one.posture for one in clips]),
         "neutral": np.array([numbers[one.neutral] for one in clips]),
     }
 

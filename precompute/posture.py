@@ -32,7 +32,7 @@ class Torso:
 
     @property
     def posture(self) -> Floats:
-        """The clip's posture [2, 3]: its mean shoulder cloud."""
+        """The posture [2, 3] of these frames: their mean shoulder cloud."""
         return np.asarray(self.shoulders.mean(axis=0))
 
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from motion.clip import Clip
+from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import Alignment, Baseline, align
 from precompute.common_skeleton import onto_skeleton
 from precompute.posture import Torso, measure_torso
+from precompute.seam import Seamed, add_seam
 
 FOREIGN_GAIT = 0.65  # of the cost at random phases: above it a clip does not look like locomotion
 
@@ -18,12 +22,14 @@ FOREIGN_GAIT = 0.65  # of the cost at random phases: above it a clip does not lo
 class PreparedClip:
     """A clip on the bank's skeleton, with all that was measured of it.
 
-    kind is `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; source is
-    the digest of the file it came from.
+    `seamed` is the clip with the frames that lead back to an earlier stride, and `torso` that of all its rows. kind is
+    `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; source is the digest of
+    the file it came from.
     """
 
     clip: Clip
     alignment: Alignment
+    seamed: Seamed
     torso: Torso
     kind: str = "locomotion"
     neutral: str = ""
@@ -32,12 +38,20 @@ class PreparedClip:
     source: str = ""
 
     @property
+    def posture(self) -> Floats:
+        """The clip's posture [2, 3]: its mean shoulder cloud over its own frames."""
+        return np.asarray(self.torso.shoulders[: self.clip.frame_count].mean(axis=0))
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What a person should know before using the clip."""
-        if self.alignment.cost.mean() <= FOREIGN_GAIT * self.alignment.chance:
-            return ()
-        far = f"{100.0 * self.alignment.mean_mismatch:.0f} cm off the baseline's"
-        return (f"does not look like locomotion: its legs are {far}, hardly nearer than at random phases",)
+        said = []
+        if self.alignment.cost.mean() > FOREIGN_GAIT * self.alignment.chance:
+            far = f"{100.0 * self.alignment.mean_mismatch:.0f} cm off the baseline's"
+            said.append(f"does not look like locomotion: its legs are {far}, hardly nearer than at random phases")
+        if self.kind == "action" and self.seamed.strides == 0:
+            said.append("has no two strides alike enough to go on from its end: as an action it is played once")
+        return tuple(said)
 
 
 def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles, baseline: Baseline) -> PreparedClip:
@@ -46,4 +60,6 @@ def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles,
     Raises SkeletonError or ClipError.
     """
     ours = onto_skeleton(clip, roles, skeleton, skeleton_roles)
-    return PreparedClip(ours, align(ours, skeleton_roles, baseline), measure_torso(ours, skeleton_roles))
+    alignment = align(ours, skeleton_roles, baseline)
+    seamed = add_seam(ours, alignment.phase, skeleton_roles)
+    return PreparedClip(ours, alignment, seamed, measure_torso(seamed.clip, skeleton_roles))

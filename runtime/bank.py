@@ -24,14 +24,14 @@ MANIFEST = "manifest.msgpack"
 TABLE_FOLDER = "tables"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
 
-F, J, P, C, CELLS = "frames", "joints", "points", "clips", "cells"
+ROWS, J, P, C, CELLS = "rows", "joints", "points", "clips", "cells"
 TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
-    "rotations": (np.float32, (F, J, 4)),
-    "root_positions": (np.float32, (F, 3)),
-    "phase_of_frame": (np.float64, (F,)),
+    "rotations": (np.float32, (ROWS, J, 4)),
+    "root_positions": (np.float32, (ROWS, 3)),
+    "phase_of_frame": (np.float64, (ROWS,)),
     "frame_of_phase": (np.float64, (CELLS,)),
-    "upper_clouds": (np.float32, (F, P, 3)),
-    "posture_frames": (np.float32, (F, 4)),
+    "upper_clouds": (np.float32, (ROWS, P, 3)),
+    "posture_frames": (np.float32, (ROWS, 4)),
     "postures": (np.float64, (C, 2, 3)),
     "neutral": (np.int32, (C,)),
 }
@@ -41,20 +41,25 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
 class ClipEntry:
     """One clip of a bank: where its rows lie in the tables, and what its alignment was like.
 
-    first_frame, frame_count and first_cell, cell_count are rows; rate is frames per second. phase runs from
-    first_phase to last_phase, in cycles of the baseline. mean_mismatch and worst_mismatch are metres.
+    Its frame_count frames at `rate` per second are rows from first_row; after them come those of the seam, row_count in
+    all, which lead back by `loop` whole strides (0: it cannot be repeated). Its inverse table is cell_count cells from
+    first_cell. phase runs from first_phase to last_phase over all rows, in cycles of the baseline, of which its own
+    frames take `cycles`. mean_mismatch and worst_mismatch are metres.
     """
 
     name: str
     kind: str
     tags: tuple[str, ...]
     rate: float
-    first_frame: int
+    first_row: int
     frame_count: int
+    row_count: int
     first_cell: int
     cell_count: int
     first_phase: float
     last_phase: float
+    cycles: float
+    loop: int
     mean_mismatch: float
     worst_mismatch: float
     warnings: tuple[str, ...]
@@ -65,11 +70,6 @@ class ClipEntry:
     def duration(self) -> float:
         """Seconds from the first frame to the last."""
         return (self.frame_count - 1) / self.rate
-
-    @property
-    def cycles(self) -> float:
-        """How many of the baseline's strides the clip takes."""
-        return self.last_phase - self.first_phase
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ class Bank:
     def motion(self, name: str) -> Clip:
         """The clip called `name`, on the bank's skeleton, in its editable form."""
         entry = self.clip(name)
-        rows = slice(entry.first_frame, entry.first_frame + entry.frame_count)
+        rows = slice(entry.first_row, entry.first_row + entry.frame_count)
         roots, rotations = (
             np.asarray(self.tables[table][rows], np.float64) for table in ("root_positions", "rotations")
         )
@@ -137,7 +137,7 @@ class Bank:
     def _checked(self) -> Bank:
         """Itself, if the parts fit each other, so that no kernel can be led out of a table."""
         sizes = {J: self.skeleton.joint_count, C: len(self.clips), P: len(self.roles.upper_cloud)}
-        sizes[F] = sum(clip.frame_count for clip in self.clips)
+        sizes[ROWS] = sum(clip.row_count for clip in self.clips)
         sizes[CELLS] = sum(clip.cell_count for clip in self.clips)
         for name, (kind, shape) in TABLES.items():
             table, wanted = self.tables[name], tuple(sizes.get(str(axis), axis) for axis in shape)
@@ -146,12 +146,15 @@ class Bank:
                 raise BankError(problem, file=str(self.path), mend=REBUILD)
             if kind is not np.int32 and not np.isfinite(table).all():
                 raise BankError(f"table {name!r} holds numbers that are not finite", file=str(self.path), mend=REBUILD)
-        frame = cell = 0
+        row = cell = 0
         for clip in self.clips:
-            fits = clip.frame_count >= 2 and clip.cell_count >= 2 and clip.first_phase < clip.last_phase
-            if not (fits and clip.first_frame == frame and clip.first_cell == cell and 0.0 < clip.rate < 1e6):
+            fits = (
+                2 <= clip.frame_count <= clip.row_count and clip.cell_count >= 2 and clip.first_phase < clip.last_phase
+            )
+            fits = fits and 0 <= clip.loop < clip.last_phase - clip.first_phase
+            if not (fits and clip.first_row == row and clip.first_cell == cell and 0.0 < clip.rate < 1e6):
                 raise BankError(f"clip {clip.name!r} does not fit the tables", file=str(self.path), mend=REBUILD)
-            frame, cell = frame + clip.frame_count, cell + clip.cell_count
+            row, cell = row + clip.row_count, cell + clip.cell_count
         neutral = self.tables["neutral"]
         joints = [getattr(self.roles, field.name) for field in fields(self.roles) if field.name != "spine"]
         joints += self.roles.spine

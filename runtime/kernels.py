@@ -35,13 +35,15 @@ class BankArrays(NamedTuple):
     posture_frames: Array
     postures: Array
     neutral_turns: Array
-    first_frame: Array
+    first_row: Array
     frame_count: Array
+    row_count: Array
     rate: Array
     first_cell: Array
     cell_count: Array
     first_phase: Array
     last_phase: Array
+    loop: Array
     parents: Array
     offsets: Array
     lower: Array
@@ -76,7 +78,7 @@ def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots:
         clip_l, clip_u = requests.locomotion[character], requests.action[character]
         method = requests.method[character]
         frame_l = min(requests.time[character] * bank.rate[clip_l], bank.frame_count[clip_l] - 1.0)
-        row_l, t_l = locate(frame_l, bank.first_frame[clip_l], bank.frame_count[clip_l])
+        row_l, t_l = locate(frame_l, bank.first_row[clip_l], bank.frame_count[clip_l])
         for axis in range(3):
             here = bank.root_positions[row_l, axis]
             roots[character, axis] = here + t_l * (bank.root_positions[row_l + 1, axis] - here)
@@ -88,7 +90,7 @@ def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots:
         elif method == NAIVE:
             seconds = requests.start[character] + requests.time[character]
             frame_u = repeated(seconds * bank.rate[clip_u], bank.frame_count[clip_u] - 1.0)
-            row_u, t_u = locate(frame_u, bank.first_frame[clip_u], bank.frame_count[clip_u])
+            row_u, t_u = locate(frame_u, bank.first_row[clip_u], bank.frame_count[clip_u])
             sample(bank.rotations, row_u, t_u, bank.upper, out)
             slerp(
                 bank.rotations[row_u, bank.pelvis],
@@ -98,7 +100,7 @@ def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots:
             )
         else:
             frame_u = action_frame(bank, clip_l, row_l, t_l, clip_u, requests.start[character])
-            row_u, t_u = locate(frame_u, bank.first_frame[clip_u], bank.frame_count[clip_u])
+            row_u, t_u = locate(frame_u, bank.first_row[clip_u], bank.row_count[clip_u])
             sample(bank.rotations, row_u, t_u, bank.upper, out)
             correlate_clouds(bank.upper_clouds, row_l, t_l, row_u, t_u, scratch.correlation)
             horn(scratch.correlation, scratch.turn)
@@ -113,14 +115,13 @@ def action_frame(bank: BankArrays, clip_l: int, row_l: int, t_l: float, clip_u: 
     """The action's frame in step with the locomotion's: frame_of_phase_U(phase_of_frame_L + shift) (DESIGN 4.3)."""
     here = bank.phase_of_frame[row_l]
     phase = here + t_l * (bank.phase_of_frame[row_l + 1] - here)
-    row_s, t_s = locate(start * bank.rate[clip_u], bank.first_frame[clip_u], bank.frame_count[clip_u])
+    row_s, t_s = locate(start * bank.rate[clip_u], bank.first_row[clip_u], bank.frame_count[clip_u])
     start_phase = bank.phase_of_frame[row_s]
     start_phase += t_s * (bank.phase_of_frame[row_s + 1] - start_phase)
     phase += math.ceil(start_phase - bank.first_phase[clip_l] - IN_STEP)
-    first, last = bank.first_phase[clip_u], bank.last_phase[clip_u]
-    whole = math.floor(last - first)
-    if whole >= 1.0 and phase > last:
-        phase -= whole * math.ceil((phase - last) / whole)
+    first, last, loop = bank.first_phase[clip_u], bank.last_phase[clip_u], bank.loop[clip_u]
+    if loop > 0 and phase > last:
+        phase -= loop * math.ceil((phase - last) / loop)
     cells = bank.cell_count[clip_u]
     cell, t = locate((phase - first) / (last - first) * (cells - 1.0), bank.first_cell[clip_u], cells)
     frame = bank.frame_of_phase[cell]

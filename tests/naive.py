@@ -89,7 +89,7 @@ def pose(
         return quaternion.slerp(a, b, np.full(a.shape[:-1], t)) if table in QUATERNIONS else a + t * (b - a)
 
     frame_l = time * entry_l.rate
-    in_l = (entry_l.first_frame, entry_l.frame_count, frame_l)
+    in_l = (entry_l.first_row, entry_l.frame_count, frame_l)
     root, rotations = between("root_positions", *in_l), between("rotations", *in_l)
     if method == "none":
         return root, rotations
@@ -98,13 +98,14 @@ def pose(
         frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
     else:
         phase = float(between("phase_of_frame", *in_l))
-        start_phase = float(between("phase_of_frame", entry_u.first_frame, entry_u.frame_count, start * entry_u.rate))
+        start_phase = float(between("phase_of_frame", entry_u.first_row, entry_u.frame_count, start * entry_u.rate))
         phase += math.ceil(start_phase - entry_l.first_phase - 1e-3)
-        while phase > entry_u.last_phase and entry_u.cycles >= 1.0:
-            phase -= math.floor(entry_u.cycles)
-        cell = (phase - entry_u.first_phase) / entry_u.cycles * (entry_u.cell_count - 1)
+        while phase > entry_u.last_phase and entry_u.loop > 0:
+            phase -= entry_u.loop
+        span = entry_u.last_phase - entry_u.first_phase
+        cell = (phase - entry_u.first_phase) / span * (entry_u.cell_count - 1)
         frame_u = float(between("frame_of_phase", entry_u.first_cell, entry_u.cell_count, cell))
-    in_u = (entry_u.first_frame, entry_u.frame_count, frame_u)
+    in_u = (entry_u.first_row, entry_u.row_count, frame_u)
     pelvis_l = rotations[pelvis].copy()
     rotations[upper] = between("rotations", *in_u)[upper]
     if method == "naive":

@@ -70,7 +70,7 @@ def test_the_bank_gives_a_warp_back(name: str, tmp_path: Path) -> None:
 
 def rows_of(bank: Bank, name: str) -> slice:
     clip = bank.clip(name)
-    return slice(clip.first_frame, clip.first_frame + clip.frame_count)
+    return slice(clip.first_row, clip.first_row + clip.frame_count)
 
 
 @pytest.mark.parametrize("posture", ["off", "relative", "absolute"])

@@ -27,17 +27,19 @@ def test_holds_what_was_put_in(bank: Bank) -> None:
     assert bank.neutral("run") == "run"
     assert bank.baseline["clip"] == "walk"
     for clip in bank.clips:
-        phase = bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count]
+        phase = bank.tables["phase_of_frame"][clip.first_row : clip.first_row + clip.row_count]
         assert np.diff(phase).min() > 0.0
         assert (phase[0], phase[-1]) == (clip.first_phase, clip.last_phase)
+        assert clip.cycles == pytest.approx(phase[clip.frame_count - 1] - phase[0])
+        assert bank.motion(clip.name).frame_count == clip.frame_count
 
 
 def test_frame_of_phase_is_the_inverse_of_phase_of_frame(bank: Bank) -> None:
     for clip in bank.clips:
-        phase = bank.tables["phase_of_frame"][clip.first_frame : clip.first_frame + clip.frame_count]
+        phase = bank.tables["phase_of_frame"][clip.first_row : clip.first_row + clip.row_count]
         frames = bank.tables["frame_of_phase"][clip.first_cell : clip.first_cell + clip.cell_count]
         grid = np.linspace(clip.first_phase, clip.last_phase, clip.cell_count)
-        np.testing.assert_allclose(np.interp(phase, grid, frames), np.arange(clip.frame_count), atol=0.1)
+        np.testing.assert_allclose(np.interp(phase, grid, frames), np.arange(clip.row_count), atol=0.1)
 
 
 def test_tables_are_mapped_and_cannot_be_written(bank: Bank) -> None:
@@ -96,8 +98,8 @@ def test_any_file_missing_cut_short_or_with_one_flipped_bit_is_refused(copy: Pat
 def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None:
     outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
     lies: list[Callable[[dict[str, Any]], object]] = [
-        lambda body: body["clips"][0].update(frame_count=10**9),
-        lambda body: body["clips"][1].update(first_frame=0),
+        lambda body: body["clips"][0].update(row_count=10**9),
+        lambda body: body["clips"][1].update(first_row=0),
         lambda body: body["clips"][0].pop("rate"),
         lambda body: body["clips"][0].update(name=body["clips"][1]["name"]),
         lambda body: body.update(clips=[]),

@@ -44,15 +44,15 @@ def test_an_action_shorter_than_the_locomotion_goes_on_in_step(bank: Bank) -> No
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
     apart = quaternion.angle(bank.motion("wave").rotations[:, upper], poses.rotations[0, upper]).max(axis=1)
     frame = int(np.argmin(apart))
-    phase_u = bank.tables["phase_of_frame"][wave.first_frame + frame]
-    phase_l = bank.tables["phase_of_frame"][walk.first_frame + round(late * walk.rate)]
+    phase_u = bank.tables["phase_of_frame"][wave.first_row + frame]
+    phase_l = bank.tables["phase_of_frame"][walk.first_row + round(late * walk.rate)]
     assert abs((phase_u - phase_l + 0.5) % 1.0 - 0.5) < 0.05
 
 
 def test_start_is_where_the_action_begins_at_the_next_step_in_phase(bank: Bank) -> None:
     evaluator, wave, walk = Evaluator(bank), bank.clip("wave"), bank.clip("walk")
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
-    rows = slice(wave.first_frame, wave.first_frame + wave.frame_count)
+    rows = slice(wave.first_row, wave.first_row + wave.frame_count)
     phase = bank.tables["phase_of_frame"][rows]
     for start in (0.0, 0.4, 0.9):
         poses = evaluator.pose("walk", 0.0, "wave", start=start)

@@ -19,7 +19,7 @@ from motion.quaternion import Floats
 from motion.roles import Roles
 
 SEAM = 0.3  # seconds
-WIDEST_GAP = 0.3  # radians, root-mean-square over joints, from the last frame to its counterpart
+WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
 ABOUT_AS_GOOD = 1.25  # of the least gap: of such loops the longest is taken
 
 

@@ -12,6 +12,8 @@ from motion.errors import ClipError
 from motion.quaternion import Floats
 from motion.skeleton import Skeleton
 
+FARTHEST = 1e6  # metres
+
 
 @dataclass(frozen=True, eq=False)
 class Clip:
@@ -22,7 +24,7 @@ class Clip:
     rotations:      [F, J, 4] xyzw, each joint's rotation in its parent's frame (the root's: in the world),
                     unit length, successive frames in one hemisphere.
 
-    Raises ClipError on wrong shapes, non-finite numbers, no frame at all, or a rate that is not positive.
+    Raises ClipError on wrong shapes, non-finite or absurd numbers, no frame at all, or a rate that is not positive.
     """
 
     name: str
@@ -44,6 +46,10 @@ class Clip:
             if not np.isfinite(values).all():
                 frame = int(np.argwhere(~np.isfinite(values))[0][0])
                 raise ClipError(f"a {label} is not a finite number", place=f"{where}, frame {frame}")
+        if np.abs(self.root_positions).max() > FARTHEST:
+            raise ClipError(
+                f"its root is farther than {FARTHEST:g} m from the origin", place=where, mend="Is the unit right?"
+            )
         lengths = np.linalg.norm(self.rotations, axis=-1)
         if np.any(np.abs(lengths - 1.0) > 1e-3):
             frame = int(np.argwhere(np.abs(lengths - 1.0) > 1e-3)[0][0])

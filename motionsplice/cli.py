@@ -6,6 +6,7 @@ import sys
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from motion.errors import MotionError
 from motionsplice import command_bank, command_demo, command_motion, command_serve
@@ -34,5 +35,5 @@ def main() -> None:
 
 
 def _tell(problem: str) -> None:
-    Console(stderr=True).print(f"[bold red]error:[/bold red] {problem}", highlight=False, soft_wrap=True)
+    Console(stderr=True).print(f"[bold red]error:[/bold red] {escape(problem)}", highlight=False, soft_wrap=True)
     sys.exit(1)

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
@@ -53,7 +54,7 @@ def precompute_command(
     )
     show_bank(Bank.open(out))
     for name, error in outcome.failed.items():
-        console.print(f"[red]{name} failed:[/red] {error}", highlight=False, soft_wrap=True)
+        console.print(f"[red]{escape(name)} failed:[/red] {escape(str(error))}", highlight=False, soft_wrap=True)
     if outcome.failed:
         raise typer.Exit(1)
 
@@ -104,8 +105,8 @@ def show_bank(bank: Bank) -> None:
     for clip in bank.clips:
         mean = f"{100 * clip.mean_mismatch:.1f}"
         table.add_row(
-            " ".join((clip.name, *(f"[cyan]#{tag}[/cyan]" for tag in clip.tags))),
-            bank.neutral(clip.name) if clip.kind == "action" else "",
+            " ".join((escape(clip.name), *(f"[cyan]#{escape(tag)}[/cyan]" for tag in clip.tags))),
+            escape(bank.neutral(clip.name)) if clip.kind == "action" else "",
             f"{clip.duration:.2f}",
             f"{clip.rate:.5g}",
             f"{clip.cycles:.2f}",
@@ -119,4 +120,6 @@ def show_bank(bank: Bank) -> None:
             for sentence in getattr(clip, said):
                 names.setdefault(sentence, []).append(clip.name)
         for sentence, clips in names.items():
-            console.print(f"[{style}]{', '.join(clips)}: {sentence}[/{style}]", highlight=False, soft_wrap=True)
+            console.print(
+                f"[{style}]{escape(', '.join(clips))}: {escape(sentence)}[/{style}]", highlight=False, soft_wrap=True
+            )

@@ -48,12 +48,14 @@ class Alignment:
     """When a clip is where in the baseline's stride.
 
     phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres;
-    chance: what its mean would be at random phases.
+    chance: what its mean would be at random phases. swing: how far root and knees are from themselves half a stride
+    later, as a part of the leg.
     """
 
     phase: Floats
     cost: Floats
     chance: float
+    swing: float
 
     @property
     def cycles(self) -> float:
@@ -137,8 +139,10 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
     seconds = np.linspace(0.0, clip.duration, len(wound))
     curve = fit_increasing(seconds, (wound + between) / cells, KNOT_SPACING)
+    half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
+    swing = float(np.sqrt(planar_distance(clouds, clouds[half_later]).mean() / 3.0)) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
-    return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()))
+    return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()), swing)
 
 
 def level(clouds: Floats) -> Floats:

@@ -101,8 +101,9 @@ def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionErr
     if name is None:
         strides = [one.stride for one in loaded.values() if one.stride is not None]
         if not strides:
-            reasons = "".join(f" {error}" for error in failed.values())
-            raise BaselineError(f"none of the clips can serve as the baseline, for none has a stride.{reasons}")
+            reasons = " ".join(str(error) for error in failed.values())
+            problem = "none of the clips can serve as the baseline, for none of them has a stride"
+            raise BaselineError(problem, mend=reasons or "Add a plain walk of a few steps")
         return most_typical(strides)
     if name in failed:
         raise BaselineError(f"the baseline cannot be read: {failed[name]}")

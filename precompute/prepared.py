@@ -10,7 +10,7 @@ from motion.clip import Clip
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
-from precompute.baseline import Alignment, Baseline, align
+from precompute.baseline import LEAST_SWING, Alignment, Baseline, align
 from precompute.common_skeleton import onto_skeleton
 from precompute.posture import Torso, measure_torso
 from precompute.seam import Seamed, add_seam
@@ -46,7 +46,9 @@ class PreparedClip:
     def warnings(self) -> tuple[str, ...]:
         """What a person should know before using the clip."""
         said = []
-        if self.alignment.cost.mean() > FOREIGN_GAIT * self.alignment.chance:
+        if self.alignment.swing < LEAST_SWING:
+            said.append("does not look like locomotion: its legs hardly move")
+        elif self.alignment.cost.mean() > FOREIGN_GAIT * self.alignment.chance:
             far = f"{100.0 * self.alignment.mean_mismatch:.0f} cm off the baseline's"
             said.append(f"does not look like locomotion: its legs are {far}, hardly nearer than at random phases")
         if self.kind == "action" and self.seamed.strides == 0:

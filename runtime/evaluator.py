@@ -141,7 +141,10 @@ class Evaluator:
         requests.start[:] = start
         requests.method[:] = kernels.NONE if action is None else known(METHODS, "method", method)
         requests.posture[:] = known(POSTURES, "posture", posture)
-        self.evaluate(requests, out)
+        try:
+            self.evaluate(requests, out)
+        except TimeRangeError as error:  # there is one character here, whose number says nothing
+            raise TimeRangeError(error.problem, mend=error.mend) from None
         return out
 
     def clip(

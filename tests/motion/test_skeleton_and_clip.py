@@ -64,6 +64,7 @@ def test_a_broken_skeleton_is_refused(change: dict[str, NDArray[np.float64]], wo
         ({"root_positions": np.zeros((0, 3))}, "no frames"),
         ({"root_positions": np.zeros((4, 3))}, "rotations"),
         ({"root_positions": np.full((5, 3), np.inf)}, "frame 0"),
+        ({"root_positions": np.full((5, 3), 1e300)}, "farther than"),
         ({"rotations": np.zeros((5, 3, 4))}, "unit quaternion"),
     ],
 )

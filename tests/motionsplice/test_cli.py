@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner, Result
 
+from motion.formats.bvh import dump
 from motion.formats.files import read_clip
 from motion.kinematics import joint_positions
 from motionsplice.cli import app, main
@@ -104,6 +105,9 @@ def test_errors_are_one_paragraph(
     assert "Did you mean 'walk'" in told(*splice, "wlak")
     assert "no such folder" in told("inspect", tmp_path / "absent")
     assert "no such file" in told("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
+    unnamed = tmp_path / "unnamed.bvh"
+    unnamed.write_bytes(dump(bank.motion("walk")).replace(b"LeftUpLeg", b"Alpha"))
+    assert '[roles]\nleft_hip = ""' in told("render", unnamed, "--out", tmp_path / "x.png")
     assert "absent.bvh" in told("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
     assert "End --out in .png or .gif" in told("render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt")
     assert "exact splice chooses its own start" in told(*splice, "walk", "--method", "exact", "--start", 1)

@@ -132,6 +132,9 @@ def test_a_baseline_without_a_cycle_is_refused(tmp_path: Path) -> None:
         precompute([clips], tmp_path / "bank", baseline="still", jobs=1)
     with pytest.raises(BaselineError, match="Did you mean 'still'"):
         precompute([clips], tmp_path / "bank", baseline="stil", jobs=1)
+    precompute([clips], tmp_path / "bank", baseline="walk")
+    assert "legs hardly move" in Bank.open(tmp_path / "bank").clip("still").warnings[0]
+    assert not Bank.open(tmp_path / "bank").clip("walk").warnings
     (clips / "walk.bvh").unlink()
     with pytest.raises(BaselineError, match="none of the clips"):
         precompute([clips], tmp_path / "bank", jobs=1)

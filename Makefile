@@ -20,6 +20,8 @@ pictures: $(VENV)/ready        ## draw the documentation's pictures anew
 	PYTHONPATH=. $(BIN)/python docs/pictures.py </dev/null
 
 $(VENV)/ready: pyproject.toml
+	@echo "Setting up $(VENV) with $(PYTHON): once, a minute or so"
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=...")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@

@@ -1,4 +1,4 @@
-"""What must hold before any number is believed (DESIGN 4.7): `python -m bench.identities [CLIPS]`.
+"""What must hold before any number is believed: `python -m bench.identities [CLIPS]`.
 
 Prints, for real clips or the built-in ones, how far a clip spliced onto itself is from itself, by the papers'
 method and through the bank; how well a known time warp is recovered; and how much the answer changes when every

@@ -23,7 +23,7 @@ ENDS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder")
 
 @dataclass(frozen=True)
 class Roles:
-    """Joint indices by role. See DESIGN's words: the pelvis is where the upper body hangs on the root.
+    """Joint indices by role. The pelvis is where the upper body hangs on the root.
 
     `spine` runs from the pelvis's child up to the joint at which the two arms part, so it may be empty.
     `neck`, `head` and the toes are -1 on rigs that have none.

@@ -1,4 +1,4 @@
-"""Tables of all clips -> a bank on disk, whole or not at all (DESIGN 5)."""
+"""Tables of all clips -> a bank on disk, whole or not at all (docs/bank.md)."""
 
 from __future__ import annotations
 

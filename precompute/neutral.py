@@ -1,4 +1,4 @@
-"""The neutral of an action: the same gait without the action, to which its posture is relative (DESIGN 4.5)."""
+"""The neutral of an action: the same gait without the action, to which its posture is relative (docs/method.md)."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ def posture_frame(hip_line: Floats) -> Floats:
     """World rotations H [F, 4] of the posture frame, from the vectors [F, 3] from right to left hip.
 
     x lies along the hips, z = x cross up, y = z cross x: the hips' yaw and roll are taken out, while the lean
-    against gravity stays (DESIGN 4.5).
+    against gravity stays (docs/method.md).
     """
     x = hip_line / np.linalg.norm(hip_line, axis=-1, keepdims=True)
     z = np.cross(x, UP)

@@ -47,7 +47,7 @@ def splice_exact(
     """The action's upper body on the locomotion's root and lower body, by the papers' three steps.
 
     All clips share one skeleton. `neutrals`, for posture `relative`, are the gaits of the locomotion and of the action
-    without any action; without them each clip is its own neutral, as a plain locomotion is (DESIGN 4.5).
+    without any action; without them each clip is its own neutral, as a plain locomotion is (docs/method.md).
     """
     check_same_rig(locomotion, action)
     warp, action_frames = align_in_time(locomotion, action, roles)
@@ -98,7 +98,7 @@ def attach(locomotion: Clip, rotations_u: Floats, q_a: Floats, roles: Roles) -> 
 
 
 def transfer_posture(splice: Clip, torso_l: Torso, turn: Floats, roles: Roles) -> Clip:
-    """The pelvis turned by q_G, which is `turn` [4] as seen in the posture frame (3.3, DESIGN 4.5)."""
+    """The pelvis turned by q_G, which is `turn` [4] as seen in the posture frame (3.3, docs/method.md)."""
     seen = quaternion.multiply(quaternion.multiply(torso_l.frames, turn), quaternion.conjugate(torso_l.frames))
     rotations = splice.rotations.copy()
     rotations[:, roles.pelvis] = quaternion.multiply(seen, splice.rotations[:, roles.pelvis])

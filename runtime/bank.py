@@ -1,4 +1,4 @@
-"""A bank on disk: opened, verified and mapped. Immutable, and shared by all processes that map it (DESIGN 5)."""
+"""A bank on disk: opened, verified and mapped. Immutable, and shared by all processes that map it (docs/bank.md)."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def action_frame(bank: BankArrays, clip_l: int, row_l: int, t_l: float, clip_u: int, start: float) -> float:
-    """The action's frame in step with the locomotion's: frame_of_phase_U(phase_of_frame_L + shift) (DESIGN 4.3)."""
+    """The action's frame in step with the locomotion's: frame_of_phase_U(phase_of_frame_L + shift) (docs/bank.md)."""
     here = bank.phase_of_frame[row_l]
     phase = here + t_l * (bank.phase_of_frame[row_l + 1] - here)
     row_s, t_s = locate(start * bank.rate[clip_u], bank.first_row[clip_u], bank.frame_count[clip_u])
@@ -132,7 +132,7 @@ def action_frame(bank: BankArrays, clip_l: int, row_l: int, t_l: float, clip_u: 
 def transfer_posture(
     bank: BankArrays, posture: int, clip_l: int, row_l: int, t_l: float, clip_u: int, scratch: Scratch
 ) -> None:
-    """Turns the pelvis by q_G, applied in the locomotion's posture frame (DESIGN 4.5)."""
+    """Turns the pelvis by q_G, applied in the locomotion's posture frame (docs/method.md)."""
     turn, frame, pelvis = scratch.turn, scratch.frame, scratch.pelvis
     if posture == RELATIVE:
         for i in range(4):

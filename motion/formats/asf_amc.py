@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -90,37 +91,42 @@ def parse_skeleton(data: bytes) -> AcclaimSkeleton:
 def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> tuple[Nodes, float]:
     """Reads an AMC file for a skeleton: its nodes in the skeleton's unit, and frames per second. Raises FormatError."""
     degrees, rate, frames, seen, number = True, RATE, -1, 0, 0  # seen: bones in the frame at hand
-    rows: dict[str, list[list[str]]] = {name: [] for name, bone in skeleton.bones.items() if bone.dof}
-    for number, words in _lines(data):
-        key = words[0]
-        if key in rows and len(words) - 1 == len(skeleton.bones[key].dof) and len(rows[key]) == frames:
-            rows[key].append(words[1:])
+    rows: dict[str, list[str]] = {name: [] for name, bone in skeleton.bones.items() if bone.dof}
+    for number, text in enumerate(_text(data).splitlines(), 1):
+        key, *values = text.split(None, 1) or ["#"]
+        if key in rows and values and len(rows[key]) == frames:
+            rows[key].append(values[0])
             seen += 1
-        elif len(words) == 1 and key.isdigit():
+        elif key.isdigit() and not values:
             _check_complete(rows, seen, frames, number)
             frames, seen = frames + 1, 0
         elif key.startswith(":"):
             degrees = degrees and key.upper() != ":RADIANS"
-            rate = _numbers(words[1:], 1, number)[0] if key.upper() == ":SAMPLES-PER-SECOND" else rate
-        elif key not in rows:
+            rate = _numbers(values, 1, number)[0] if key.upper() == ":SAMPLES-PER-SECOND" else rate
+        elif key in rows:
+            wanted = f"one line with values for bone {key!r} in each frame"
+            raise FormatError(f"{wanted} was expected", place=f"line {number}, frame {frames}")
+        elif not key.startswith("#"):
             known = did_you_mean(key, rows)
             raise FormatError(f"the skeleton has no moving bone {key!r}", place=f"line {number}", mend=known)
-        else:
-            wanted = f"one line with {len(skeleton.bones[key].dof)} values for bone {key!r} in each frame"
-            raise FormatError(f"{wanted} was expected", place=f"line {number}, frame {frames}")
     _check_complete(rows, seen, frames, number)
     if frames < 0:
         raise FormatError("it has no frames", mend=CUT_SHORT)
     if not rate > 0.0:
         raise FormatError(f"its rate is {rate} frames per second")
-    return _nodes(skeleton, {name: _values(name, values) for name, values in rows.items()}, degrees), rate
+    values_of = {name: _values(name, texts, len(skeleton.bones[name].dof)) for name, texts in rows.items()}
+    return _nodes(skeleton, values_of, degrees), rate
+
+
+def _text(data: bytes) -> str:
+    if b"\0" in data:
+        raise FormatError("this is a binary file, not Acclaim text")
+    return data.decode("utf-8", errors="replace")
 
 
 def _lines(data: bytes) -> Iterator[tuple[int, list[str]]]:
     """Numbered lines as words, without comments and blank lines."""
-    if b"\0" in data:
-        raise FormatError("this is a binary file, not Acclaim text")
-    for number, text in enumerate(data.decode("utf-8", errors="replace").splitlines(), 1):
+    for number, text in enumerate(_text(data).splitlines(), 1):
         if (words := text.split()) and not words[0].startswith("#"):
             yield number, words
 
@@ -187,20 +193,33 @@ def _link(lines: list[tuple[int, list[str]]], bones: dict[str, Bone]) -> None:
         raise FormatError(f"bone {lost[0]!r} hangs on nothing", place=":hierarchy", mend=CUT_SHORT)
 
 
-def _check_complete(rows: dict[str, list[list[str]]], seen: int, frame: int, line: int) -> None:
+def _check_complete(rows: dict[str, list[str]], seen: int, frame: int, line: int) -> None:
     if frame >= 0 and seen < len(rows):
-        missing = next(name for name, values in rows.items() if len(values) <= frame)
+        missing = next(name for name, texts in rows.items() if len(texts) <= frame)
         raise FormatError(f"frame {frame} lacks bone {missing!r}", place=f"line {line}", mend=CUT_SHORT)
 
 
-def _values(name: str, rows: list[list[str]]) -> Floats:
+def _values(name: str, texts: list[str], width: int) -> Floats:
+    """One bone's values [F, width]."""
+    with suppress(ValueError):
+        values = np.array([text.split() for text in texts], np.float64)
+        if values.shape == (len(texts), width) and np.isfinite(values).all():
+            return values
+    for frame, text in enumerate(texts):
+        place, words = f"frame {frame}, bone {name!r}", text.split()
+        if len(words) != width:
+            raise FormatError(f"{len(words)} values where its degrees of freedom need {width}", place=place)
+        for word in words:
+            if not _is_finite(word):
+                raise FormatError(f"{word[:20]!r} is not a finite number", place=place)
+    raise FormatError("its values cannot be read", place=f"bone {name!r}")
+
+
+def _is_finite(word: str) -> bool:
     try:
-        values = np.array(rows, np.float64)
+        return math.isfinite(float(word))
     except ValueError:
-        values = np.full((1, 1), np.nan)
-    if not np.isfinite(values).all():
-        raise FormatError("a value is not a finite number", place=f"bone {name!r}")
-    return values
+        return False
 
 
 def _nodes(skeleton: AcclaimSkeleton, values: dict[str, Floats], degrees: bool) -> Nodes:

@@ -152,7 +152,8 @@ def _frames(lines: list[str], first: int, count: int, width: int) -> Floats:
     with warnings.catch_warnings(), suppress(ValueError):
         warnings.simplefilter("ignore", DeprecationWarning)  # NumPy's, of text that is no number: seen just below
         values = np.fromstring("\n".join(text for _, text in rows), sep=" ")
-        if len(values) == count * width and np.isfinite(values).all():
+        whole = all(len(text.split()) == width for _, text in rows)
+        if whole and len(values) == count * width and np.isfinite(values).all():
             return values.reshape(count, width)
     raise _first_bad_row(rows, width)
 

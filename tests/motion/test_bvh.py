@@ -175,6 +175,7 @@ def test_an_inner_joint_that_moves_is_fixed_and_noted() -> None:
         (SMALL.replace("20 30", "1e999 30"), "not a finite number"),
         (SMALL.replace("20 30", "2O 30"), "'2O' is not a finite number"),
         (SMALL.replace("20 30", "20"), "frame 0: 8 values where the channels need 9"),
+        (SMALL.replace("6 7\n2 3 4", "6\n7 2 3 4"), "line 19, frame 0: 8 values where the channels need 9"),
         (SMALL.replace("Frames: 2", "Frames: 3"), "the header says 3 frames, and 2 are there"),
         (SMALL.replace("Frames: 2", "Frames: 1"), "the header says 1 frames, and 2 are there"),
         (SMALL.replace("Frames: 2", "Frames: 99999999999"), "the header says 99999999999 frames"),

@@ -1,8 +1,9 @@
 """Splices against ground truth: `python -m bench.quality CLIPS [--pairs FILE]`, or the built-in grid without CLIPS.
 
 Prints, per pair, the mean error of the upper body's joints for the naive splice in centimetres, and that of the
-papers' whole-clip splice (exact) and of the bank's (splice) as ratios to it, for each posture form; and how far
-the posture of `absolute` is from the action's.
+papers' whole-clip splice (exact) and of the bank's (splice) as ratios to it, for each posture form; how far the posture
+of `absolute` is from the action's; how far the arms are out of step with the legs, in degrees of a stride, where they
+swing; and the neck's jitter as a ratio to the rougher of the two sources'.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.clips import bank_of
-from bench.measures import posture_error, upper_body_errors
+from bench.measures import lag_error, neck_jitter, posture_error, upper_body_errors
 from motion.clip import Clip
 from motion.procedural.library import ACTIONS, LOCOMOTIONS, truth
 from motion.roles import find_roles
@@ -35,7 +36,10 @@ PAIRS = Path(__file__).parent / "pairs.csv"
 
 @dataclass(frozen=True)
 class Score:
-    """One pair: naive error in metres, the others as ratios to it, by posture form; posture errors in radians."""
+    """One pair: naive error in metres, the others as ratios to it, by posture form; posture errors and lags in radians.
+
+    lag and jitter are of the naive splice and of the bank's.
+    """
 
     pair: str
     naive: float
@@ -43,6 +47,8 @@ class Score:
     splice: dict[Posture, float]
     exact_posture: float
     splice_posture: float
+    lag: tuple[float, float]
+    jitter: tuple[float, float]
 
 
 def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Score:
@@ -60,7 +66,14 @@ def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Sc
     def error(result: Clip) -> float:
         return float(upper_body_errors(result.frames(0, covered), truth, bank.roles).mean())
 
-    naive = error(splice_naive(clip_l, clip_u, bank.roles))
+    naive_clip = splice_naive(clip_l, clip_u, bank.roles)
+    naive = error(naive_clip)
+    entry = bank.clip(locomotion)
+    phase = np.asarray(bank.tables["phase_of_frame"][entry.first_row : entry.first_row + covered])
+    rougher = max(neck_jitter(clip, bank.roles) for clip in (clip_l, clip_u))
+    judged = [clip.frames(0, covered) for clip in (naive_clip, splice["relative"])]
+    lags = [lag_error(clip, truth, phase, bank.roles) for clip in judged]
+    jitters = [neck_jitter(clip, bank.roles) / rougher for clip in judged]
     return Score(
         pair=f"{locomotion} <- {action}",
         naive=naive,
@@ -68,6 +81,8 @@ def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Sc
         splice={posture: error(clip) / naive for posture, clip in splice.items()},
         exact_posture=posture_error(exact["absolute"], clip_u, bank.roles),
         splice_posture=posture_error(splice["absolute"], clip_u, bank.roles),
+        lag=(lags[0], lags[1]),
+        jitter=(jitters[0], jitters[1]),
     )
 
 
@@ -76,16 +91,29 @@ def show(scores: Iterable[Score], title: str) -> None:
     table = Table(title=title)
     table.add_column("locomotion <- action", no_wrap=True)
     columns = ["naive cm", *(f"exact\n{p}" for p in POSTURES), *(f"splice\n{p}" for p in POSTURES)]
-    for column in [*columns, "exact\nposture °", "splice\nposture °"]:
+    columns += [
+        "exact\nposture °",
+        "splice\nposture °",
+        "naive\nlag °",
+        "splice\nlag °",
+        "naive\njitter",
+        "splice\njitter",
+    ]
+    for column in columns:
         table.add_column(column, justify="right")
     rows = []
     for one in scores:
         ratios = [*(one.exact[p] for p in POSTURES), *(one.splice[p] for p in POSTURES)]
-        rows.append([100 * one.naive, *ratios, np.degrees(one.exact_posture), np.degrees(one.splice_posture)])
-        table.add_row(one.pair, *(f"{value:.2f}" for value in rows[-1]))
+        angles = np.degrees([one.exact_posture, one.splice_posture, *one.lag]).tolist()
+        rows.append([100 * one.naive, *ratios, *angles, *one.jitter])
+        table.add_row(one.pair, *map(_told, rows[-1]))
     table.add_section()
-    table.add_row("mean", *(f"{value:.2f}" for value in np.mean(rows, axis=0)))
-    Console(width=160).print(table)
+    table.add_row("mean", *map(_told, np.nanmean(rows, axis=0).tolist()))
+    Console(width=190).print(table)
+
+
+def _told(value: float) -> str:
+    return "" if np.isnan(value) else f"{value:.2f}"
 
 
 def scores_of_pairs(bank: Bank, pairs: Path) -> Iterator[Score]:

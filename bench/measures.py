@@ -35,8 +35,8 @@ def posture_error(result: Clip, wanted: Clip, roles: Roles) -> float:
 def arm_lag(clip: Clip, phase: Floats, roles: Roles) -> float:
     """How far the arms' swing is behind the opposite legs', as a part of a stride in (-0.5, 0.5], mean of both sides.
 
-    phase [F] is the clip's, in cycles. Swing is the wrist's (knee's) way forward of the shoulder (root), at the period of
-    the stride. NaN if neither arm swings.
+    phase [F] is the clip's, in cycles. Swing is the wrist's (knee's) way forward of the shoulder (root), at the
+    stride's own period. NaN if neither arm swings.
     """
     positions = joint_positions(clip)
     across = positions[:, roles.left_hip] - positions[:, roles.right_hip]

@@ -125,7 +125,12 @@ def action_frame(bank: BankArrays, clip_l: int, row_l: int, t_l: float, clip_u: 
     cells = bank.cell_count[clip_u]
     cell, t = locate((phase - first) / (last - first) * (cells - 1.0), bank.first_cell[clip_u], cells)
     frame = bank.frame_of_phase[cell]
-    return frame + t * (bank.frame_of_phase[cell + 1] - frame)
+    frame += t * (bank.frame_of_phase[cell + 1] - frame)
+    for _ in range(2):  # the table is as fine as its cells; from so near, the curve itself leads to the very frame
+        row, t = locate(frame, bank.first_row[clip_u], bank.row_count[clip_u])
+        here = bank.phase_of_frame[row]
+        frame = row - bank.first_row[clip_u] + (phase - here) / (bank.phase_of_frame[row + 1] - here)
+    return frame
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -102,9 +102,8 @@ def pose(
         phase += math.ceil(start_phase - entry_l.first_phase - 1e-3)
         while phase > entry_u.last_phase and entry_u.loop > 0:
             phase -= entry_u.loop
-        span = entry_u.last_phase - entry_u.first_phase
-        cell = (phase - entry_u.first_phase) / span * (entry_u.cell_count - 1)
-        frame_u = float(between("frame_of_phase", entry_u.first_cell, entry_u.cell_count, cell))
+        rows = slice(entry_u.first_row, entry_u.first_row + entry_u.row_count)
+        frame_u = float(np.interp(phase, tables["phase_of_frame"][rows], np.arange(entry_u.row_count)))
     in_u = (entry_u.first_row, entry_u.row_count, frame_u)
     pelvis_l = rotations[pelvis].copy()
     rotations[upper] = between("rotations", *in_u)[upper]

@@ -1,8 +1,8 @@
 """What must hold before any number is believed: `python -m bench.identities [CLIPS]`.
 
 Prints, for real clips or the built-in ones, how far a clip spliced onto itself is from itself, by the papers'
-method and through the bank; how well a known time warp is recovered; and how much the answer changes when every
-joint's local frame is turned at random.
+method and through the bank; how well a known time warp is recovered; how much the answer changes when every
+joint's local frame is turned at random; and how hard a clip is bent where it goes on past its end.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.clips import bank_of
+from bench.measures import accelerations
 from motion.clip import Clip
 from motion.kinematics import joint_positions
 from motion.quaternion import Floats
@@ -25,7 +26,7 @@ from precompute.bank_builder import write_bank
 from precompute.baseline import WORKING_RATE, find_baseline
 from precompute.prepared import prepare
 from precompute.splice import align_in_time, splice_exact
-from runtime.bank import Bank
+from runtime.bank import Bank, ClipEntry
 from runtime.evaluator import Evaluator
 from tests.rigs import local_axes, uneven_time, warped, with_local_axes
 
@@ -35,7 +36,10 @@ def main(
     baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
 ) -> None:
     """Prints the identities, one row per clip."""
-    table = Table(title="distances in mm, warp errors in frames at 30 Hz (median / 95th percentile)")
+    table = Table(
+        title="distances in mm, warp errors in frames at 30 Hz (median / 95th percentile)",
+        caption="seam: its acceleration over the clip's own 99th percentile",
+    )
     for column in (
         "clip",
         "self exact",
@@ -72,6 +76,7 @@ def main(
                 _percentiles(_slip(small, uneven.name, clip.name, frames) * working),
                 f"{_apart(*exact):.1e}",
                 f"{_apart(*splice):.4f}",
+                _seam(bank, entry),
             )
     Console(width=150).print(table)
 
@@ -97,6 +102,17 @@ def _slip(bank: Bank, uneven: str, even: str, frames: Floats) -> Floats:
     numbers = np.arange(len(phases[1]))
     apart = phases[0] - np.interp(frames, numbers, phases[1])
     return (apart - np.round(apart)) / np.interp(frames, numbers, np.gradient(phases[1]))
+
+
+def _seam(bank: Bank, entry: ClipEntry) -> str:
+    """The greatest acceleration in a clip's seam, as a ratio to the 99th percentile of the clip's own."""
+    if entry.loop == 0:
+        return ""
+    rows = slice(entry.first_row, entry.first_row + entry.row_count)
+    roots, rotations = (np.asarray(bank.tables[name][rows], np.float64) for name in ("root_positions", "rotations"))
+    whole = accelerations(Clip(entry.name, bank.skeleton, entry.rate, roots, rotations))
+    own = len(accelerations(bank.motion(entry.name)))
+    return f"{whole[own - 1 :].max() / np.percentile(whole[:own], 99):.2f}"
 
 
 def _apart(a: Clip, b: Clip) -> float:

@@ -72,3 +72,11 @@ def neck_jitter(clip: Clip, roles: Roles) -> float:
     positions = joint_positions(clip.resampled(30.0) if clip.rate > 30.0 else clip)
     jerk = np.diff(positions[:, top] - positions[:, 0], n=3, axis=0) * min(clip.rate, 30.0) ** 3
     return float(np.sqrt(np.mean(np.sum(jerk**2, axis=1))))
+
+
+def accelerations(clip: Clip) -> Floats:
+    """Accelerations of the joints over the root, each frame's largest [frames - 2], m/s^2, seen at 30 Hz at most."""
+    seen = clip.resampled(30.0) if clip.rate > 30.0 else clip
+    positions = joint_positions(seen)
+    bent = np.diff(positions - positions[:, :1], n=2, axis=0)
+    return np.asarray(np.linalg.norm(bent, axis=-1).max(axis=1) * seen.rate**2)

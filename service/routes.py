@@ -50,7 +50,7 @@ def bank_routes(evaluator: Evaluator, settings: Settings, readiness: Readiness) 
     async def get_clips() -> list[ClipInfo]:
         return [ClipInfo.of(bank, clip) for clip in bank.clips]
 
-    @router.get("/clips/{name}", tags=["bank"], summary="One clip", responses={**UNKNOWN})
+    @router.get("/clips/{name}", tags=["bank"], summary="One clip", responses={**UNKNOWN, **REFUSED})
     async def get_clip(name: Annotated[str, Path(examples=["walk"])]) -> ClipInfo:
         return ClipInfo.of(bank, bank.clip(name))
 

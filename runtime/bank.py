@@ -135,34 +135,43 @@ class Bank:
         return Clip(name, self.skeleton, entry.rate, roots, rotations)
 
     def _checked(self) -> Bank:
-        """Itself, if the parts fit each other, so that no kernel can be led out of a table."""
+        """Itself, if the parts fit each other, so that no kernel can be led out of a table. Raises BankError."""
+        if problem := self._misfit():
+            raise BankError(problem, file=str(self.path), mend=REBUILD)
+        return self
+
+    def _misfit(self) -> str:
+        """What does not fit, as a sentence; empty if all does."""
         sizes = {J: self.skeleton.joint_count, C: len(self.clips), P: len(self.roles.upper_cloud)}
         sizes[ROWS] = sum(clip.row_count for clip in self.clips)
         sizes[CELLS] = sum(clip.cell_count for clip in self.clips)
         for name, (kind, shape) in TABLES.items():
             table, wanted = self.tables[name], tuple(sizes.get(str(axis), axis) for axis in shape)
             if table.dtype != kind or table.shape != wanted:
-                problem = f"table {name!r} is {table.dtype}{table.shape}, not {np.dtype(kind)}{wanted}"
-                raise BankError(problem, file=str(self.path), mend=REBUILD)
+                return f"table {name!r} is {table.dtype}{table.shape}, not {np.dtype(kind)}{wanted}"
             if kind is not np.int32 and not np.isfinite(table).all():
-                raise BankError(f"table {name!r} holds numbers that are not finite", file=str(self.path), mend=REBUILD)
+                return f"table {name!r} holds numbers that are not finite"
+        if not self.clips or len(self._numbers) != sizes[C]:
+            return "it has no clips, or two of one name"
         row = cell = 0
         for clip in self.clips:
-            fits = (
-                2 <= clip.frame_count <= clip.row_count and clip.cell_count >= 2 and clip.first_phase < clip.last_phase
-            )
-            fits = fits and 0 <= clip.loop < clip.last_phase - clip.first_phase
-            if not (fits and clip.first_row == row and clip.first_cell == cell and 0.0 < clip.rate < 1e6):
-                raise BankError(f"clip {clip.name!r} does not fit the tables", file=str(self.path), mend=REBUILD)
+            follows = clip.first_row == row and clip.first_cell == cell
+            sized = 2 <= clip.frame_count <= clip.row_count and clip.cell_count >= 2 and 0.0 < clip.rate < 1e6
+            if not (follows and sized and 0 <= clip.loop < clip.last_phase - clip.first_phase):
+                return f"clip {clip.name!r} does not fit the tables"
             row, cell = row + clip.row_count, cell + clip.cell_count
+        rising = np.diff(self.tables["phase_of_frame"]) > 0.0
+        rising[[clip.first_row - 1 for clip in self.clips[1:]]] = True  # from one clip to the next it may fall
+        if not rising.all():
+            return "table 'phase_of_frame' does not rise within a clip"
         neutral = self.tables["neutral"]
+        if neutral.min() < 0 or neutral.max() >= sizes[C]:
+            return "table 'neutral' names a clip that is not there"
         joints = [getattr(self.roles, field.name) for field in fields(self.roles) if field.name != "spine"]
         joints += self.roles.spine
-        if not self.clips or neutral.min() < 0 or neutral.max() >= sizes[C] or len(self._numbers) != sizes[C]:
-            raise BankError("its clips are none, or not named apart", file=str(self.path), mend=REBUILD)
         if min(joints) < -1 or max(joints) >= sizes[J] or self.roles.pelvis < 1:
-            raise BankError("a role names a joint that is not there", file=str(self.path), mend=REBUILD)
-        return self
+            return "a role names a joint that is not there"
+        return ""
 
 
 REBUILD = "Build it again with `motionsplice precompute`"

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import io
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -117,3 +118,27 @@ def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None
         (copy / MANIFEST).write_bytes(msgpack.packb(manifest))
         with pytest.raises(BankError):
             Bank.open(copy)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("phase_of_frame", 0.0, "does not rise"),
+        ("frame_of_phase", np.nan, "not finite"),
+        ("neutral", 99, "none, or not"),
+    ],
+)
+def test_a_table_that_lies_with_a_sound_digest_is_refused(copy: Path, name: str, value: float, words: str) -> None:
+    outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
+    body = msgpack.unpackb(outer["body"])
+    table = np.load(copy / "tables" / f"{body['tables'][name]}.npy")
+    table[3] = value
+    sink = io.BytesIO()
+    np.save(sink, table)
+    body["tables"][name] = content_digest(sink.getvalue())
+    (copy / "tables" / f"{body['tables'][name]}.npy").write_bytes(sink.getvalue())
+    packed = msgpack.packb(body)
+    manifest = outer | {"body": packed, "digest": content_digest(packed)}
+    (copy / MANIFEST).write_bytes(msgpack.packb(manifest))
+    with pytest.raises(BankError, match=words):
+        Bank.open(copy)

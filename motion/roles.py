@@ -89,6 +89,15 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
     spine = given.get("spine", tuple(skeleton.names[joint] for joint in trunk))
     names = (spine,) if isinstance(spine, str) else tuple(spine)
     limbs = {role: found.get(role, -1) for role in (*LIMBS, *OPTIONAL)}
+    for side in ("left", "right"):
+        for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
+            upper, middle, lower = (found[f"{side}_{joint}"] for joint in limb)
+            if upper not in skeleton.chain(middle)[1:] or middle not in skeleton.chain(lower)[1:]:
+                problem = f"the {side} {limb[0]}, {limb[1]} and {limb[2]} do not hang on each other in this order"
+                raise RoleError(problem, mend="Name them again in a file and pass it as --roles")
+    if pelvis == root or pelvis not in way:
+        problem = f"the pelvis {skeleton.names[pelvis]!r} does not lie between the root and the arms"
+        raise RoleError(problem, mend="Leave it out, or name a joint of the trunk")
     return Roles(root=root, pelvis=pelvis, spine=tuple(skeleton.index(name) for name in names), **limbs)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -20,6 +21,7 @@ from precompute.baseline import Baseline
 from precompute.prepared import PreparedClip
 from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, ClipEntry, content_digest
 
+OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
 CELLS_PER_FRAME = 4  # of the inverse table: phase passes at least a quarter as fast as on average
 
 
@@ -68,7 +70,7 @@ def write_bank(
     before = _tables_in_use(path / MANIFEST)
     _write_synced(path / MANIFEST, msgpack.packb(manifest))
     for file in folder.glob("*.npy"):
-        if file.stem not in before | set(digests.values()):
+        if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
             file.unlink()
     return digest
 

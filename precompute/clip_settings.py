@@ -53,13 +53,14 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
     for key in entry:
         if key not in keys:
             raise SettingsError(f"unknown key {key!r}", file=str(file), place=where, mend=did_you_mean(key, keys))
-    settings = ClipSettings(**{**entry, "tags": tuple(entry.get("tags", ()))})
+    tags = entry.get("tags", [])
+    settings = ClipSettings(**{**entry, "tags": tuple(tags) if isinstance(tags, list) else ()})
     wrong = [
         key
         for key, sound in {
             "kind": settings.kind in KINDS,
             "neutral": isinstance(settings.neutral, str | None),
-            "tags": isinstance(entry.get("tags", []), list) and all(isinstance(tag, str) for tag in settings.tags),
+            "tags": isinstance(tags, list) and all(isinstance(tag, str) for tag in settings.tags),
             "skip_frames": type(settings.skip_frames) is int and settings.skip_frames >= 0,
             "unit": isinstance(settings.unit, str | None),
         }.items()

@@ -24,7 +24,9 @@ def nearest_gait(action: PreparedClip, locomotions: Mapping[str, PreparedClip], 
     profile, tempo = _profile(action, roles), _tempo(action)
     apart = {}
     for name, one in locomotions.items():
-        difference = np.sqrt(np.nanmean(np.sum((_profile(one, roles) - profile) ** 2, axis=-1)))
+        squares = np.sum((_profile(one, roles) - profile) ** 2, axis=-1)
+        common = squares[np.isfinite(squares)]
+        difference = np.sqrt(common.mean()) if len(common) else np.inf
         apart[name] = float(difference) + TEMPO_WEIGHT * abs(np.log(_tempo(one) / tempo))
     return min(apart, key=lambda name: (apart[name], name))
 

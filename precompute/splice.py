@@ -1,4 +1,4 @@
-"""Whole-clip splicing: the papers' method to the letter, and the naive one. All run-time forms are judged by it.
+"""Whole-clip splicing: the papers' method, and the naive one. All run-time forms are judged by it.
 
 Heck, Kovar and Gleicher 2006, section 3; Heck's thesis, 4.2.
 """

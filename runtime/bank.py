@@ -91,10 +91,10 @@ class Bank:
         Raises BankError, naming file and mend, if it is not there, of another version, cut short or altered.
         """
         folder = Path(path)
-        digest, body = _read_manifest(folder)
         try:
+            digest, body = _read_manifest(folder)
             return cls(folder, digest, *_contents(body), tables=_map_tables(folder, body))._checked()
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
+        except (KeyError, TypeError, ValueError, AttributeError, msgpack.UnpackException) as error:
             raise BankError(
                 f"its manifest lacks or misstates something ({type(error).__name__}: {error})",
                 file=str(folder / MANIFEST),
@@ -160,6 +160,10 @@ class Bank:
             if not (follows and sized and 0 <= clip.loop < clip.last_phase - clip.first_phase):
                 return f"clip {clip.name!r} does not fit the tables"
             row, cell = row + clip.row_count, cell + clip.cell_count
+        phase = self.tables["phase_of_frame"]
+        ends = [(phase[clip.first_row], phase[clip.first_row + clip.row_count - 1]) for clip in self.clips]
+        if np.abs(phase).max() > 1e9 or ends != [(clip.first_phase, clip.last_phase) for clip in self.clips]:
+            return "table 'phase_of_frame' does not fit the clips"
         rising = np.diff(self.tables["phase_of_frame"]) > 0.0
         rising[[clip.first_row - 1 for clip in self.clips[1:]]] = True  # from one clip to the next it may fall
         if not rising.all():

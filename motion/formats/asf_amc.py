@@ -68,7 +68,7 @@ def parse_skeleton(data: bytes) -> AcclaimSkeleton:
             raise FormatError(f"it has no :{name} section", mend=CUT_SHORT)
     units = {words[0].lower(): words[1:] for _, words in sections["units"]}
     root = {words[0].lower(): (number, words[1:]) for number, words in sections["root"]}
-    degrees = not units.get("angle", ["deg"])[0].lower().startswith("rad")
+    degrees = not (units.get("angle") or ["deg"])[0].lower().startswith("rad")
     number, order = root.get("order", (0, []))
     channels = tuple(word.lower() for word in order)
     if sorted(channels) != ["rx", "ry", "rz", "tx", "ty", "tz"]:
@@ -112,7 +112,7 @@ def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> tuple[Nodes, float]:
     _check_complete(rows, seen, frames, number)
     if frames < 0:
         raise FormatError("it has no frames", mend=CUT_SHORT)
-    if not rate > 0.0:
+    if not 0.5 <= rate <= 1e4:
         raise FormatError(f"its rate is {rate} frames per second")
     values_of = {name: _values(name, texts, len(skeleton.bones[name].dof)) for name, texts in rows.items()}
     return _nodes(skeleton, values_of, degrees), rate
@@ -170,6 +170,8 @@ def _bone(block: dict[str, tuple[int, list[str]]], degrees: bool) -> tuple[str, 
     name, dof = block["name"][1][0], tuple(word.lower() for word in block.get("dof", (0, []))[1])
     if unknown := [word for word in dof if word not in ("rx", "ry", "rz")]:
         raise FormatError(f"bone {name!r} has a degree of freedom {unknown[0]!r}; only rotations can be read")
+    if len(set(dof)) != len(dof):
+        raise FormatError(f"bone {name!r} has a degree of freedom twice")
     direction = np.array(_numbers(block["direction"][1], 3, block["direction"][0]))
     length = _numbers(block["length"][1], 1, block["length"][0])[0]
     return name, Bone(direction * length, _axes(block["axis"][1], degrees, block["axis"][0]), dof)

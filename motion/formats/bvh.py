@@ -22,6 +22,7 @@ from motion.formats.fold import Nodes
 from motion.quaternion import Floats
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
+SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
 CUT_SHORT = "The file may be cut short: export it again"
 
 
@@ -128,9 +129,11 @@ def _motion_header(lines: list[str], line: int) -> tuple[int, float, int]:
             raise FormatError(f"{expected} were expected", place=f"line {number + 1}") from None
         if len(found) == 2:
             count, step = found["frames"], found["frametime"]
-            if not (count >= 0 and count == int(count) and math.isfinite(step) and 0.0 < step < 1e3):
+            if not (
+                count >= 0 and math.isfinite(count) and count == int(count) and SHORTEST_STEP <= step <= LONGEST_STEP
+            ):
                 problem = f"{count:g} frames of {step:g} s are not a motion"
-                raise FormatError(problem, place=f"line {number + 1}")
+                raise FormatError(problem, place=f"line {number + 1}", mend="Frame Time is seconds per frame")
             return int(count), _rate(step), number + 1
     raise FormatError("it ends before the frames", place=f"line {len(lines)}", mend=CUT_SHORT)
 

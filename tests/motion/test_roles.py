@@ -149,8 +149,8 @@ def test_the_common_rigs_are_known_by_name(name: str) -> None:
 
 def test_given_roles_win_over_names() -> None:
     skeleton = rig(RIGS["Mixamo"])
-    roles = find_roles(skeleton, {"left_wrist": "mixamorig:LeftForeArm", "spine": ["mixamorig:Spine2"]})
-    assert roles.left_wrist == skeleton.index("mixamorig:LeftForeArm")
+    roles = find_roles(skeleton, {"left_wrist": "mixamorig:LeftHand", "spine": ["mixamorig:Spine2"]})
+    assert roles.left_wrist == skeleton.index("mixamorig:LeftHand")
     assert roles.spine == (skeleton.index("mixamorig:Spine2"),)
     with pytest.raises(RoleError, match="Did you mean 'mixamorig:LeftHand'"):
         find_roles(skeleton, {"left_wrist": "mixamorig:LeftHnd"})
@@ -176,11 +176,19 @@ def test_roles_that_do_not_fit_the_body_are_refused() -> None:
     positions = joint_positions(clip)
     names = clip.skeleton.names
     check_shape(positions, find_roles(clip.skeleton))
-    crossed = {"left_shoulder": "RightArm", "right_shoulder": "LeftArm"}
+    arms = {"shoulder": "Arm", "elbow": "ForeArm", "wrist": "Hand"}
+    crossed = {f"left_{role}": f"Right{name}" for role, name in arms.items()}
+    crossed |= {f"right_{role}": f"Left{name}" for role, name in arms.items()}
     with pytest.raises(RoleError, match="crossed"):
         check_shape(positions, find_roles(clip.skeleton, crossed))
     with pytest.raises(RoleError, match="left knee is above"):
-        check_shape(positions, find_roles(clip.skeleton, {"left_knee": "Head"}))
+        check_shape(-positions, find_roles(clip.skeleton))
+    for given in ({"left_knee": "Head"}, {"left_hip": "RightUpLeg"}, {"left_shoulder": "RightArm"}):
+        with pytest.raises(RoleError, match=r"do not hang on each other|no trunk"):
+            find_roles(clip.skeleton, given)
+    for pelvis in ("Hips", "LeftUpLeg"):
+        with pytest.raises(RoleError, match="does not lie between the root and the arms"):
+            find_roles(clip.skeleton, {"pelvis": pelvis})
     assert names[find_roles(clip.skeleton).pelvis] == "Spine"
 
 

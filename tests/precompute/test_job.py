@@ -78,6 +78,14 @@ def test_a_changed_bank_keeps_the_tables_of_the_one_before_and_no_older(tmp_path
     assert counts[2] == counts[1] > counts[0]
 
 
+def test_files_that_are_not_a_banks_stay(tmp_path: Path) -> None:
+    mine = tmp_path / "bank" / "tables" / "mine.npy"
+    mine.parent.mkdir(parents=True)
+    mine.write_bytes(b"mine")
+    precompute([write(tmp_path / "clips", walk=CLIPS["walk"])], tmp_path / "bank")
+    assert mine.read_bytes() == b"mine"
+
+
 def test_people_of_other_size_are_brought_to_the_banks_skeleton(tmp_path: Path) -> None:
     walk = CLIPS["walk"]
     tall = replace(walk, skeleton=walk.skeleton.scaled(1.3), root_positions=walk.root_positions * 1.3)
@@ -163,6 +171,7 @@ def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
         ("[walk]\nskip_frames = -1", "skip_frames = -1"),
         ("[walk]\nskip_frames = true", "skip_frames = True"),
         ("[walk]\ntags = 'one'", "tags"),
+        ("[walk]\ntags = 5", "tags = 5"),
         ("walk = 3", "not a table"),
         ("[walk", "not TOML"),
     ],

@@ -62,7 +62,6 @@ def first_meeting(locomotion: Floats, action: Floats) -> int:
     """
     start = windowed(locomotion[:MEETING_WINDOW], len(locomotion[:MEETING_WINDOW]))
     row = planar_distances(start, windowed(action, len(locomotion[:MEETING_WINDOW])))[0]
-    row = row[: 2 * len(row) // 3 + 1]  # a third of the action at least is left to align
     near = row <= row.min() + 0.25 * (np.median(row) - row.min())
     padded = np.concatenate([[np.inf], row, [np.inf]])
     lowest = (padded[1:-1] <= padded[:-2]) & (padded[1:-1] <= padded[2:])

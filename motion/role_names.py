@@ -9,7 +9,7 @@ import re
 NAMES = {
     "hip":      ("upleg",        "thigh",          "upperleg",                  "femur",      "hip"),
     "knee":     ("leg",          "calf",           "lowerleg",     "shin",      "tibia",      "knee"),
-    "ankle":    ("foot",                                                                      "ankle"),
+    "ankle":    ("ankle",        "foot"),  # SMPL has both, and its foot is the ball
     "toe":      ("toebase",      "ball",           "toes",         "toe"),
     "shoulder": ("arm",          "upperarm",                                    "humerus",    "shoulder"),
     "elbow":    ("forearm",      "lowerarm",                                    "radius",     "elbow"),
@@ -21,7 +21,7 @@ PAIRED = ("hip", "knee", "ankle", "toe", "shoulder", "elbow", "wrist")
 OPTIONAL = ("left_toe", "right_toe", "neck", "head")
 
 NAMESPACE = re.compile(r"^.*[:|]")
-PREFIX = re.compile(r"^(DEF|ORG|MCH|J_Bip|Bip\d*|CC_Base|joint|mixamorig\d*)[-_ .]+", re.IGNORECASE)
+PREFIX = re.compile(r"^(mixamorig\d*[-_ .]*|(DEF|ORG|MCH|J_Bip|Bip\d*|CC_Base|joint)[-_ .]+)", re.IGNORECASE)
 SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 

@@ -61,7 +61,8 @@ class Roles:
 
     def leg_length(self, skeleton: Skeleton) -> float:
         """Metres from hip over knee to ankle, mean of both legs."""
-        bones = (self.left_knee, self.left_ankle, self.right_knee, self.right_ankle)
+        ends = ((self.left_hip, self.left_ankle), (self.right_hip, self.right_ankle))
+        bones = [joint for hip, ankle in ends for joint in _between(skeleton, hip, ankle)]  # twist bones included
         return sum(skeleton.bone_length(joint) for joint in bones) / 2.0
 
 
@@ -69,7 +70,7 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
     """The roles of a rig, as `given` by joint name, else found by the names of the limbs and the shape of the tree.
 
     The root must be joint 0 (`motion.formats.fold` sees to that). Raises RoleError if a role cannot be found, with
-    all joints, what was found, and a file to fill in.
+    all joints, what was found, and a file to fill in; SettingsError for a role that there is not.
     """
     found = limbs_by_name(skeleton.names, given)
     if missing := [role for role in LIMBS if role not in found]:
@@ -84,10 +85,12 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
         problem = f"legs and arms part at {skeleton.names[root]!r} and {skeleton.names[chest]!r}, so there is no trunk"
         raise RoleError(problem, mend="Name the joints of the legs and arms in a file and pass it as --roles")
     way = skeleton.chain(chest)
-    pelvis = _given_joint(skeleton, given, "pelvis", way[way.index(root) - 1])
+    pelvis = way[way.index(root) - 1]
+    if "pelvis" in given:
+        pelvis = _joint("pelvis", given["pelvis"], skeleton.names)
     trunk = way[: way.index(pelvis)][::-1] if pelvis in way else []
     spine = given.get("spine", tuple(skeleton.names[joint] for joint in trunk))
-    names = (spine,) if isinstance(spine, str) else tuple(spine)
+    trunk = [_joint("spine", name, skeleton.names) for name in ((spine,) if isinstance(spine, str) else spine)]
     limbs = {role: found.get(role, -1) for role in (*LIMBS, *OPTIONAL)}
     for side in ("left", "right"):
         for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
@@ -98,18 +101,14 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
     if pelvis == root or pelvis not in way:
         problem = f"the pelvis {skeleton.names[pelvis]!r} does not lie between the root and the arms"
         raise RoleError(problem, mend="Leave it out, or name a joint of the trunk")
-    return Roles(root=root, pelvis=pelvis, spine=tuple(skeleton.index(name) for name in names), **limbs)
+    return Roles(root=root, pelvis=pelvis, spine=tuple(trunk), **limbs)
 
 
 def limbs_by_name(names: tuple[str, ...], given: Mapping[str, GivenRole]) -> dict[str, int]:
     """The joint of each limb, of neck and head, as given or by name. Raises RoleError for a joint that is not there."""
+    _check_known(given)
     found = roles_by_name(names)
-    for role, name in given.items():
-        if role in LIMBS or role in OPTIONAL:
-            if name not in names:
-                raise RoleError(f"{role} is given as {name!r}, which is no joint", mend=did_you_mean(str(name), names))
-            found[role] = names.index(str(name))
-    return found
+    return found | {role: _joint(role, name, names) for role, name in given.items() if role in (*LIMBS, *OPTIONAL)}
 
 
 def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:
@@ -148,23 +147,41 @@ def read_roles_file(file: Path) -> dict[str, GivenRole]:
     """The `[roles]` of a TOML file, joint names by role. Raises SettingsError, naming the file and the key."""
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SettingsError(f"it cannot be read: {error.strerror}", file=str(file)) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SettingsError(f"it is not TOML: {error}", file=str(file)) from None
     roles = document.get("roles")
     if not isinstance(roles, dict) or set(document) != {"roles"}:
         raise SettingsError("it needs one table, [roles]", file=str(file), mend='Write [roles] and left_hip = "..."')
-    known = (*LIMBS, *OPTIONAL, "pelvis", "spine")
+    try:
+        _check_known(roles)
+    except SettingsError as error:
+        raise error.within(str(file)) from None
     for role, name in roles.items():
-        if role not in known:
-            raise SettingsError(f"unknown role {role!r}", file=str(file), mend=did_you_mean(role, known))
         names = name if isinstance(name, list) and role == "spine" else [name]
         if not all(isinstance(one, str) for one in names):
             raise SettingsError(f"{role} = {name!r} is not the name of a joint", file=str(file))
     return roles
 
 
-def _given_joint(skeleton: Skeleton, given: Mapping[str, GivenRole], role: str, otherwise: int) -> int:
-    return skeleton.index(str(given[role])) if role in given else otherwise
+def _check_known(given: Mapping[str, GivenRole]) -> None:
+    known = (*LIMBS, *OPTIONAL, "pelvis", "spine")
+    for role in given:
+        if role not in known:
+            raise SettingsError(f"unknown role {role!r}", mend=did_you_mean(role, known))
+
+
+def _joint(role: str, name: GivenRole, names: tuple[str, ...]) -> int:
+    if name not in names:
+        raise RoleError(f"{role} is given as {name!r}, which is no joint", mend=did_you_mean(str(name), names))
+    return names.index(str(name))
+
+
+def _between(skeleton: Skeleton, upper: int, lower: int) -> list[int]:
+    """The joints from `lower` up to `upper`, without it."""
+    chain = skeleton.chain(lower)
+    return chain[: chain.index(upper)]
 
 
 def _stub(missing: Sequence[str]) -> str:

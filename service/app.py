@@ -13,10 +13,10 @@ from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
 from runtime.bank import Bank
-from runtime.evaluator import Evaluator
 from service import problems
 from service.problems import Problem
-from service.routes import Readiness, bank_routes, health_routes
+from service.readiness import Readiness
+from service.routes import bank_routes, health_routes
 from service.settings import Settings
 
 ABOUT = """Splices the upper body of any clip onto the lower body of any other.
@@ -31,21 +31,17 @@ def create_app(bank: Bank, settings: Settings | None = None) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        async def warm() -> None:
-            await asyncio.to_thread(Evaluator(bank).warm)
-            readiness.ready = True
-
-        warming = asyncio.create_task(warm())
+        warming = asyncio.create_task(readiness.warm(bank))
         yield
         await warming
 
     # Its documentation pages bring their own scripts and styles, where FastAPI's own need the internet.
     app = FastAPIOffline(title="motionsplice", version="1", description=ABOUT, lifespan=lifespan)
     problems.install(app)
-    app.include_router(bank_routes(Evaluator(bank), settings or Settings(), readiness))
+    app.include_router(bank_routes(bank, settings or Settings(), readiness))
     app.include_router(health_routes(readiness))
 
-    app.openapi = lambda: _with_problems(app)  # type: ignore[method-assign]
+    app.openapi = lambda: _document(app, bank)  # type: ignore[method-assign]
 
     @app.get("/", include_in_schema=False)
     async def get_root() -> RedirectResponse:
@@ -54,10 +50,23 @@ def create_app(bank: Bank, settings: Settings | None = None) -> FastAPI:
     return app
 
 
-def _with_problems(app: FastAPI) -> dict[str, Any]:
-    """The OpenAPI document, with the schema that all error answers refer to."""
+def _document(app: FastAPI, bank: Bank) -> dict[str, Any]:
+    """The OpenAPI document, with the schema of all error answers, and examples that this bank can answer."""
     if app.openapi_schema is None:
         document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
         document["components"]["schemas"]["Problem"] = Problem.model_json_schema()
+        examples = _examples(bank)
+        for operations in document["paths"].values():
+            for parameter in operations["get"].get("parameters", []):
+                if parameter["name"] in examples:
+                    parameter["example"] = examples[parameter["name"]]
         app.openapi_schema = document
     return app.openapi_schema
+
+
+def _examples(bank: Bank) -> dict[str, str | float]:
+    """What the interactive page fills in."""
+    first = {clip.kind: clip.name for clip in reversed(bank.clips)}
+    any_clip = bank.clips[0].name
+    locomotion = first.get("locomotion", any_clip)
+    return {"name": locomotion, "locomotion": locomotion, "action": first.get("action", any_clip), "time": 0.0}

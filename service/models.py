@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from runtime.bank import Bank, ClipEntry
 from runtime.evaluator import Method, Posture
+
+AXES = "right-handed, Y up, Z forward"
+UNITS = "metres, seconds; unit quaternions xyzw"
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -15,9 +18,11 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 class Splice(BaseModel):
     """Which upper body on which lower body, and how."""
 
-    locomotion: str = Field(description="Clip that gives the root and the lower body", examples=["curve"])
+    model_config = ConfigDict(extra="forbid")  # a misspelt `action` would else be answered with no action
+
+    locomotion: str = Field(description="Clip that gives the root and the lower body")
     action: str | None = Field(
-        default=None, description="Clip that gives the upper body; without it, the locomotion alone", examples=["wave"]
+        default=None, description="Clip that gives the upper body; without it, the locomotion alone"
     )
     start: Finite = Field(default=0.0, ge=0.0, description="Seconds into the action before which it does not begin")
     method: Method = Field(default="splice", description="`naive` is plain replacement of the upper body's joints")
@@ -27,7 +32,7 @@ class Splice(BaseModel):
 class PoseRequest(Splice):
     """One moment of a splice."""
 
-    time: Finite = Field(ge=0.0, description="Seconds into the locomotion", examples=[1.5])
+    time: Finite = Field(ge=0.0, description="Seconds into the locomotion")
     world: bool = Field(default=False, description="Also answer world positions of all joints")
 
 
@@ -56,8 +61,8 @@ class BankInfo(BaseModel):
     """The bank that is served, and its skeleton: parents by index, the root's is -1; offsets in metres."""
 
     digest: str
-    axes: str = "right-handed, Y up, Z forward"
-    units: str = "metres, seconds; unit quaternions xyzw"
+    axes: str = AXES
+    units: str = UNITS
     baseline: str
     clips: int
     joints: list[str]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from http import HTTPStatus
 
 from fastapi import FastAPI, Request
@@ -27,12 +28,13 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(MotionError, _motion_problem)
     app.add_exception_handler(RequestValidationError, _request_problem)
     app.add_exception_handler(HTTPException, _http_problem)
+    app.add_exception_handler(Exception, _defect)
 
 
-def answer(kind: str, status: int, detail: str) -> JSONResponse:
+def answer(kind: str, status: int, detail: str, headers: Mapping[str, str] | None = None) -> JSONResponse:
     """A problem as a response."""
     problem = Problem(type=f"about:blank#{kind}", title=HTTPStatus(status).phrase, status=status, detail=detail)
-    return JSONResponse(problem.model_dump(), status, media_type="application/problem+json")
+    return JSONResponse(problem.model_dump(), status, headers, media_type="application/problem+json")
 
 
 async def _motion_problem(_: Request, error: Exception) -> JSONResponse:
@@ -48,4 +50,10 @@ async def _request_problem(_: Request, error: Exception) -> JSONResponse:
 
 async def _http_problem(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
-    return answer("HTTPError", error.status_code, str(error.detail))
+    return answer("HTTPError", error.status_code, str(error.detail), error.headers)
+
+
+async def _defect(_: Request, __: Exception) -> JSONResponse:
+    """What no client caused; the server logs it."""
+    detail = "the service failed; its log says how"
+    return answer("ServiceError", HTTPStatus.INTERNAL_SERVER_ERROR, detail)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from motion.errors import SettingsError
 from runtime.evaluator import Evaluator, Poses
-from service.models import StreamRequest
+from service.models import AXES, UNITS, StreamRequest
 
 STREAM_VERSION = 1
 BLOCK = 64  # frames evaluated at once: enough to be quick, few enough that others get their turn
@@ -87,7 +87,8 @@ def _header(evaluator: Evaluator, request: StreamRequest, count: int) -> dict[st
         "action": request.action,
         "rate": request.rate or bank.clip(request.locomotion).rate,
         "frames": count,
-        "axes": "right-handed, Y up, Z forward",
+        "axes": AXES,
+        "units": UNITS,
         "joints": list(bank.skeleton.names),
         "parents": bank.skeleton.parents.tolist(),
     }

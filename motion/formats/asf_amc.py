@@ -14,9 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
 from motion.errors import FormatError, did_you_mean
-from motion.formats.fold import Nodes
+from motion.formats.fold import Nodes, still
 from motion.quaternion import Floats
 
 INCH = 0.0254  # metres; an ASF's unit of length is so many inches
@@ -115,13 +114,13 @@ def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> tuple[Nodes, float]:
     if not 0.5 <= rate <= 1e4:
         raise FormatError(f"its rate is {rate} frames per second")
     values_of = {name: _values(name, texts, len(skeleton.bones[name].dof)) for name, texts in rows.items()}
-    return _nodes(skeleton, values_of, degrees), rate
+    return _nodes(skeleton, values_of, degrees, len(data)), rate
 
 
 def _text(data: bytes) -> str:
     if b"\0" in data:
         raise FormatError("this is a binary file, not Acclaim text")
-    return data.decode("utf-8", errors="replace")
+    return data.decode("utf-8-sig", errors="replace")
 
 
 def _lines(data: bytes) -> Iterator[tuple[int, list[str]]]:
@@ -224,10 +223,10 @@ def _is_finite(word: str) -> bool:
         return False
 
 
-def _nodes(skeleton: AcclaimSkeleton, values: dict[str, Floats], degrees: bool) -> Nodes:
+def _nodes(skeleton: AcclaimSkeleton, values: dict[str, Floats], degrees: bool, size: int) -> Nodes:
     ordered, bones = skeleton.nodes(), skeleton.bones
     frames = len(values["root"])
-    rotations = np.tile(quaternion.IDENTITY, (frames, len(ordered), 1))
+    rotations = still(frames, len(ordered), size)
     for place, (name, _) in enumerate(ordered):
         turns = [(column, channel[1]) for column, channel in enumerate(bones[name].dof) if channel[0] == "r"]
         if turns:

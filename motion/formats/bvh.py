@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from decimal import Decimal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
 from motion.clip import Clip
 from motion.errors import FormatError
-from motion.formats.fold import Nodes
+from motion.formats.fold import Nodes, still
 from motion.quaternion import Floats
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
@@ -40,11 +41,11 @@ def parse(data: bytes) -> tuple[Nodes, float]:
     """The joints and motion in a BVH file, in its own unit, and its frames per second. Raises FormatError."""
     if b"\0" in data:
         raise FormatError("this is a binary file, not BVH text", mend="Export it as BVH")
-    lines = data.decode("utf-8", errors="replace").splitlines()
+    lines = data.decode("utf-8-sig", errors="replace").splitlines()
     joints, line = _hierarchy(lines)
     count, rate, line = _motion_header(lines, line)
     width = sum(len(joint.channels or ()) for joint in joints)
-    return _nodes(joints, _frames(lines, line, count, width)), rate
+    return _nodes(joints, _frames(lines, line, count, width), len(data)), rate
 
 
 def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
@@ -52,11 +53,8 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
     joints: list[_Joint] = []
     open_joints: list[int] = []  # those whose brace is open
     started = waiting = False  # waiting for a brace
-    for number, text in enumerate(lines):
-        word, *rest = text.split() or [""]
+    for number, (word, *rest) in _statements(lines):
         match word.upper():
-            case "":
-                continue
             case "HIERARCHY" if not started:
                 started = True
             case _ if not started:
@@ -68,6 +66,8 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
                 if joints and not open_joints:
                     raise FormatError("a joint lies outside the root", place=f"line {number + 1}")
                 parent = open_joints[-1] if open_joints else -1
+                if joints and joints[parent].is_end:
+                    raise FormatError("nothing can hang on an End Site", place=f"line {number + 1}")
                 joints.append(_Joint(" ".join(rest), parent, number + 1, is_end=is_end))
                 waiting = True
             case "{" if waiting:
@@ -78,12 +78,31 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
             case "OFFSET" if open_joints and not waiting:
                 joints[open_joints[-1]].offset = _offset(rest, number + 1)
             case "CHANNELS" if open_joints and not waiting:
-                joints[open_joints[-1]].channels = _channels(rest, number + 1)
+                _give_channels(joints[open_joints[-1]], _channels(rest, number + 1), number + 1)
             case "MOTION" if joints and not open_joints and not waiting:
                 return joints, number
             case _:
-                raise FormatError(f"{text.strip()[:40]!r} was not expected here", place=f"line {number + 1}")
+                raise FormatError(f"{' '.join([word, *rest])[:40]!r} was not expected here", place=f"line {number + 1}")
     raise FormatError("it ends inside the hierarchy, before MOTION", place=f"line {len(lines)}", mend=CUT_SHORT)
+
+
+def _statements(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
+    """Numbered statements as words. A brace may stand behind the name it opens."""
+    for number, text in enumerate(lines):
+        words = text.split()
+        if len(words) > 1 and words[-1] == "{":
+            yield number, words[:-1]
+            words = ["{"]
+        if words:
+            yield number, words
+
+
+def _give_channels(joint: _Joint, channels: list[str], line: int) -> None:
+    if joint.channels is not None:
+        raise FormatError(f"joint {joint.name!r} has CHANNELS twice", place=f"line {line}")
+    if joint.is_end and channels:
+        raise FormatError("an End Site has CHANNELS", place=f"line {line}", mend="Make it a JOINT")
+    joint.channels = channels
 
 
 def _check_closed(joint: _Joint, line: int) -> None:
@@ -114,7 +133,7 @@ def _channels(words: list[str], line: int) -> list[str]:
 
 def _motion_header(lines: list[str], line: int) -> tuple[int, float, int]:
     """The frame count, frames per second and the number of the first line of frames."""
-    found: dict[str, float] = {}
+    found: dict[str, str] = {}
     for number in range(line + 1, len(lines)):
         key, _, value = lines[number].partition(":")
         if not lines[number].strip():
@@ -123,25 +142,27 @@ def _motion_header(lines: list[str], line: int) -> tuple[int, float, int]:
         try:
             if name not in ("frames", "frametime"):
                 raise ValueError
-            found[name] = float(value)
+            found[name] = value.strip()
+            float(value)
         except ValueError:
             expected = "'Frames: N' and 'Frame Time: seconds'"
             raise FormatError(f"{expected} were expected", place=f"line {number + 1}") from None
         if len(found) == 2:
-            count, step = found["frames"], found["frametime"]
+            count, step = float(found["frames"]), float(found["frametime"])
             if not (
                 count >= 0 and math.isfinite(count) and count == int(count) and SHORTEST_STEP <= step <= LONGEST_STEP
             ):
                 problem = f"{count:g} frames of {step:g} s are not a motion"
                 raise FormatError(problem, place=f"line {number + 1}", mend="Frame Time is seconds per frame")
-            return int(count), _rate(step), number + 1
+            return int(count), _rate(found["frametime"]), number + 1
     raise FormatError("it ends before the frames", place=f"line {len(lines)}", mend=CUT_SHORT)
 
 
-def _rate(step: float) -> float:
-    """Frames per second; a step rounded to a few digits means a whole rate."""
-    rate = 1.0 / step
-    return float(round(rate)) if abs(rate - round(rate)) < 1e-3 * rate else rate
+def _rate(text: str) -> float:
+    """Frames per second; a step that is a whole rate's to its last digit, rounded or cut, means that rate."""
+    step, last_digit = float(text), 10.0 ** float(Decimal(text).as_tuple().exponent)
+    whole = float(round(1.0 / step))
+    return whole if whole > 0.0 and abs(1.0 / whole - step) < last_digit else 1.0 / step
 
 
 def _frames(lines: list[str], first: int, count: int, width: int) -> Floats:
@@ -177,11 +198,11 @@ def _first_bad_row(rows: list[tuple[int, str]], width: int) -> FormatError:
     return FormatError(f"the frames do not have {width} values each")
 
 
-def _nodes(joints: list[_Joint], values: Floats) -> Nodes:
+def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
     """Joints without end sites, and their motion."""
     places = {number: place for place, number in enumerate(n for n, joint in enumerate(joints) if not joint.is_end)}
     real, ends = [joint for joint in joints if not joint.is_end], [joint for joint in joints if joint.is_end]
-    rotations = np.tile(quaternion.IDENTITY, (len(values), len(real), 1))
+    rotations = still(len(values), len(real), size)
     translations: dict[int, Floats] = {}
     column = 0
     for place, joint in enumerate(real):

@@ -28,7 +28,7 @@ from motion.roles import (
 )
 
 SUFFIXES = (".amc", ".bvh")
-JUMP = 0.1  # radians, mean over joints: more between the first two frames, and nowhere else, is a pose, not motion
+JUMP = 0.1  # radians, mean over joints: more after the first frame, and twice as much as elsewhere, is no motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,8 @@ def read_clip(
     whose legs do not show it; `roles` name joints that cannot be found by name. Raises MotionError naming the file.
     """
     try:
-        return _read(path, skip_frames, unit, roles)
+        with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip refuse what is not finite
+            return _read(path, skip_frames, unit, roles)
     except MotionError as error:
         raise error.within(str(path)) from None
 
@@ -96,9 +97,12 @@ def _parse(path: Path) -> tuple[Nodes, float, float | None]:
 
 
 def _bytes(path: Path) -> bytes:
-    if not path.is_file():
+    if not path.exists():
         raise FormatError("there is no such file", file=str(path))
-    data = path.read_bytes()
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise FormatError(f"it cannot be read: {error.strerror}", file=str(path)) from None
     if not data.strip():
         raise FormatError("the file is empty", file=str(path))
     return data
@@ -106,13 +110,13 @@ def _bytes(path: Path) -> bytes:
 
 def _skeleton_file(path: Path) -> Path:
     """The ASF file of an AMC file: `16.asf` of `16_15.amc`, else the only one in the folder."""
-    named = path.with_name(f"{path.stem.rpartition('_')[0]}.asf")
-    if named.is_file():
-        return named
-    beside = sorted(path.parent.glob("*.asf"))
-    if len(beside) == 1:
-        return beside[0]
-    raise FormatError(f"its skeleton is missing: there is no {named.name} beside it", mend="Put its .asf file there")
+    name = path.stem.rpartition("_")[0] or path.stem
+    beside = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")
+    named = [file for file in beside if file.stem == name] or beside
+    if len(named) == 1:
+        return named[0]
+    problem = f"there is no {name}.asf beside it" + (f", and {len(beside)} others are" if beside else "")
+    raise FormatError(f"its skeleton is missing: {problem}", mend=f"Put {name}.asf there")
 
 
 def _root(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:
@@ -130,4 +134,4 @@ def _starts_with_a_pose(rotations: Floats) -> bool:
     if len(rotations) < 4:
         return False
     jumps = quaternion.angle(rotations[:-1], rotations[1:]).mean(axis=1)
-    return bool(jumps[0] > JUMP and jumps[0] > 5.0 * np.max(jumps[1:]))
+    return bool(jumps[0] > JUMP and jumps[0] > 2.0 * np.max(jumps[1:]))

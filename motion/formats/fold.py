@@ -8,10 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from motion import quaternion
+from motion.errors import FormatError
 from motion.quaternion import Floats
 from motion.skeleton import Integers, Skeleton
 
 STEADY = 0.01  # of the rig's longest bone: less movement of an inner joint on its parent is noise
+
+STILL = 10_000_000  # rotations that any file may have, however few of them it holds
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +35,17 @@ class Nodes:
     end_offsets: Floats
     translations: Mapping[int, Floats]
     rotations: Floats
+
+
+def still(frames: int, joints: int, size: int) -> Floats:
+    """Joints that do not turn [frames, joints, 4], for a file of `size` bytes to fill in.
+
+    Raises FormatError if they would take far more memory than the file: joints without channels cost it nothing.
+    """
+    if frames * joints > max(STILL, size):
+        problem = f"{frames} frames of {joints} joints, most of which do not move, are too many"
+        raise FormatError(problem, mend="Leave out the joints without channels")
+    return np.tile(quaternion.IDENTITY, (frames, joints, 1))
 
 
 @dataclass(frozen=True, eq=False)

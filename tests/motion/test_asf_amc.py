@@ -94,9 +94,16 @@ def test_radians_rate_and_another_order_of_the_root() -> None:
     assert quaternion.angle(nodes.rotations[0, 0], Rotation.from_euler("zyx", [0.1, 0.2, 0.3]).as_quat()) < 1e-9
 
 
+def test_a_byte_order_mark_does_not_matter() -> None:
+    plain, _ = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
+    marked, _ = parse_motion(("\ufeff" + AMC).encode(), parse_skeleton(("\ufeff" + ASF).encode()))
+    np.testing.assert_array_equal(marked.rotations, plain.rotations)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        (ASF.replace("dof rx rz", "dof rx rx"), "'thigh' has a degree of freedom twice"),
         ("", "no :units section"),
         (b"\x00\x01", "binary"),
         (ASF[: ASF.index(":hierarchy")], "no :hierarchy section"),

@@ -40,6 +40,20 @@ Frame Time: 0.0333333
 2 3 4 11 21 31 6 7 8
 """
 ORDERS = ["".join(order) for order in itertools.permutations("XYZ")]
+ODD_WORDS = [
+    b"inf",
+    b"nan",
+    b"1e999",
+    b"1e-320",
+    b"-1",
+    b"0",
+    b"1e308",
+    b"",
+    b"{",
+    b"}",
+    b"\nEnd Site\n{\n",
+    b"\nMOTION\n",
+]
 angles = st.floats(-180.0, 180.0)
 
 
@@ -91,6 +105,8 @@ def test_channels_may_stand_in_any_order(order: list[str], values: list[float]) 
         lambda text: text.replace("\n", "\n\n"),
         lambda text: text.replace("rotation", "ROTATION").replace("HIERARCHY", "hierarchy").replace("JOINT", "Joint"),
         lambda text: text.replace("{", "{ ").rstrip("\n"),
+        lambda text: text.replace("Chest\n  {", "Chest {").replace("End Site\n    {", "End Site {"),
+        lambda text: "\ufeff" + text,
         lambda text: text.replace("Frames: 2", "Frames:2").replace("Frame Time: ", "Frame Time:\t"),
     ],
 )
@@ -98,6 +114,24 @@ def test_white_space_and_case_do_not_matter(change: object) -> None:
     changed, plain = clip_of(change(SMALL)), clip_of(SMALL)  # type: ignore[operator]
     np.testing.assert_array_equal(changed.rotations, plain.rotations)
     np.testing.assert_array_equal(changed.root_positions, plain.root_positions)
+
+
+@pytest.mark.parametrize(
+    ("step", "rate"),
+    [
+        ("0.0333333", 30.0),
+        (".0083333", 120.0),
+        ("0.0083", 120.0),
+        ("0.01666", 60.0),
+        ("0.04", 25.0),
+        ("1", 1.0),
+        ("0.0166833", 1.0 / 0.0166833),  # 60 / 1.001, as of video, is no 60
+        ("0.03336667", 1.0 / 0.03336667),
+        ("4.17083333e-2", 1.0 / 4.17083333e-2),
+    ],
+)
+def test_a_rounded_step_is_a_whole_rate_and_that_of_video_is_not(step: str, rate: float) -> None:
+    assert clip_of(SMALL.replace("0.0333333", step)).rate == rate
 
 
 def test_names_keep_colons_and_blanks() -> None:
@@ -191,6 +225,19 @@ def test_an_inner_joint_that_moves_is_fixed_and_noted() -> None:
         (SMALL.replace("CHANNELS 3", "CHANNELS 999999999"), "line 9: CHANNELS names 3"),
         (SMALL.replace("Xrotation", "Wrotation"), "unknown channel 'Wrotation'"),
         (SMALL.replace("CHANNELS 3 Zrotation Xrotation", "CHANNELS 3 Zrotation Zrotation"), "twice"),
+        (
+            SMALL.replace("    CHANNELS 3", "    CHANNELS 1 Xrotation\n    CHANNELS 3"),
+            "line 10: .*'Chest' has CHANNELS twice",
+        ),
+        (SMALL.replace("0 0.25 0", "0 0.25 0\nCHANNELS 1 Xrotation"), "line 13: an End Site has CHANNELS"),
+        (
+            SMALL.replace("0 0.25 0", "0 0.25 0\nEnd Site\n{\nOFFSET 0 1 0\n}"),
+            "line 13: nothing can hang on an End Site",
+        ),
+        (
+            SMALL.replace("0 0.25 0", "0 0.25 0\nJOINT A\n{\nOFFSET 0 1 0\n}"),
+            "line 13: nothing can hang on an End Site",
+        ),
         (SMALL.replace("JOINT", "ROOT"), "one ROOT"),
         (SMALL.replace("JOINT Chest", "JOINT"), "line 6"),
         (SMALL.replace("}\nMOTION", "}\n}\nMOTION"), "line 16"),
@@ -207,7 +254,7 @@ def test_two_joints_of_one_name_are_refused() -> None:
 
 
 def test_deep_nesting_is_read_without_recursion() -> None:
-    depth = 3000
+    depth = 10_000
     opening = "".join(
         f"{'JOINT' if n else 'ROOT'} j{n}\n{{\nOFFSET 0 1 0\nCHANNELS 1 Xrotation\n" for n in range(depth)
     )
@@ -215,16 +262,27 @@ def test_deep_nesting_is_read_without_recursion() -> None:
     assert len(bvh.parse(text.encode())[0].names) == depth
 
 
+def test_joints_without_channels_cannot_take_more_memory_than_their_file() -> None:
+    joints = "".join(f"JOINT j{joint}\n{{\nOFFSET 0 1 0\n}}\n" for joint in range(10_000))
+    head = f"HIERARCHY\nROOT r\n{{\nOFFSET 0 1 0\nCHANNELS 1 Xrotation\n{joints}}}\nMOTION\n"
+    with pytest.raises(FormatError, match="100000 frames of 10001 joints"):
+        bvh.parse(f"{head}Frames: 100000\nFrame Time: 0.1\n".encode() + b"0\n" * 100_000)
+
+
 @given(st.data())
 def test_any_mutation_is_read_or_refused_but_never_breaks(data: st.DataObject) -> None:
     text = bytearray(SMALL.encode())
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(text) - 1))
-        match data.draw(st.integers(0, 2)):
+        match data.draw(st.integers(0, 3)):
             case 0:
                 text[at] = data.draw(st.integers(0, 255))
             case 1:
                 del text[at : at + data.draw(st.integers(1, 40))]
+            case 2:  # a whole word for another
+                words = bytes(text).split(b" ")
+                words[data.draw(st.integers(0, len(words) - 1))] = data.draw(st.sampled_from(ODD_WORDS))
+                text = bytearray(b" ".join(words))
             case _:
                 text[at:at] = text[data.draw(st.integers(0, len(text) - 1)) :][:30]
         if not text:

@@ -57,6 +57,12 @@ def test_a_leading_bind_pose_is_noticed(tmp_path: Path) -> None:
     assert not any("--skip-frames" in note for note in read_clip(written(tmp_path)).notes)
 
 
+def test_the_bind_pose_of_every_real_bvh_is_noticed_and_of_no_amc(real_motion: Path) -> None:
+    for path in [*real_motion.glob("06_*.bvh"), *real_motion.glob("16_*.amc")]:
+        noticed = any("--skip-frames" in note for note in read_clip(path).notes)
+        assert noticed == (path.suffix == ".bvh"), path.name
+
+
 def test_one_frame_is_a_clip(tmp_path: Path) -> None:
     assert read_clip(written(tmp_path, WALK.frames(0, 1))).clip.frame_count == 1
 
@@ -76,6 +82,7 @@ def test_the_motion_is_kept_whatever_the_order_of_joints(tmp_path: Path) -> None
         ("blank.amc", b" \n\n", "blank.amc: the file is empty"),
         ("walk.fbx", b"Kaydara", r"kind '.fbx' cannot be read. Give one of .amc, .bvh"),
         ("lone_01.amc", b"1\nroot 0 0 0 0 0 0\n", "no lone.asf beside it"),
+        ("alone.amc", b"1\nroot 0 0 0 0 0 0\n", "no alone.asf beside it"),
         ("noise.bvh", bytes(range(256)), "noise.bvh: this is a binary file"),
     ],
 )
@@ -84,6 +91,35 @@ def test_a_bad_file_is_named(tmp_path: Path, name: str, data: bytes | None, word
         (tmp_path / name).write_bytes(data)
     with pytest.raises(MotionError, match=words):
         read_clip(tmp_path / name)
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    (tmp_path / "walk.bvh").mkdir()
+    with pytest.raises(MotionError, match=r"walk\.bvh: it cannot be read"):
+        read_clip(tmp_path / "walk.bvh")
+
+
+@pytest.mark.parametrize(
+    ("motion", "skeletons", "found"),
+    [
+        ("a_01.amc", ["a.asf", "b.asf"], "a.asf"),
+        ("A_01.AMC", ["A.ASF", "b.asf"], "A.ASF"),
+        ("walk.amc", ["walk.asf", "b.asf"], "walk.asf"),
+        ("a_01.amc", ["only.asf"], "only.asf"),
+    ],
+)
+def test_the_skeleton_beside_a_motion_is_found(tmp_path: Path, motion: str, skeletons: list[str], found: str) -> None:
+    for name in [motion, *skeletons]:
+        (tmp_path / name).write_text("nothing")
+    with pytest.raises(MotionError, match=f"{found}: it has no :units"):
+        read_clip(tmp_path / motion)
+
+
+def test_of_several_skeletons_none_is_picked_at_random(tmp_path: Path) -> None:
+    for name in ("c_01.amc", "a.asf", "b.asf"):
+        (tmp_path / name).write_text("nothing")
+    with pytest.raises(MotionError, match=r"no c\.asf beside it, and 2 others are"):
+        read_clip(tmp_path / "c_01.amc")
 
 
 def test_a_bad_skeleton_file_is_named_rather_than_the_motion(tmp_path: Path) -> None:

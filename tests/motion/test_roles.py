@@ -86,6 +86,20 @@ RIGS: Mapping[str, tuple[str, ...]] = {
         "DEF-spine DEF-thigh.L DEF-thigh.L.001 DEF-shin.L DEF-shin.L.001 DEF-foot.L DEF-toe.L",
         "DEF-spine DEF-thigh.R DEF-thigh.R.001 DEF-shin.R DEF-shin.R.001 DEF-foot.R DEF-toe.R",
     ),
+    "Mixamo (three.js)": (
+        "mixamorigHips mixamorigSpine mixamorigSpine1 mixamorigSpine2 mixamorigNeck mixamorigHead",
+        "mixamorigSpine2 mixamorigLeftShoulder mixamorigLeftArm mixamorigLeftForeArm mixamorigLeftHand",
+        "mixamorigSpine2 mixamorigRightShoulder mixamorigRightArm mixamorigRightForeArm mixamorigRightHand",
+        "mixamorigHips mixamorigLeftUpLeg mixamorigLeftLeg mixamorigLeftFoot mixamorigLeftToeBase",
+        "mixamorigHips mixamorigRightUpLeg mixamorigRightLeg mixamorigRightFoot mixamorigRightToeBase",
+    ),
+    "SMPL": (
+        "Pelvis L_Hip L_Knee L_Ankle L_Foot",
+        "Pelvis R_Hip R_Knee R_Ankle R_Foot",
+        "Pelvis Spine1 Spine2 Spine3 Neck Head",
+        "Spine3 L_Collar L_Shoulder L_Elbow L_Wrist L_Hand",
+        "Spine3 R_Collar R_Shoulder R_Elbow R_Wrist R_Hand",
+    ),
     "Biped": (
         "Bip01 Bip01_Pelvis Bip01_Spine Bip01_Spine1 Bip01_Neck Bip01_Head",
         "Bip01_Spine1 Bip01_L_Clavicle Bip01_L_UpperArm Bip01_L_Forearm Bip01_L_Hand",
@@ -100,6 +114,9 @@ EXPECTED = {  # root, pelvis, top of the spine, left hip, left knee, left should
     "Mixamo": "mixamorig:Hips mixamorig:Spine mixamorig:Spine2 mixamorig:LeftUpLeg mixamorig:LeftLeg mixamorig:LeftArm"
     " mixamorig:LeftForeArm mixamorig:LeftHand",
     "Unreal": "pelvis spine_01 spine_03 thigh_l calf_l upperarm_l lowerarm_l hand_l",
+    "Mixamo (three.js)": "mixamorigHips mixamorigSpine mixamorigSpine2 mixamorigLeftUpLeg mixamorigLeftLeg"
+    " mixamorigLeftArm mixamorigLeftForeArm mixamorigLeftHand",
+    "SMPL": "Pelvis Spine1 Spine3 L_Hip L_Knee L_Shoulder L_Elbow L_Wrist",
     "LAFAN1": "Hips Spine Spine2 LeftUpLeg LeftLeg LeftArm LeftForeArm LeftHand",
     "Bandai Namco": "Hips Spine Chest UpperLeg_L LowerLeg_L UpperArm_L LowerArm_L Hand_L",
     "glTF humanoid": "hips spine upperChest leftUpperLeg leftLowerLeg leftUpperArm leftLowerArm leftHand",
@@ -143,7 +160,7 @@ def test_the_common_rigs_are_known_by_name(name: str) -> None:
     for role in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist"):
         left, right = (skeleton.names[getattr(roles, f"{side}_{role}")] for side in ("left", "right"))
         mirrored = left.replace("Left", "Right").replace("left", "right")
-        mirrored = re.sub(r"(?<=[_.])[lL](?=$|_)", lambda side: {"l": "r", "L": "R"}[side[0]], mirrored)
+        mirrored = re.sub(r"(?:(?<=[_.])|^)[lL](?=$|_)", lambda side: {"l": "r", "L": "R"}[side[0]], mirrored)
         assert right == ("r" + left[1:] if name == "CMU (ASF)" else mirrored)
 
 
@@ -154,6 +171,28 @@ def test_given_roles_win_over_names() -> None:
     assert roles.spine == (skeleton.index("mixamorig:Spine2"),)
     with pytest.raises(RoleError, match="Did you mean 'mixamorig:LeftHand'"):
         find_roles(skeleton, {"left_wrist": "mixamorig:LeftHnd"})
+
+
+def test_of_ankle_and_foot_the_ankle_is_taken() -> None:
+    skeleton = rig(RIGS["SMPL"])
+    assert skeleton.names[find_roles(skeleton).left_ankle] == "L_Ankle"
+
+
+def test_twist_joints_count_to_the_leg() -> None:
+    skeleton = rig(RIGS["Rigify"])  # thigh, thigh twist, shin, shin twist, foot: four bones of the square root of three
+    assert find_roles(skeleton).leg_length(skeleton) == pytest.approx(4.0 * np.sqrt(3.0))
+
+
+@pytest.mark.parametrize("role", ["left_nee", "root"])
+def test_a_role_that_there_is_not_is_refused(role: str) -> None:
+    with pytest.raises(SettingsError, match=f"unknown role '{role}'"):
+        find_roles(rig(RIGS["Mixamo"]), {role: "mixamorig:Hips"})
+
+
+@pytest.mark.parametrize("role", ["pelvis", "spine"])
+def test_a_trunk_that_is_no_joint_is_refused(role: str) -> None:
+    with pytest.raises(RoleError, match=f"{role} is given as 'Belly', which is no joint"):
+        find_roles(rig(RIGS["Mixamo"]), {role: "Belly"})
 
 
 def test_what_is_missing_is_told_with_all_joints_and_a_file_to_fill_in() -> None:
@@ -194,6 +233,8 @@ def test_roles_that_do_not_fit_the_body_are_refused() -> None:
 
 def test_a_roles_file_is_checked(tmp_path: Path) -> None:
     file = tmp_path / "roles.toml"
+    with pytest.raises(SettingsError, match=r"roles\.toml: it cannot be read"):
+        read_roles_file(file)
     file.write_text('[roles]\nleft_knee = "Alpha"\nspine = ["A", "B"]\n')
     assert read_roles_file(file) == {"left_knee": "Alpha", "spine": ["A", "B"]}
     for text, words in {

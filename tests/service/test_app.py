@@ -7,7 +7,7 @@ import socket
 import threading
 import time
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +15,16 @@ import msgpack
 import numpy as np
 import pytest
 import uvicorn
+from fastapi.openapi.models import OpenAPI
 from fastapi.testclient import TestClient
 
+from motion.errors import SettingsError
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
+from service import routes
 from service.app import create_app
-from service.models import StreamRequest
+from service.models import BankInfo, StreamRequest
+from service.settings import Settings
 from service.stream import Clock, frame_times, messages
 
 PROTOCOL = Path(__file__).parents[2] / "docs" / "protocol.md"
@@ -63,20 +67,32 @@ def test_a_pose_is_the_evaluators(client: TestClient, bank: Bank, method: Any, p
     np.testing.assert_allclose(answer.json()["world_positions"], world[0], atol=1e-6)
 
 
-@pytest.mark.parametrize("pace", ["fast", "realtime"])
-def test_a_stream_is_the_evaluators_frames(client: TestClient, bank: Bank, pace: str) -> None:
-    query = {"locomotion": "run", "action": "carry_box", "pace": pace}
-    answer = client.get("/v1/splice", params=query)
-    header, *frames = unpacked(answer.content)
-    clip = Evaluator(bank).clip("run", "carry_box")
-    assert header["frames"] == len(frames) == clip.frame_count
+def assert_is_the_evaluators(stream: bytes, bank: Bank, locomotion: str, action: str) -> None:
+    header, *frames = unpacked(stream)
+    evaluator = Evaluator(bank)
+    times = evaluator.frame_times(locomotion)
+    poses = evaluator.sequence(locomotion, times, action)
+    assert header["stream"] == 1
     assert header["bank"] == bank.digest
+    assert (header["locomotion"], header["action"]) == (locomotion, action)
+    assert header["rate"] == bank.clip(locomotion).rate
     assert header["joints"] == list(bank.skeleton.names)
-    assert [frame["frame"] for frame in frames] == list(range(len(frames)))
-    rotations = np.array([np.frombuffer(frame["rotations"], "<f4") for frame in frames]).reshape(clip.rotations.shape)
+    assert header["parents"] == bank.skeleton.parents.tolist()
+    assert "Y up" in header["axes"]
+    assert "metres" in header["units"]
+    assert header["frames"] == len(frames) == len(times)
+    assert [frame["frame"] for frame in frames] == list(range(len(times)))
+    np.testing.assert_allclose([frame["time"] for frame in frames], times, rtol=0, atol=1e-12)
+    rotations = np.array([np.frombuffer(frame["rotations"], "<f4").reshape(-1, 4) for frame in frames])
     roots = np.array([np.frombuffer(frame["root_position"], "<f4") for frame in frames])
-    np.testing.assert_allclose(rotations, clip.rotations, atol=1e-6)
-    np.testing.assert_allclose(roots, clip.root_positions, atol=1e-6)
+    np.testing.assert_array_equal(rotations, poses.rotations)
+    np.testing.assert_array_equal(roots, poses.root_positions)
+
+
+def test_a_stream_is_the_evaluators_frames_to_the_bit(client: TestClient, bank: Bank) -> None:
+    answer = client.get("/v1/splice?locomotion=run&action=carry_box")
+    assert answer.headers["content-type"] == "application/vnd.motionsplice.stream"
+    assert_is_the_evaluators(answer.content, bank, "run", "carry_box")
 
 
 def test_a_stream_for_people_is_lines_of_json(client: TestClient, bank: Bank) -> None:
@@ -89,23 +105,26 @@ def test_a_stream_for_people_is_lines_of_json(client: TestClient, bank: Bank) ->
 
 
 def test_a_paced_stream_keeps_the_clips_time_without_drift(bank: Bank) -> None:
-    request = StreamRequest(locomotion="walk", rate=50, pace="realtime")
+    request = StreamRequest(locomotion="walk", action="wave", pace="realtime")
     evaluator = Evaluator(bank)
     times = frame_times(evaluator, request, 10**6)
-    now, sent = 100.0, []
+    now, sent, stream = 100.0, [], b""
 
     async def sleep(seconds: float) -> None:
         nonlocal now
         now += seconds + 0.003  # each wait is a little late, and lateness must not add up
 
     async def collect() -> None:
-        async for _ in messages(evaluator, request, times, Clock(lambda: now, sleep)):
+        nonlocal stream
+        async for chunk in messages(evaluator, request, times, Clock(lambda: now, sleep)):
             sent.append(now - 100.0)
+            stream += chunk
 
     asyncio.run(collect())
     late = np.array(sent[1:]) - times
     assert late.min() >= 0.0
     assert late.max() < 0.0031
+    assert_is_the_evaluators(stream, bank, "walk", "wave")
 
 
 def test_a_stream_waits_for_nothing_before_its_first_frame_and_yields_between_blocks(bank: Bank) -> None:
@@ -141,6 +160,8 @@ def test_a_stream_waits_for_nothing_before_its_first_frame_and_yields_between_bl
         ("/v1/pose?locomotion=walk&time=0&method=splise", 422, "method: "),
         ("/v1/pose?locomotion=walk&time=0&posture=upright", 422, "posture: "),
         ("/v1/pose?locomotion=walk&time=0&action=wave&start=9", 422, "start 9.0 s lies outside clip 'wave'"),
+        ("/v1/pose?locomotion=walk&time=0&acton=wave", 422, "acton: "),
+        ("/v1/splice?locomotion=walk&acton=wave", 422, "acton: "),
         ("/v1/splice?locomotion=wlak", 404, "Did you mean 'walk'"),
         ("/v1/splice?locomotion=walk&rate=0", 422, "rate: "),
         ("/v1/splice?locomotion=walk&rate=1e9", 422, "rate: "),
@@ -172,6 +193,48 @@ def test_it_lives_at_once_and_is_ready_when_kernels_are_warm(bank: Bank, monkeyp
         while client.get("/readyz").status_code == 503:
             assert time.monotonic() < deadline
         assert client.get("/readyz").status_code == 204
+        assert client.get("/v1/pose?locomotion=walk&time=0").status_code == 200
+
+
+def test_kernels_that_cannot_be_compiled_are_told(
+    bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def warm(_: Evaluator) -> None:
+        raise RuntimeError("no compiler here")
+
+    monkeypatch.setattr(Evaluator, "warm", warm)
+    with TestClient(create_app(bank)) as client:
+        deadline = time.monotonic() + 30.0
+        while "could not be compiled" not in client.get("/readyz").json()["detail"]:
+            assert time.monotonic() < deadline
+        assert client.get("/v1/splice?locomotion=walk").status_code == 503
+        assert client.get("/healthz").status_code == 204
+    assert "no compiler here" in caplog.text
+
+
+def test_what_no_client_caused_is_a_problem_too(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(_: Any) -> None:
+        raise RuntimeError("secret")
+
+    monkeypatch.setattr(BankInfo, "of", fail)
+    answer = TestClient(create_app(bank), raise_server_exceptions=False).get("/v1/bank")
+    assert (answer.status_code, answer.json()["status"]) == (500, 500)
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert "secret" not in answer.text
+
+
+def test_a_method_that_is_not_allowed_says_which_is(client: TestClient) -> None:
+    answer = client.post("/v1/clips")
+    assert answer.status_code == answer.json()["status"] == 405
+    assert answer.headers["allow"] == "GET"
+
+
+def test_settings_of_the_environment_are_read_and_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MOTIONSPLICE_PORT", "8123")
+    assert Settings().port == 8123
+    monkeypatch.setenv("MOTIONSPLICE_PORT", "soon")
+    with pytest.raises(SettingsError, match="MOTIONSPLICE_PORT is 'soon'"):
+        Settings()
 
 
 def test_the_documentation_needs_no_other_host(client: TestClient) -> None:
@@ -195,6 +258,16 @@ def test_the_schema_names_every_route_and_its_problems(client: TestClient) -> No
     for status in ("404", "422", "503"):
         assert "application/problem+json" in pose["responses"][status]["content"]
     assert set(document["components"]["schemas"]) == {"Pose", "ClipInfo", "BankInfo", "Problem"}
+    OpenAPI.model_validate(document)
+    for operations in document["paths"].values():
+        assert operations["get"]["summary"]
+        assert operations["get"]["description"]
+
+
+def test_what_the_interactive_page_fills_in_can_be_answered(client: TestClient) -> None:
+    for path, operations in client.get("/openapi.json").json()["paths"].items():
+        filled = {one["name"]: one["example"] for one in operations["get"].get("parameters", []) if "example" in one}
+        assert client.get(path.format_map(filled), params=filled if "{" not in path else {}).is_success
 
 
 @pytest.fixture
@@ -203,7 +276,7 @@ def address(bank: Bank) -> Iterator[str]:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         server = uvicorn.Server(uvicorn.Config(create_app(bank), log_level="error"))
-        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()
         url = f"http://127.0.0.1:{listener.getsockname()[1]}"
         for _ in range(600):
@@ -223,9 +296,21 @@ def test_the_client_in_the_protocol_page_works(address: str, capsys: pytest.Capt
     assert "22 joints" in capsys.readouterr().out
 
 
-def test_a_client_that_goes_away_ends_its_stream(address: str) -> None:
-    for _ in range(3):
-        answer = urllib.request.urlopen(f"{address}/v1/splice?locomotion=walk&pace=realtime", timeout=5.0)
-        assert len(answer.read(100)) == 100
-        answer.close()
-    assert json.load(urllib.request.urlopen(f"{address}/v1/bank", timeout=5.0))["clips"] == 7
+@pytest.mark.parametrize("pace", ["fast", "realtime"])
+def test_a_client_that_goes_away_ends_its_stream(address: str, monkeypatch: pytest.MonkeyPatch, pace: str) -> None:
+    ended = threading.Event()
+
+    async def endless(*args: Any) -> AsyncIterator[bytes]:
+        try:
+            while True:
+                async for chunk in messages(*args):
+                    yield chunk
+        finally:
+            ended.set()
+
+    monkeypatch.setattr(routes, "messages", endless)
+    answer = urllib.request.urlopen(f"{address}/v1/splice?locomotion=walk&pace={pace}", timeout=5.0)
+    assert len(answer.read(100)) == 100
+    assert not ended.is_set()
+    answer.close()
+    assert ended.wait(30.0)

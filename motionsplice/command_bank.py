@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
@@ -97,10 +98,13 @@ def show_bank(bank: Bank) -> None:
         highlight=False,
         soft_wrap=True,
     )
-    table = Table(caption="mismatch: root and knees against the baseline's at the same phase, cm, mean and worst")
+    table = Table(
+        caption="mean, worst: root and knees against the baseline's at the same phase, cm; "
+        "shoulders: an action's, beyond its neutral's gait, degrees"
+    )
     for column in ("clip", "neutral"):
         table.add_column(column, overflow="fold")
-    for column in ("seconds", "rate", "cycles", "mean", "worst"):
+    for column in ("seconds", "rate", "cycles", "mean", "worst", "shoulders"):
         table.add_column(column, justify="right", no_wrap=True)
     for clip in bank.clips:
         mean = f"{100 * clip.mean_mismatch:.1f}"
@@ -112,6 +116,7 @@ def show_bank(bank: Bank) -> None:
             f"{clip.cycles:.2f}",
             f"[yellow]{mean}[/yellow]" if clip.warnings else mean,
             f"{100 * clip.worst_mismatch:.1f}",
+            f"{np.degrees(clip.shoulder_motion):.1f}" if clip.kind == "action" else "",
         )
     console.print(table)
     for style, said in (("yellow", "warnings"), ("dim", "notes")):

@@ -16,7 +16,7 @@ from motion.formats.bvh import dump
 from motion.formats.files import read_clip
 from motion.roles import read_roles_file
 from motionsplice.drawing import animation, contact_sheet
-from precompute.splice import splice_exact
+from precompute import splice as whole_clip
 from runtime import evaluator
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
@@ -38,6 +38,7 @@ class Posture(StrEnum):
 
     RELATIVE = "relative"
     ABSOLUTE = "absolute"
+    RUNNING = "running"
     OFF = "off"
 
 
@@ -45,6 +46,11 @@ RUN_TIME_METHODS: Mapping[Method, evaluator.Method] = {
     Method.SPLICE: "splice",
     Method.NAIVE: "naive",
     Method.NONE: "none",
+}
+WHOLE_CLIP_POSTURES: Mapping[Posture, whole_clip.Posture] = {
+    Posture.RELATIVE: "relative",
+    Posture.ABSOLUTE: "absolute",
+    Posture.OFF: "off",
 }
 
 
@@ -68,7 +74,10 @@ def splice_command(
     ] = Method.SPLICE,
     posture: Annotated[
         Posture,
-        typer.Option(help="The action's posture over its neutral's, the action's own (the papers), or untouched."),
+        typer.Option(
+            help="What the action does beyond its gait, its own mean posture (the papers), the same by a running mean, "
+            "or the locomotion's."
+        ),
     ] = Posture.RELATIVE,
     start: Annotated[float, typer.Option(help="Seconds into the action before which it does not begin.")] = 0.0,
 ) -> None:
@@ -85,9 +94,13 @@ def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: P
         return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value)
     if start != 0.0:
         raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
+    if posture not in WHOLE_CLIP_POSTURES:
+        raise SettingsError("the exact splice knows its whole posture", mend="Choose --posture absolute")
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
-    neutrals = bank.motion(bank.neutral(locomotion)), bank.motion(bank.neutral(action))
-    return splice_exact(clip_l, clip_u, bank.roles, posture=posture.value, neutrals=neutrals).clip
+    neutrals = bank.neutral_motion(locomotion), bank.neutral_motion(action)
+    return whole_clip.splice_exact(
+        clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], neutrals=neutrals
+    ).clip
 
 
 def render_command(

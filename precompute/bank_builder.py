@@ -14,11 +14,13 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
+from motion import quaternion
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import Baseline
 from precompute.prepared import PreparedClip
+from precompute.torso_offset import MeanStride, shoulder_motion, torso_offsets
 from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, ClipEntry, content_digest
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
@@ -34,7 +36,8 @@ def write_bank(
     old bank or the new one. Tables that only the bank before the last one used are removed.
     """
     clips = sorted(prepared, key=lambda one: one.clip.name)
-    tables = _tables(clips)
+    offsets = _torso_offsets(clips)
+    tables = _tables(clips, offsets)
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     digests = {}
@@ -61,7 +64,7 @@ def write_bank(
             "loop": baseline.loop,
             "cells": len(baseline.clouds),
         },
-        "clips": [asdict(entry) for entry in _entries(clips)],
+        "clips": [asdict(entry) for entry in _entries(clips, offsets)],
         "tables": digests,
     }
     packed = msgpack.packb(body)
@@ -75,9 +78,9 @@ def write_bank(
     return digest
 
 
-def _entries(clips: Sequence[PreparedClip]) -> list[ClipEntry]:
+def _entries(clips: Sequence[PreparedClip], offsets: Sequence[Floats]) -> list[ClipEntry]:
     entries, row = [], 0
-    for one in clips:
+    for one, turns in zip(clips, offsets, strict=True):
         phase, rows = one.seamed.phase, one.seamed.clip.frame_count
         entries.append(
             ClipEntry(
@@ -96,6 +99,7 @@ def _entries(clips: Sequence[PreparedClip]) -> list[ClipEntry]:
                 loop=one.seamed.strides,
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
+                shoulder_motion=shoulder_motion(turns[: one.clip.frame_count]),
                 warnings=one.warnings,
                 notes=one.notes,
                 source=one.source,
@@ -105,7 +109,7 @@ def _entries(clips: Sequence[PreparedClip]) -> list[ClipEntry]:
     return entries
 
 
-def _tables(clips: Sequence[PreparedClip]) -> dict[str, NDArray[Any]]:
+def _tables(clips: Sequence[PreparedClip], offsets: Sequence[Floats]) -> dict[str, NDArray[Any]]:
     numbers = {one.clip.name: number for number, one in enumerate(clips)}
     return {
         "rotations": np.concatenate([one.seamed.clip.rotations for one in clips]),
@@ -114,9 +118,26 @@ def _tables(clips: Sequence[PreparedClip]) -> dict[str, NDArray[Any]]:
         "frame_of_phase": np.concatenate([frame_of_phase(one.seamed.phase) for one in clips]),
         "upper_clouds": np.concatenate([one.torso.clouds for one in clips]),
         "posture_frames": np.concatenate([one.torso.frames for one in clips]),
+        "torso_offsets": np.concatenate(offsets),
         "postures": np.stack([one.posture for one in clips]),
         "neutral": np.array([numbers[one.neutral] for one in clips]),
     }
+
+
+def _torso_offsets(clips: Sequence[PreparedClip]) -> list[Floats]:
+    """Each clip's torso offsets [rows, 4] to its neutral; identities for one that is its own."""
+    neutrals = {one.neutral for one in clips if one.neutral != one.clip.name}
+    strides = {
+        one.clip.name: MeanStride.of(one.torso.upright[: one.clip.frame_count], one.alignment.phase)
+        for one in clips
+        if one.clip.name in neutrals
+    }
+    return [
+        np.tile(quaternion.IDENTITY, (one.seamed.clip.frame_count, 1))
+        if one.neutral == one.clip.name
+        else torso_offsets(one.torso.upright, one.seamed.phase, one.clip.rate, strides[one.neutral])
+        for one in clips
+    ]
 
 
 def frame_of_phase(phase: Floats) -> Floats:

@@ -18,7 +18,8 @@ from precompute.increasing_spline import fit_increasing
 from precompute.ring import wind
 
 WORKING_RATE = 30.0  # frames per second at which motions are compared
-KNOT_SPACING = 0.2  # seconds
+KNOT_SPACING = 0.1  # seconds
+STIFFNESS = 0.3
 STRIDES = (0.5, 1.8)  # shortest and longest stride looked for, seconds
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # how far the stride's ends may be apart, as a part of how far its middle is
@@ -138,7 +139,7 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     bend = before - 2.0 * at + after
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
     seconds = np.linspace(0.0, clip.duration, len(wound))
-    curve = fit_increasing(seconds, (wound + between) / cells, KNOT_SPACING)
+    curve = fit_increasing(seconds, (wound + between) / cells, KNOT_SPACING, STIFFNESS)
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
     swing = float(np.sqrt(planar_distance(clouds, clouds[half_later]).mean() / 3.0)) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))

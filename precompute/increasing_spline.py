@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
+from scipy.sparse import csr_array, diags_array
 
 from motion.quaternion import Floats
 
@@ -22,11 +23,13 @@ LEAST_SLOPE = 0.25  # of the mean slope: as little as the path through the grid 
 MOST_STEPS = 60
 
 
-def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float) -> BSpline[np.float64]:
+def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: float = 0.0) -> BSpline[np.float64]:
     """The least-squares spline through (x, y) [n] on clamped knots that rises everywhere between its ends.
 
     x is increasing (not strictly: a path may climb straight up), and y[-1] lies above y[0]; both are frames or
-    cycles. One knot per `knot_spacing` of x.
+    cycles. One knot per `knot_spacing` of x. `stiffness` weighs the square of the coefficients' third differences
+    against that of the misfit, so that a spline with close knots neither trembles nor cuts corners (a P-spline, Eilers
+    and Marx 1996).
     """
     x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
     intervals = max(1, round(float(x[-1] - x[0]) / knot_spacing))
@@ -34,7 +37,9 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float) -> BSpline[n
     knots = np.concatenate([[x[0]] * DEGREE, breaks, [x[-1]] * DEGREE])
     design = BSpline.design_matrix(x, knots, DEGREE).tocsr()
     count = intervals + DEGREE
-    normal = (design.T @ design).tocsr()
+    stencil = [-1.0, 3.0, -3.0, 1.0]
+    bend = diags_array(stencil, offsets=np.arange(DEGREE + 1), shape=(max(count - DEGREE, 0), count))
+    normal = csr_array(design.T @ design + stiffness * len(x) / count * (bend.T @ bend))
     bands = np.zeros((DEGREE + 1, count))
     for offset in range(DEGREE + 1):
         bands[offset, : count - offset] = normal.diagonal(offset)

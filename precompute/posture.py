@@ -21,19 +21,19 @@ UP = np.array([0.0, 1.0, 0.0])
 class Torso:
     """What spatial alignment and posture transfer need to know of a clip.
 
-    clouds:    [F, P, 3] spine joints and shoulders in the pelvis's own frame, metres.
-    frames:    [F, 4] the posture frame H as seen from the pelvis's parent: R^-1 H, one hemisphere.
-    shoulders: [F, 2, 3] left and right shoulder in the posture frame, metres.
+    clouds:  [F, P, 3] spine joints and, last, left and right shoulder in the pelvis's own frame, metres.
+    frames:  [F, 4] the posture frame H as seen from the pelvis's parent: R^-1 H, one hemisphere.
+    upright: [F, P, 3] the clouds in the posture frame, metres.
     """
 
     clouds: Floats
     frames: Floats
-    shoulders: Floats
+    upright: Floats
 
     @property
     def posture(self) -> Floats:
-        """The posture [2, 3] of these frames: their mean shoulder cloud."""
-        return np.asarray(self.shoulders.mean(axis=0))
+        """The posture [2, 3] of these frames: the mean of both shoulders."""
+        return np.asarray(self.upright[:, -2:].mean(axis=0))
 
 
 def measure_torso(clip: Clip, roles: Roles) -> Torso:
@@ -42,13 +42,12 @@ def measure_torso(clip: Clip, roles: Roles) -> Torso:
     pelvis = positions[:, roles.pelvis, None]
     cloud = positions[:, list(roles.upper_cloud)] - pelvis
     from_pelvis = quaternion.conjugate(world[:, roles.pelvis, None])
-    shoulders = positions[:, [roles.left_shoulder, roles.right_shoulder]] - pelvis
     frame = posture_frame(positions[:, roles.left_hip] - positions[:, roles.right_hip])
     parent = world[:, clip.skeleton.parents[roles.pelvis]]
     return Torso(
         clouds=quaternion.rotate(from_pelvis, cloud),
         frames=quaternion.one_hemisphere(quaternion.multiply(quaternion.conjugate(parent), frame)),
-        shoulders=quaternion.rotate(quaternion.conjugate(frame)[:, None], shoulders),
+        upright=quaternion.rotate(quaternion.conjugate(frame)[:, None], cloud),
     )
 
 

@@ -39,8 +39,8 @@ class PreparedClip:
 
     @property
     def posture(self) -> Floats:
-        """The clip's posture [2, 3]: its mean shoulder cloud over its own frames."""
-        return np.asarray(self.torso.shoulders[: self.clip.frame_count].mean(axis=0))
+        """The clip's posture [2, 3]: the mean of both shoulders over its own frames."""
+        return np.asarray(self.torso.upright[: self.clip.frame_count, -2:].mean(axis=0))
 
     @property
     def warnings(self) -> tuple[str, ...]:

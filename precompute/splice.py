@@ -17,9 +17,10 @@ from motion.kinematics import joint_positions
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
 from motion.roles import Roles
-from precompute.baseline import WORKING_RATE
+from precompute.baseline import WORKING_RATE, align, find_baseline
 from precompute.posture import Torso, measure_torso
 from precompute.timewarp import TimeWarp, align_pair
+from precompute.torso_offset import MeanStride, torso_offsets
 
 Posture = Literal["relative", "absolute", "off"]
 
@@ -42,12 +43,13 @@ def splice_exact(
     roles: Roles,
     *,
     posture: Posture = "relative",
-    neutrals: tuple[Clip, Clip] | None = None,
+    neutrals: tuple[Clip | None, Clip | None] = (None, None),
 ) -> Splice:
     """The action's upper body on the locomotion's root and lower body, by the papers' three steps.
 
     All clips share one skeleton. `neutrals`, for posture `relative`, are the gaits of the locomotion and of the action
-    without any action; without them each clip is its own neutral, as a plain locomotion is (docs/method.md).
+    without any action; None for a clip that is its own neutral, as a plain locomotion is (docs/method.md). Raises
+    SkeletonError if the rigs differ, BaselineError if a neutral has no stride.
     """
     check_same_rig(locomotion, action)
     warp, action_frames = align_in_time(locomotion, action, roles)
@@ -59,11 +61,10 @@ def splice_exact(
     if posture == "absolute":
         turn = horn_rotation(torso_u.posture, measure_torso(result, roles).posture)
         result = transfer_posture(result, torso_l, turn, roles)
-    elif posture == "relative" and neutrals is not None:
-        own = horn_rotation(measure_torso(locomotion, roles).posture, measure_torso(neutrals[0], roles).posture)
-        theirs = horn_rotation(torso_u.posture, measure_torso(neutrals[1], roles).posture)
-        turn = quaternion.multiply(theirs, quaternion.conjugate(own))
-        result = transfer_posture(result, torso_l, turn, roles)
+    elif posture == "relative":
+        own = _offsets_of(locomotion, neutrals[0], roles, np.arange(float(kept.frame_count)))
+        theirs = _offsets_of(action, neutrals[1], roles, action_frames)
+        result = transfer_posture(result, torso_l, quaternion.multiply(theirs, quaternion.conjugate(own)), roles)
     return Splice(result, action_frames, warp)
 
 
@@ -98,11 +99,22 @@ def attach(locomotion: Clip, rotations_u: Floats, q_a: Floats, roles: Roles) -> 
 
 
 def transfer_posture(splice: Clip, torso_l: Torso, turn: Floats, roles: Roles) -> Clip:
-    """The pelvis turned by q_G, which is `turn` [4] as seen in the posture frame (3.3, docs/method.md)."""
+    """The pelvis turned by q_G, which is `turn` [4] or [F, 4] as seen in the posture frame (3.3, docs/method.md)."""
     seen = quaternion.multiply(quaternion.multiply(torso_l.frames, turn), quaternion.conjugate(torso_l.frames))
     rotations = splice.rotations.copy()
     rotations[:, roles.pelvis] = quaternion.multiply(seen, splice.rotations[:, roles.pelvis])
     return replace(splice, rotations=rotations)
+
+
+def _offsets_of(clip: Clip, neutral: Clip | None, roles: Roles, frames: Floats) -> Floats:
+    """The torso offsets [F, 4] of a clip at its real-valued `frames` [F], both clips timed by the neutral's stride."""
+    if neutral is None:
+        return np.broadcast_to(quaternion.IDENTITY, (len(frames), 4))
+    ring = find_baseline(neutral, roles)
+    stride = MeanStride.of(measure_torso(neutral, roles).upright, align(neutral, roles, ring).phase)
+    offsets = torso_offsets(measure_torso(clip, roles).upright, align(clip, roles, ring).phase, clip.rate, stride)
+    before = np.minimum(frames.astype(np.int64), clip.frame_count - 2)
+    return quaternion.slerp(offsets[before], offsets[before + 1], frames - before)
 
 
 def check_same_rig(locomotion: Clip, action: Clip) -> None:

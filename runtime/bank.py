@@ -19,7 +19,7 @@ from motion.roles import Roles
 from motion.skeleton import Skeleton
 
 FORMAT = "motionsplice bank"
-VERSION = 1
+VERSION = 2
 MANIFEST = "manifest.msgpack"
 TABLE_FOLDER = "tables"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
@@ -32,6 +32,7 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "frame_of_phase": (np.float64, (CELLS,)),
     "upper_clouds": (np.float32, (ROWS, P, 3)),
     "posture_frames": (np.float32, (ROWS, 4)),
+    "torso_offsets": (np.float32, (ROWS, 4)),
     "postures": (np.float64, (C, 2, 3)),
     "neutral": (np.int32, (C,)),
 }
@@ -44,7 +45,8 @@ class ClipEntry:
     Its frame_count frames at `rate` per second are rows from first_row; after them come those of the seam, row_count in
     all, which lead back by `loop` whole strides (0: it cannot be repeated). Its inverse table is cell_count cells from
     first_cell. phase runs from first_phase to last_phase over all rows, in cycles of the baseline, of which its own
-    frames take `cycles`. mean_mismatch and worst_mismatch are metres.
+    frames take `cycles`. mean_mismatch and worst_mismatch are metres; shoulder_motion is how far its torso moves beyond
+    its neutral's gait, radians.
     """
 
     name: str
@@ -62,6 +64,7 @@ class ClipEntry:
     loop: int
     mean_mismatch: float
     worst_mismatch: float
+    shoulder_motion: float
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
     source: str
@@ -124,6 +127,11 @@ class Bank:
     def neutral(self, name: str) -> str:
         """The name of the clip that the posture of `name` is relative to."""
         return self.clips[int(self.tables["neutral"][self.number(name)])].name
+
+    def neutral_motion(self, name: str) -> Clip | None:
+        """The clip that the posture of `name` is relative to; None if that is itself."""
+        neutral = self.neutral(name)
+        return None if neutral == name else self.motion(neutral)
 
     def motion(self, name: str) -> Clip:
         """The clip called `name`, on the bank's skeleton, in its editable form."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
@@ -13,12 +14,17 @@ from motion.clip import Clip
 from motion.errors import SettingsError, TimeRangeError, did_you_mean
 from runtime import kernels
 from runtime.bank import Bank, ClipEntry
-from runtime.rotation_kernels import horn
 
 Method = Literal["splice", "naive", "none"]
-Posture = Literal["relative", "absolute", "off"]
+Posture = Literal["relative", "absolute", "running", "off"]
 METHODS: Mapping[str, int] = {"none": kernels.NONE, "naive": kernels.NAIVE, "splice": kernels.SPLICE}
-POSTURES: Mapping[str, int] = {"off": kernels.OFF, "relative": kernels.RELATIVE, "absolute": kernels.ABSOLUTE}
+POSTURES: Mapping[str, int] = {
+    "off": kernels.OFF,
+    "relative": kernels.RELATIVE,
+    "absolute": kernels.ABSOLUTE,
+    "running": kernels.RUNNING,
+}
+TIME_CONSTANT = 2.0  # seconds: about two strides
 
 Float32s = NDArray[np.float32]
 
@@ -41,6 +47,10 @@ class Requests:
     method: NDArray[np.uint8]
     posture: NDArray[np.uint8]
 
+    def rows(self, first: int, stop: int) -> Requests:
+        """Characters `first` to `stop` (exclusive), in the same memory."""
+        return Requests(*(getattr(self, field.name)[first:stop] for field in fields(self)))
+
     @classmethod
     def empty(cls, count: int) -> Requests:
         """Room for `count` characters: clip 0 from its start, `splice`, `relative`."""
@@ -61,6 +71,32 @@ class Poses:
     root_positions: Float32s
     rotations: Float32s
 
+    def rows(self, first: int, stop: int) -> Poses:
+        """Characters `first` to `stop` (exclusive), in the same memory."""
+        return Poses(self.root_positions[first:stop], self.rotations[first:stop])
+
+
+@dataclass(frozen=True, eq=False)
+class RunningPosture:
+    """What posture `running` remembers of n characters: the mean posture of each one's splice so far.
+
+    It starts from the locomotion's stored posture, and new frames gain on it with a time constant (Heck's thesis, 4.3).
+
+    means: [n, 2, 3] metres; NaN: not begun, which a character that starts anew is set back to.
+    share: how much of a new frame goes into the mean.
+    """
+
+    means: NDArray[np.float64]
+    share: float
+
+    @classmethod
+    def begin(cls, count: int, rate: float, time_constant: float = TIME_CONSTANT) -> RunningPosture:
+        """For `count` characters that are evaluated `rate` times per second of motion; time_constant in seconds."""
+        return cls(np.full((count, 2, 3), np.nan), 1.0 - math.exp(-1.0 / (rate * time_constant)))
+
+
+NO_MEMORY = kernels.PostureArrays(np.empty((0, 2, 3)), 0.0)
+
 
 class Evaluator:
     """Evaluates splices of a bank's clips in constant time per character (Heck's thesis, 4.3).
@@ -73,7 +109,7 @@ class Evaluator:
         self._arrays = _bank_arrays(bank)
         self._durations = np.array([clip.duration for clip in bank.clips])
         joints = bank.skeleton.joint_count
-        self._scratch = kernels.Scratch(np.empty(4), np.empty(4), np.empty(4), np.empty((3, 3)))
+        self._scratch = kernels.Scratch(np.empty(4), np.empty(4), np.empty(4), np.empty(4), np.empty((3, 3)))
         self._world = np.empty((joints, 4))
 
     def poses(self, count: int) -> Poses:
@@ -81,13 +117,14 @@ class Evaluator:
         joints = self.bank.skeleton.joint_count
         return Poses(np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32))
 
-    def evaluate(self, requests: Requests, out: Poses) -> None:
+    def evaluate(self, requests: Requests, out: Poses, running: RunningPosture | None = None) -> None:
         """Writes every character's pose into `out`, which has as many rows as `requests`.
 
-        Raises TimeRangeError, naming the first character at fault, if a time or start is not a number or lies
-        outside its clip; SettingsError if a clip, method or posture number is unknown or sizes differ.
+        Posture `running` needs `running`, which each call carries on by one frame. Raises TimeRangeError, naming the
+        first character at fault, if a time or start is not a number or lies outside its clip; SettingsError if a clip,
+        method or posture number is unknown or sizes differ.
         """
-        self._check(requests, out)
+        self._check(requests, out, running)
         kernels.evaluate(
             self._arrays,
             kernels.RequestArrays(
@@ -98,6 +135,7 @@ class Evaluator:
                 requests.method,
                 requests.posture,
             ),
+            kernels.PostureArrays(running.means, running.share) if running else NO_MEMORY,
             self._scratch,
             out.root_positions,
             out.rotations,
@@ -132,8 +170,12 @@ class Evaluator:
         start: float = 0.0,
         method: Method = "splice",
         posture: Posture = "relative",
+        running: RunningPosture | None = None,
     ) -> Poses:
-        """The poses of one splice at many times [n], seconds into the locomotion. Raises as `pose` does."""
+        """The poses of one splice at many times [n], seconds into the locomotion. Raises as `pose` does.
+
+        With `running`, of one character, they are evaluated one after the other, and it is carried on to the last.
+        """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
         requests.locomotion[:] = self.bank.number(locomotion)
         requests.action[:] = self.bank.number(locomotion if action is None else action)
@@ -142,7 +184,11 @@ class Evaluator:
         requests.method[:] = kernels.NONE if action is None else known(METHODS, "method", method)
         requests.posture[:] = known(POSTURES, "posture", posture)
         try:
-            self.evaluate(requests, out)
+            if running is None:
+                self.evaluate(requests, out)
+            else:
+                for row in range(len(times)):
+                    self.evaluate(requests.rows(row, row + 1), out.rows(row, row + 1), running)
         except TimeRangeError as error:  # there is one character here, whose number says nothing
             raise TimeRangeError(error.problem, mend=error.mend) from None
         return out
@@ -157,13 +203,13 @@ class Evaluator:
         posture: Posture = "relative",
     ) -> Clip:
         """A whole splice, at the locomotion's own frames, as a clip. Raises as `pose` does."""
-        poses = self.sequence(
-            locomotion, self.frame_times(locomotion), action, start=start, method=method, posture=posture
-        )
+        times, rate = self.frame_times(locomotion), self.bank.clip(locomotion).rate
+        running = RunningPosture.begin(1, rate) if posture == "running" else None
+        poses = self.sequence(locomotion, times, action, start=start, method=method, posture=posture, running=running)
         return Clip(
             name=locomotion if action is None else f"{locomotion}+{action}",
             skeleton=self.bank.skeleton,
-            rate=self.bank.clip(locomotion).rate,
+            rate=rate,
             root_positions=poses.root_positions.astype(np.float64),
             rotations=poses.rotations.astype(np.float64),
         )
@@ -178,7 +224,7 @@ class Evaluator:
         poses = self.pose(self.bank.clips[0].name, 0.0)
         self.world_positions(poses, np.empty((1, self.bank.skeleton.joint_count, 3), np.float32))
 
-    def _check(self, requests: Requests, out: Poses) -> None:
+    def _check(self, requests: Requests, out: Poses, running: RunningPosture | None) -> None:
         count, clips = len(requests.time), len(self._durations)
         columns = (requests.locomotion, requests.action, requests.start, requests.method, requests.posture)
         joints = self.bank.skeleton.joint_count
@@ -195,6 +241,12 @@ class Evaluator:
         ):
             if numbers.min() < 0 or numbers.max() >= top:
                 raise SettingsError(f"a {label} number lies outside 0 to {top - 1}")
+        follows = np.any((requests.posture == kernels.RUNNING) & (requests.method == kernels.SPLICE))
+        if follows and (running is None or running.means.shape != (count, 2, 3)):
+            raise SettingsError(
+                "posture 'running' is a mean over the frames so far, and none are given",
+                mend="Evaluate frame after frame with a RunningPosture of as many characters, or ask for a whole clip",
+            )
         self._check_times("time", requests.time, requests.locomotion)
         self._check_times("start", requests.start, requests.action)
 
@@ -223,13 +275,9 @@ def _bank_arrays(bank: Bank) -> kernels.BankArrays:
     tables, clips, roles = bank.tables, bank.clips, bank.roles
     upper = bank.skeleton.subtree(roles.pelvis)
     lower = [joint for joint in range(bank.skeleton.joint_count) if joint not in set(upper)]
-    turns = np.empty((len(clips), 4))
-    for number, neutral in enumerate(tables["neutral"]):
-        horn(tables["postures"][number].T @ tables["postures"][neutral], turns[number])
     return kernels.BankArrays(
         **{name: tables[name] for name in ("rotations", "root_positions", "phase_of_frame", "frame_of_phase")},
-        **{name: tables[name] for name in ("upper_clouds", "posture_frames", "postures")},
-        neutral_turns=turns,
+        **{name: tables[name] for name in ("upper_clouds", "posture_frames", "torso_offsets", "postures")},
         first_row=np.array([clip.first_row for clip in clips]),
         frame_count=np.array([clip.frame_count for clip in clips]),
         row_count=np.array([clip.row_count for clip in clips]),

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 from numba import njit
 from numpy.typing import NDArray
 
-from runtime.rotation_kernels import horn, multiply, normalise_into, slerp
+from runtime.rotation_kernels import horn, multiply, multiply_by_inverse, normalise_into, rotate, slerp
 
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
-OFF, RELATIVE, ABSOLUTE = 0, 1, 2  # postures
+OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
 IN_STEP = 1e-3  # cycles by which an action may begin before its start and still count as in step
 
 Array = NDArray[Any]
@@ -23,8 +23,7 @@ Array = NDArray[Any]
 class BankArrays(NamedTuple):
     """A bank as the kernels see it: `TABLES`, the clips' columns, and what follows from them.
 
-    neutral_turns: [clips, 4] the turn from each clip's neutral posture to its own; the identity for a locomotion.
-    lower, upper:  joints of the two halves; the pelvis is in neither.
+    lower, upper: joints of the two halves; the pelvis is in neither.
     """
 
     rotations: Array
@@ -33,8 +32,8 @@ class BankArrays(NamedTuple):
     frame_of_phase: Array
     upper_clouds: Array
     posture_frames: Array
+    torso_offsets: Array
     postures: Array
-    neutral_turns: Array
     first_row: Array
     frame_count: Array
     row_count: Array
@@ -62,17 +61,32 @@ class RequestArrays(NamedTuple):
     posture: Array
 
 
+class PostureArrays(NamedTuple):
+    """Each of n characters' running posture [n, 2, 3], NaN before its first frame, and how much a new frame counts."""
+
+    means: Array
+    share: float
+
+
 class Scratch(NamedTuple):
     """Room for one character's intermediate values."""
 
     pelvis: Array  # [4]
     turn: Array  # [4]
     frame: Array  # [4]
+    other: Array  # [4]
     correlation: Array  # [3, 3]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots: Array, rotations: Array) -> None:
+def evaluate(
+    bank: BankArrays,
+    requests: RequestArrays,
+    running: PostureArrays,
+    scratch: Scratch,
+    roots: Array,
+    rotations: Array,
+) -> None:
     """Writes each character's root position [n, 3] and local rotations [n, joints, 4]."""
     for character in range(len(requests.time)):
         clip_l, clip_u = requests.locomotion[character], requests.action[character]
@@ -105,8 +119,17 @@ def evaluate(bank: BankArrays, requests: RequestArrays, scratch: Scratch, roots:
             correlate_clouds(bank.upper_clouds, row_l, t_l, row_u, t_u, scratch.correlation)
             horn(scratch.correlation, scratch.turn)
             multiply(scratch.pelvis, scratch.turn, scratch.pelvis)
-            if requests.posture[character] != OFF:
-                transfer_posture(bank, requests.posture[character], clip_l, row_l, t_l, clip_u, scratch)
+            posture = requests.posture[character]
+            if posture != OFF:
+                slerp(bank.posture_frames[row_l], bank.posture_frames[row_l + 1], t_l, scratch.frame)
+                if posture == RELATIVE:
+                    relative_turn(bank, row_l, t_l, row_u, t_u, scratch)
+                elif posture == ABSOLUTE:
+                    posture_turn(bank.postures[clip_u], bank.postures[clip_l], scratch)
+                else:
+                    follow_posture(bank, running, character, clip_l, row_u, t_u, scratch)
+                    posture_turn(bank.postures[clip_u], running.means[character], scratch)
+                transfer_posture(scratch)
         normalise_into(scratch.pelvis, out[bank.pelvis])
 
 
@@ -134,29 +157,52 @@ def action_frame(bank: BankArrays, clip_l: int, row_l: int, t_l: float, clip_u: 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def transfer_posture(
-    bank: BankArrays, posture: int, clip_l: int, row_l: int, t_l: float, clip_u: int, scratch: Scratch
+def relative_turn(bank: BankArrays, row_l: int, t_l: float, row_u: int, t_u: float, scratch: Scratch) -> None:
+    """q_G into scratch.turn: what the action does beyond its gait now, without what the locomotion does beyond its."""
+    turn, own = scratch.turn, scratch.other
+    slerp(bank.torso_offsets[row_u], bank.torso_offsets[row_u + 1], t_u, turn)
+    slerp(bank.torso_offsets[row_l], bank.torso_offsets[row_l + 1], t_l, own)
+    multiply_by_inverse(turn, own, turn)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def posture_turn(wanted: Array, given: Array, scratch: Scratch) -> None:
+    """q_G into scratch.turn: from one posture [2, 3] to another."""
+    correlation = scratch.correlation
+    for i in range(3):
+        for j in range(3):
+            correlation[i, j] = wanted[0, i] * given[0, j] + wanted[1, i] * given[1, j]
+    horn(correlation, scratch.turn)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def follow_posture(
+    bank: BankArrays, running: PostureArrays, character: int, clip_l: int, row_u: int, t_u: float, scratch: Scratch
 ) -> None:
-    """Turns the pelvis by q_G, applied in the locomotion's posture frame (docs/method.md)."""
-    turn, frame, pelvis = scratch.turn, scratch.frame, scratch.pelvis
-    if posture == RELATIVE:
-        for i in range(4):
-            frame[i] = bank.neutral_turns[clip_l, i] * (1.0 if i == 3 else -1.0)
-        multiply(bank.neutral_turns[clip_u], frame, turn)
-    else:
-        correlation = scratch.correlation
+    """Takes the shoulders of the splice so far, as seen in the posture frame, into the character's running mean."""
+    mean, seen, shoulder = running.means[character], scratch.other, scratch.correlation[0]
+    for i in range(4):
+        seen[i] = scratch.frame[i] * (1.0 if i == 3 else -1.0)
+    multiply(seen, scratch.pelvis, seen)
+    first = bank.upper_clouds.shape[1] - 2
+    for point in range(2):
         for i in range(3):
-            for j in range(3):
-                correlation[i, j] = 0.0
-                for point in range(2):
-                    correlation[i, j] += bank.postures[clip_u, point, i] * bank.postures[clip_l, point, j]
-        horn(correlation, turn)
-    slerp(bank.posture_frames[row_l], bank.posture_frames[row_l + 1], t_l, frame)
+            here = bank.upper_clouds[row_u, first + point, i]
+            shoulder[i] = here + t_u * (bank.upper_clouds[row_u + 1, first + point, i] - here)
+        rotate(seen, shoulder, shoulder)
+        for i in range(3):
+            if math.isnan(mean[point, i]):
+                mean[point, i] = bank.postures[clip_l, point, i]
+            mean[point, i] += running.share * (shoulder[i] - mean[point, i])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def transfer_posture(scratch: Scratch) -> None:
+    """Turns the pelvis by q_G, applied in the locomotion's posture frame (docs/method.md)."""
+    turn, frame = scratch.turn, scratch.frame
     multiply(frame, turn, turn)
-    for axis in range(3):
-        frame[axis] = -frame[axis]
-    multiply(turn, frame, turn)
-    multiply(turn, pelvis, pelvis)
+    multiply_by_inverse(turn, frame, turn)
+    multiply(turn, scratch.pelvis, scratch.pelvis)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -201,12 +247,8 @@ def world_positions(bank: BankArrays, roots: Array, rotations: Array, world: Arr
         for i in range(4):
             world[0, i] = rotations[character, 0, i]
         for joint in range(1, len(bank.parents)):
-            parent = bank.parents[joint]
-            q, v = world[parent], bank.offsets[joint]
-            tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
-            ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
-            tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
-            positions[character, joint, 0] = positions[character, parent, 0] + v[0] + q[3] * tx + q[1] * tz - q[2] * ty
-            positions[character, joint, 1] = positions[character, parent, 1] + v[1] + q[3] * ty + q[2] * tx - q[0] * tz
-            positions[character, joint, 2] = positions[character, parent, 2] + v[2] + q[3] * tz + q[0] * ty - q[1] * tx
-            multiply(q, rotations[character, joint], world[joint])
+            parent, place = bank.parents[joint], positions[character, joint]
+            rotate(world[parent], bank.offsets[joint], place)
+            for axis in range(3):
+                place[axis] += positions[character, parent, axis]
+            multiply(world[parent], rotations[character, joint], world[joint])

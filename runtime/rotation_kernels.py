@@ -50,6 +50,28 @@ def multiply(a: Array, b: Array, out: Array) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def multiply_by_inverse(a: Array, b: Array, out: Array) -> None:
+    """out = a b^-1; out may be a or b."""
+    x = -a[3] * b[0] + a[0] * b[3] - a[1] * b[2] + a[2] * b[1]
+    y = -a[3] * b[1] + a[0] * b[2] + a[1] * b[3] - a[2] * b[0]
+    z = -a[3] * b[2] - a[0] * b[1] + a[1] * b[0] + a[2] * b[3]
+    w = a[3] * b[3] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    out[0], out[1], out[2], out[3] = x, y, z, w
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def rotate(q: Array, v: Array, out: Array) -> None:
+    """out = v [3] turned by q; out may be v."""
+    tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
+    ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
+    tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
+    x = v[0] + q[3] * tx + q[1] * tz - q[2] * ty
+    y = v[1] + q[3] * ty + q[2] * tx - q[0] * tz
+    z = v[2] + q[3] * tz + q[0] * ty - q[1] * tx
+    out[0], out[1], out[2] = x, y, z
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def normalise_into(q: Array, out: Array) -> None:
     scale = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     for i in range(4):

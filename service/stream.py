@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import SettingsError
-from runtime.evaluator import Evaluator, Poses
+from runtime.evaluator import Evaluator, Poses, RunningPosture
 from service.models import AXES, UNITS, StreamRequest
 
 STREAM_VERSION = 1
@@ -40,7 +40,7 @@ def frame_times(evaluator: Evaluator, request: StreamRequest, max_frames: int) -
         mend = "Ask for a lower rate or a shorter clip"
         raise SettingsError(f"{count} frames are more than the {max_frames} that one stream may have", mend=mend)
     times = np.minimum(np.arange(count) / rate, clip.duration)
-    _evaluate(evaluator, request, times[:1])
+    _evaluate(evaluator, request, times[:1], _running(evaluator, request))
     return times
 
 
@@ -51,10 +51,10 @@ async def messages(evaluator: Evaluator, request: StreamRequest, times: Times, c
     """
     encode, as_blob = (_length_delimited, True) if request.format == "msgpack" else (_json_line, False)
     yield encode(_header(evaluator, request, len(times)))
-    began = clock.now()
+    began, running = clock.now(), _running(evaluator, request)
     for first in range(0, len(times), BLOCK):
         block = times[first : first + BLOCK]
-        poses = _evaluate(evaluator, request, block)
+        poses = _evaluate(evaluator, request, block, running)
         frames = [
             encode(_frame(first + row, float(time), poses, row, as_blob=as_blob)) for row, time in enumerate(block)
         ]
@@ -67,7 +67,12 @@ async def messages(evaluator: Evaluator, request: StreamRequest, times: Times, c
             yield frame
 
 
-def _evaluate(evaluator: Evaluator, request: StreamRequest, times: Times) -> Poses:
+def _running(evaluator: Evaluator, request: StreamRequest) -> RunningPosture | None:
+    rate = request.rate or evaluator.bank.clip(request.locomotion).rate
+    return RunningPosture.begin(1, rate) if request.posture == "running" else None
+
+
+def _evaluate(evaluator: Evaluator, request: StreamRequest, times: Times, running: RunningPosture | None) -> Poses:
     return evaluator.sequence(
         request.locomotion,
         times,
@@ -75,6 +80,7 @@ def _evaluate(evaluator: Evaluator, request: StreamRequest, times: Times) -> Pos
         start=request.start,
         method=request.method,
         posture=request.posture,
+        running=running,
     )
 
 

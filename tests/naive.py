@@ -11,8 +11,11 @@ from scipy.optimize import lsq_linear, minimize
 from scipy.spatial.transform import Rotation
 
 from motion import quaternion
+from motion.clip import Clip
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
+from precompute.posture import measure_torso
+from precompute.splice import transfer_posture
 from runtime.bank import Bank
 
 
@@ -113,9 +116,9 @@ def pose(
     turned = quaternion.multiply(pelvis_l, horn_rotation(*clouds))
     frame = between("posture_frames", *in_l)
     if posture == "absolute":
-        turn = posture_turn(bank, locomotion, action)
+        turn = horn_rotation(tables["postures"][bank.number(action)], tables["postures"][bank.number(locomotion)])
     elif posture == "relative":
-        own, theirs = (posture_turn(bank, bank.neutral(name), name) for name in (locomotion, action))
+        own, theirs = between("torso_offsets", *in_l), between("torso_offsets", *in_u)
         turn = quaternion.multiply(theirs, quaternion.conjugate(own))
     else:
         turn = quaternion.IDENTITY
@@ -125,10 +128,15 @@ def pose(
     return root, rotations
 
 
-def posture_turn(bank: Bank, given: str, wanted: str) -> Floats:
-    """The rotation [4] that lays one clip's posture on another's."""
-    postures = bank.tables["postures"]
-    return horn_rotation(postures[bank.number(wanted)], postures[bank.number(given)])
+def followed(bank: Bank, splice: Clip, locomotion: str, action: str, time_constant: float) -> Clip:
+    """A splice without posture, given that of the action by a running mean of its own."""
+    torso, postures = measure_torso(splice, bank.roles), bank.tables["postures"]
+    mean, share = postures[bank.number(locomotion)].copy(), 1.0 - math.exp(-1.0 / (splice.rate * time_constant))
+    turns = []
+    for shoulders in torso.upright[:, -2:]:
+        mean += share * (shoulders - mean)
+        turns.append(horn_rotation(postures[bank.number(action)], mean))
+    return transfer_posture(splice, torso, np.array(turns), bank.roles)
 
 
-QUATERNIONS = ("rotations", "posture_frames")
+QUATERNIONS = ("rotations", "posture_frames", "torso_offsets")

@@ -111,4 +111,5 @@ def test_errors_are_one_paragraph(
     assert "absent.bvh" in told("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
     assert "End --out in .png or .gif" in told("render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt")
     assert "exact splice chooses its own start" in told(*splice, "walk", "--method", "exact", "--start", 1)
+    assert "Choose --posture absolute" in told(*splice, "walk", "--method", "exact", "--posture", "running")
     assert not (tmp_path / "out.bvh").exists()

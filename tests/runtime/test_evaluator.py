@@ -7,7 +7,7 @@ from motion import quaternion
 from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
 from motion.kinematics import joint_positions
 from runtime.bank import Bank
-from runtime.evaluator import Evaluator, Requests
+from runtime.evaluator import POSTURES, Evaluator, Requests, RunningPosture
 
 
 def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:
@@ -105,6 +105,38 @@ def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> N
         getattr(requests, name)[1] = 77
         with pytest.raises(SettingsError, match=f"{name} number"):
             evaluator.evaluate(requests, evaluator.poses(2))
+
+
+def test_a_running_posture_starts_from_the_stored_one_and_follows_the_splices_own(bank: Bank) -> None:
+    evaluator = Evaluator(bank)
+    absolute, running = (evaluator.clip("walk", "carry_box", posture=form) for form in ("absolute", "running"))
+    apart = quaternion.angle(absolute.rotations[:, bank.roles.pelvis], running.rotations[:, bank.roles.pelvis])
+    assert apart[0] < np.radians(0.2)
+    assert 0.0 < apart.max() < np.radians(4.0)
+
+
+def test_characters_with_running_postures_do_not_share_them(bank: Bank) -> None:
+    evaluator, box = Evaluator(bank), bank.number("carry_box")
+    requests, running, poses = Requests.empty(3), RunningPosture.begin(3, rate=30.0), evaluator.poses(3)
+    requests.posture[:] = POSTURES["running"]
+    requests.locomotion[:] = [bank.number(name) for name in ("walk", "run", "walk")]
+    requests.action[:] = box
+    for time in np.arange(0.0, 2.0, 1.0 / 30.0):
+        requests.time[:] = time
+        evaluator.evaluate(requests, poses, running)
+    np.testing.assert_array_equal(running.means[0], running.means[2])
+    assert np.abs(running.means[0] - running.means[1]).max() > 1e-3
+    np.testing.assert_array_equal(poses.rotations[0], poses.rotations[2])
+
+
+def test_a_running_posture_without_a_history_is_refused(bank: Bank) -> None:
+    with pytest.raises(SettingsError, match="mean over the frames so far"):
+        Evaluator(bank).pose("walk", 1.0, "wave", posture="running")
+    requests = Requests.empty(2)
+    requests.posture[1] = POSTURES["running"]
+    evaluator = Evaluator(bank)
+    with pytest.raises(SettingsError, match="RunningPosture of as many characters"):
+        evaluator.evaluate(requests, evaluator.poses(2), RunningPosture.begin(1, rate=30.0))
 
 
 def test_no_characters_are_no_work(bank: Bank) -> None:

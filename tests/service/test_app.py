@@ -20,7 +20,7 @@ from fastapi.testclient import TestClient
 
 from motion.errors import SettingsError
 from runtime.bank import Bank
-from runtime.evaluator import Evaluator
+from runtime.evaluator import Evaluator, Posture, RunningPosture
 from service import routes
 from service.app import create_app
 from service.models import BankInfo, StreamRequest
@@ -67,11 +67,14 @@ def test_a_pose_is_the_evaluators(client: TestClient, bank: Bank, method: Any, p
     np.testing.assert_allclose(answer.json()["world_positions"], world[0], atol=1e-6)
 
 
-def assert_is_the_evaluators(stream: bytes, bank: Bank, locomotion: str, action: str) -> None:
+def assert_is_the_evaluators(
+    stream: bytes, bank: Bank, locomotion: str, action: str, posture: Posture = "relative"
+) -> None:
     header, *frames = unpacked(stream)
     evaluator = Evaluator(bank)
     times = evaluator.frame_times(locomotion)
-    poses = evaluator.sequence(locomotion, times, action)
+    running = RunningPosture.begin(1, bank.clip(locomotion).rate) if posture == "running" else None
+    poses = evaluator.sequence(locomotion, times, action, posture=posture, running=running)
     assert header["stream"] == 1
     assert header["bank"] == bank.digest
     assert (header["locomotion"], header["action"]) == (locomotion, action)
@@ -93,6 +96,11 @@ def test_a_stream_is_the_evaluators_frames_to_the_bit(client: TestClient, bank: 
     answer = client.get("/v1/splice?locomotion=run&action=carry_box")
     assert answer.headers["content-type"] == "application/vnd.motionsplice.stream"
     assert_is_the_evaluators(answer.content, bank, "run", "carry_box")
+
+
+def test_a_stream_may_follow_its_own_posture(client: TestClient, bank: Bank) -> None:
+    answer = client.get("/v1/splice?locomotion=run&action=carry_box&posture=running")
+    assert_is_the_evaluators(answer.content, bank, "run", "carry_box", posture="running")
 
 
 def test_a_stream_for_people_is_lines_of_json(client: TestClient, bank: Bank) -> None:
@@ -159,6 +167,7 @@ def test_a_stream_waits_for_nothing_before_its_first_frame_and_yields_between_bl
         ("/v1/pose?locomotion=walk", 422, "time: "),
         ("/v1/pose?locomotion=walk&time=0&method=splise", 422, "method: "),
         ("/v1/pose?locomotion=walk&time=0&posture=upright", 422, "posture: "),
+        ("/v1/pose?locomotion=walk&time=0&action=wave&posture=running", 422, "ask for a whole clip"),
         ("/v1/pose?locomotion=walk&time=0&action=wave&start=9", 422, "start 9.0 s lies outside clip 'wave'"),
         ("/v1/pose?locomotion=walk&time=0&acton=wave", 422, "acton: "),
         ("/v1/splice?locomotion=walk&acton=wave", 422, "acton: "),

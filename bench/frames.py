@@ -19,7 +19,8 @@ from rich.table import Table
 
 from bench.clips import bank_of
 from runtime.bank import Bank
-from runtime.evaluator import METHODS, POSTURES, Evaluator, Requests, RunningPosture
+from runtime.evaluator import Evaluator
+from runtime.requests import METHODS, POSTURES, Requests, RunningPosture
 
 
 def random_requests(bank: Bank, count: int, method: str, posture: str, seed: int = 0) -> Requests:

@@ -95,10 +95,7 @@ def _slip(bank: Bank, uneven: str, even: str, frames: Floats) -> Floats:
 
     Whole cycles are left out: where a person turns on the spot, a ring may be wound once more or once less.
     """
-    phases = []
-    for name in (uneven, even):
-        clip = bank.clip(name)
-        phases.append(bank.tables["phase_of_frame"][clip.first_row : clip.first_row + clip.frame_count])
+    phases = [bank.phase(name) for name in (uneven, even)]
     numbers = np.arange(len(phases[1]))
     apart = phases[0] - np.interp(frames, numbers, phases[1])
     return (apart - np.round(apart)) / np.interp(frames, numbers, np.gradient(phases[1]))
@@ -108,9 +105,7 @@ def _seam(bank: Bank, entry: ClipEntry) -> str:
     """The greatest acceleration in a clip's seam, as a ratio to the 99th percentile of the clip's own."""
     if entry.loop == 0:
         return ""
-    rows = slice(entry.first_row, entry.first_row + entry.row_count)
-    roots, rotations = (np.asarray(bank.tables[name][rows], np.float64) for name in ("root_positions", "rotations"))
-    whole = accelerations(Clip(entry.name, bank.skeleton, entry.rate, roots, rotations))
+    whole = accelerations(bank.motion(entry.name, seam=True))
     own = len(accelerations(bank.motion(entry.name)))
     return f"{whole[own - 1 :].max() / np.percentile(whole[:own], 99):.2f}"
 

@@ -1,16 +1,19 @@
-"""The numbers by which a splice is judged."""
+"""The numbers by which the shape of a splice is judged."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from motion import quaternion
 from motion.clip import Clip
 from motion.kinematics import joint_positions
+from motion.pointcloud import planar_distance
 from motion.quaternion import Floats
 from motion.roles import Roles
+from precompute.baseline import level
 from precompute.posture import measure_torso, posture_angle
 
-LEAST_SWING = 0.03  # metres of amplitude: an arm that swings less, as under a box, has no phase to speak of
+SEEN_RATE = 30.0  # frames per second at which jitter is seen: above it, derivatives show the capture's noise
 
 
 def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
@@ -32,51 +35,73 @@ def posture_error(result: Clip, wanted: Clip, roles: Roles) -> float:
     return posture_angle(measure_torso(result, roles).posture, measure_torso(wanted, roles).posture)
 
 
-def arm_lag(clip: Clip, phase: Floats, roles: Roles) -> float:
-    """How far the arms' swing is behind the opposite legs', as a part of a stride in (-0.5, 0.5], mean of both sides.
+def promised_posture(locomotion: Clip, action: Clip, turns: Floats, posture: str, roles: Roles) -> Floats:
+    """The mean posture [2, 3] that a posture form promises of a splice.
 
-    phase [F] is the clip's, in cycles. Swing is the wrist's (knee's) way forward of the shoulder (root), at the
-    stride's own period. NaN if neither arm swings.
+    For `relative` it is the locomotion's, turned at each frame by `turns` [F, 4]: what the action does beyond its gait.
     """
+    own, theirs = (measure_torso(clip, roles) for clip in (locomotion, action))
+    if posture in ("absolute", "running"):
+        return theirs.posture
+    if posture == "relative":
+        return np.asarray(quaternion.rotate(turns[:, None], own.upright[:, -2:]).mean(axis=0))
+    return own.posture
+
+
+def neck_over_root(clip: Clip, roles: Roles) -> Floats:
+    """The joint where the arms part, over the root [F, 3], metres (thesis, Figure 4.5)."""
+    top = roles.spine[-1] if roles.spine else roles.pelvis
     positions = joint_positions(clip)
-    across = positions[:, roles.left_hip] - positions[:, roles.right_hip]
-    forward = np.cross(across, [0.0, 1.0, 0.0])
-    forward /= np.linalg.norm(forward, axis=1, keepdims=True)
-    weights = np.gradient(phase)  # so that every part of the stride counts alike, however fast it passes
-
-    def swing(joint: int, about: int) -> complex:
-        way = np.sum((positions[:, joint] - positions[:, about]) * forward, axis=1)
-        way = way - np.average(way, weights=weights)
-        return complex(2.0 * np.average(way * np.exp(-2j * np.pi * phase), weights=weights))
-
-    behind = 0j
-    for arm, leg in (("left", "right"), ("right", "left")):
-        hand = swing(getattr(roles, f"{arm}_wrist"), getattr(roles, f"{arm}_shoulder"))
-        knee = swing(getattr(roles, f"{leg}_knee"), roles.root)
-        if abs(hand) > LEAST_SWING:
-            behind += hand * np.conj(knee)
-    return float(-np.angle(behind) / (2.0 * np.pi)) if behind else float("nan")
-
-
-def lag_error(result: Clip, truth: Clip, phase: Floats, roles: Roles) -> float:
-    """Radians of a stride by which the arms are out of step, against the truth; NaN where they do not swing."""
-    frames = min(result.frame_count, truth.frame_count)
-    lags = [arm_lag(clip.frames(0, frames), phase[:frames], roles) for clip in (result, truth)]
-    apart = lags[0] - lags[1]
-    return float(2.0 * np.pi * abs(apart - np.round(apart)))
+    return np.asarray(positions[:, top] - positions[:, 0])
 
 
 def neck_jitter(clip: Clip, roles: Roles) -> float:
-    """Root-mean-square third derivative of the joint where the arms part over the root, m/s^3 (thesis, Figure 4.5)."""
-    top = roles.spine[-1] if roles.spine else roles.pelvis
-    positions = joint_positions(clip.resampled(30.0) if clip.rate > 30.0 else clip)
-    jerk = np.diff(positions[:, top] - positions[:, 0], n=3, axis=0) * min(clip.rate, 30.0) ** 3
+    """Root-mean-square third derivative of the neck over the root, m/s^3."""
+    seen = _seen(clip)
+    jerk = np.diff(neck_over_root(seen, roles), n=3, axis=0) * seen.rate**3
     return float(np.sqrt(np.mean(np.sum(jerk**2, axis=1))))
+
+
+def neck_excursion(clip: Clip, roles: Roles) -> float:
+    """The farthest that the neck goes from its mean height and distance over the root, metres.
+
+    Its way about the vertical is left out, for there a turn would count.
+    """
+    way = neck_over_root(clip, roles)
+    seen = np.stack([way[:, 1], np.hypot(way[:, 0], way[:, 2])], axis=1)
+    return float(np.linalg.norm(seen - seen.mean(axis=0), axis=1).max())
 
 
 def accelerations(clip: Clip) -> Floats:
     """Accelerations of the joints over the root, each frame's largest [frames - 2], m/s^2, seen at 30 Hz at most."""
-    seen = clip.resampled(30.0) if clip.rate > 30.0 else clip
+    seen = _seen(clip)
     positions = joint_positions(seen)
     bent = np.diff(positions - positions[:, :1], n=2, axis=0)
     return np.asarray(np.linalg.norm(bent, axis=-1).max(axis=1) * seen.rate**2)
+
+
+def change_within_halves(result: Clip, locomotion: Clip, upper_rotations: Floats, roles: Roles) -> float:
+    """Radians, the largest by which a joint of either half turns otherwise than in its source; the pelvis is neither.
+
+    upper_rotations [F, J, 4] are the action's at the frames that the result shows.
+    """
+    count = result.frame_count
+    upper = [joint for joint in result.skeleton.subtree(roles.pelvis) if joint != roles.pelvis]
+    lower = [joint for joint in range(result.skeleton.joint_count) if joint not in {*upper, roles.pelvis}]
+    return max(
+        float(quaternion.angle(result.rotations[:, joints], source[:count, joints]).max())
+        for joints, source in ((upper, upper_rotations), (lower, locomotion.rotations))
+    )
+
+
+def mismatch(locomotion: Clip, action: Clip, action_frames: Floats, roles: Roles) -> Floats:
+    """How far root and knees are from each other's at aligned frames [F]: root-mean-square, metres."""
+    cloud = list(roles.lower_cloud)
+    sampled = Clip(action.name, action.skeleton, locomotion.rate, *action.sampled(action_frames))
+    kept = locomotion.frames(0, len(action_frames))
+    apart = planar_distance(*(level(joint_positions(clip)[:, cloud]) for clip in (kept, sampled)))
+    return np.sqrt(apart / len(cloud))
+
+
+def _seen(clip: Clip) -> Clip:
+    return clip.resampled(SEEN_RATE) if clip.rate > SEEN_RATE else clip

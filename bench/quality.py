@@ -1,151 +1,157 @@
-"""Splices against ground truth: `python -m bench.quality CLIPS [--pairs FILE]`, or the built-in grid without CLIPS.
+"""How near splices come to the truth: `python -m bench.quality [CLIPS] [--out FOLDER]`.
 
-Prints, per pair, the mean error of the upper body's joints for the naive splice in centimetres, and that of the
-papers' whole-clip splice (exact) and of the bank's (splice) as ratios to it, for each posture form; how far the posture
-of `absolute` is from the action's; how far the arms are out of step with the legs, in degrees of a stride, where they
-swing; and the neck's jitter as a ratio to the rougher of the two sources'.
+Over a folder of clips and a file of pairs; or without a folder over the built-in motions: all actions on all
+locomotions and the thesis's examples (Heck's thesis, 4.4). Prints a table, and writes scores.json and index.html.
+`bench/scores.py` says what each number is.
 """
 
 from __future__ import annotations
 
-import csv
+import json
 import tempfile
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import Annotated
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 
+from bench.claims import CLAIMS, Performance
 from bench.clips import bank_of
-from bench.measures import lag_error, neck_jitter, posture_error, upper_body_errors
+from bench.measures import upper_body_errors
+from bench.pair_list import Pair, grid_pairs, read_pairs, truth_of
+from bench.report import Cell, ClaimRow, Picture, claim_row, clip_table, pair_table, picture, write_report
+from bench.scores import Form, PairScore, Spliced, score_clip, score_pair, splice_pair
+from bench.targets import OURS, targets
 from motion.clip import Clip
-from motion.procedural.library import ACTIONS, LOCOMOTIONS, truth
-from motion.roles import find_roles
-from precompute.common_skeleton import onto_skeleton
-from precompute.splice import Posture, splice_exact, splice_naive
+from motion.quaternion import Floats
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 
-POSTURES: tuple[Posture, ...] = get_args(Posture)
-PAIRS = Path(__file__).parent / "pairs.csv"
+FORMS = (Form("naive"), Form("exact"), Form("splice"))
+PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))
+MEAN_RATIO = {"real": 0.45, "built-in": 0.35}
+SHOWN_RATE = 30.0  # frames per second of the strips that show errors over time
+WORST_SHOWN = 4  # pairs of a grid that are drawn
+
+console = Console(width=230)
 
 
-@dataclass(frozen=True)
-class Score:
-    """One pair: naive error in metres, the others as ratios to it, by posture form; posture errors and lags in radians.
+@dataclass
+class Findings:
+    """What is gathered, pair by pair, for table, JSON and page."""
 
-    lag and jitter are of the naive splice and of the bank's.
-    """
-
-    pair: str
-    naive: float
-    exact: dict[Posture, float]
-    splice: dict[Posture, float]
-    exact_posture: float
-    splice_posture: float
-    lag: tuple[float, float]
-    jitter: tuple[float, float]
-
-
-def score(evaluator: Evaluator, locomotion: str, action: str, truth: Clip) -> Score:
-    """Scores one pair over the frames that the pairwise alignment covers."""
-    bank = evaluator.bank
-    clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
-    neutrals = bank.motion(bank.neutral(locomotion)), bank.motion(bank.neutral(action))
-    exact = {
-        posture: splice_exact(clip_l, clip_u, bank.roles, posture=posture, neutrals=neutrals).clip
-        for posture in POSTURES
-    }
-    covered = exact["off"].frame_count
-    splice = {posture: evaluator.clip(locomotion, action, posture=posture) for posture in POSTURES}
-
-    def error(result: Clip) -> float:
-        return float(upper_body_errors(result.frames(0, covered), truth, bank.roles).mean())
-
-    naive_clip = splice_naive(clip_l, clip_u, bank.roles)
-    naive = error(naive_clip)
-    entry = bank.clip(locomotion)
-    phase = np.asarray(bank.tables["phase_of_frame"][entry.first_row : entry.first_row + covered])
-    rougher = max(neck_jitter(clip, bank.roles) for clip in (clip_l, clip_u))
-    judged = [clip.frames(0, covered) for clip in (naive_clip, splice["relative"])]
-    lags = [lag_error(clip, truth, phase, bank.roles) for clip in judged]
-    jitters = [neck_jitter(clip, bank.roles) / rougher for clip in judged]
-    return Score(
-        pair=f"{locomotion} <- {action}",
-        naive=naive,
-        exact={posture: error(clip) / naive for posture, clip in exact.items()},
-        splice={posture: error(clip) / naive for posture, clip in splice.items()},
-        exact_posture=posture_error(exact["absolute"], clip_u, bank.roles),
-        splice_posture=posture_error(splice["absolute"], clip_u, bank.roles),
-        lag=(lags[0], lags[1]),
-        jitter=(jitters[0], jitters[1]),
-    )
-
-
-def show(scores: Iterable[Score], title: str) -> None:
-    """Prints a table of scores, and their means."""
-    table = Table(title=title)
-    table.add_column("locomotion <- action", no_wrap=True)
-    columns = ["naive cm", *(f"exact\n{p}" for p in POSTURES), *(f"splice\n{p}" for p in POSTURES)]
-    columns += [
-        "exact\nposture °",
-        "splice\nposture °",
-        "naive\nlag °",
-        "splice\nlag °",
-        "naive\njitter",
-        "splice\njitter",
-    ]
-    for column in columns:
-        table.add_column(column, justify="right")
-    rows = []
-    for one in scores:
-        ratios = [*(one.exact[p] for p in POSTURES), *(one.splice[p] for p in POSTURES)]
-        angles = np.degrees([one.exact_posture, one.splice_posture, *one.lag]).tolist()
-        rows.append([100 * one.naive, *ratios, *angles, *one.jitter])
-        table.add_row(one.pair, *map(_told, rows[-1]))
-    table.add_section()
-    table.add_row("mean", *map(_told, np.nanmean(rows, axis=0).tolist()))
-    Console(width=190).print(table)
-
-
-def _told(value: float) -> str:
-    return "" if np.isnan(value) else f"{value:.2f}"
-
-
-def scores_of_pairs(bank: Bank, pairs: Path) -> Iterator[Score]:
-    """Scores of a CSV's pairs (locomotion, action); the truth is the locomotion's own upper body."""
-    evaluator = Evaluator(bank)
-    with pairs.open(newline="") as file:
-        for row in csv.DictReader(file):
-            yield score(evaluator, row["locomotion"], row["action"], bank.motion(row["locomotion"]))
-
-
-def scores_of_grid(bank: Bank) -> Iterator[Score]:
-    """Scores of every built-in action on every built-in locomotion, against the generated truth."""
-    evaluator = Evaluator(bank)
-    for locomotion in LOCOMOTIONS:
-        for action in ACTIONS:
-            real = truth(locomotion, action)
-            real = onto_skeleton(real, find_roles(real.skeleton), bank.skeleton, bank.roles)
-            yield score(evaluator, locomotion, action, real)
+    scores: list[PairScore] = field(default_factory=list)
+    errors: dict[str, dict[str, Floats]] = field(default_factory=dict)
+    claims: list[ClaimRow] = field(default_factory=list)
+    pictures: list[Picture] = field(default_factory=list)
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in grid if not given")] = None,
-    pairs: Annotated[Path, typer.Option(help="CSV with columns locomotion, action")] = PAIRS,
-    baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in motions if not given")] = None,
+    pairs: Annotated[Path | None, typer.Option(help="CSV: locomotion, action, truth or empty, example, claim")] = None,
+    baseline: Annotated[str | None, typer.Option(help="Baseline clip; else the most typical stride")] = None,
+    posture: Annotated[list[str] | None, typer.Option(help="Also judge the bank's splice with this posture")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for scores.json and index.html")] = None,
 ) -> None:
     """Prints how near splices come to the truth."""
+    forms = [*FORMS, *(Form("splice", form) for form in posture or [])]  # type: ignore[arg-type]
+    kind = "real" if clips else "built-in"
     with tempfile.TemporaryDirectory() as folder:
         bank = bank_of(clips, baseline, Path(folder))
-        if clips is None:
-            show(scores_of_grid(bank), "Built-in actions on built-in locomotions")
-        else:
-            show(scores_of_pairs(bank, pairs), f"Pairs of {pairs.name}")
+        evaluator, found = Evaluator(bank), Findings()
+        grid = [] if clips else grid_pairs()
+        for pair in grid:
+            gather(found, evaluator, pair, forms, drawn=False)
+        gridded = list(found.scores)
+        for pair in read_pairs(pairs or (PAIRS if clips else EXAMPLES)):
+            gather(found, evaluator, pair, forms, drawn=out is not None)
+        clip_scores = [score_clip(bank, clip.name) for clip in bank.clips]
+        reached = targets(gridded or found.scores, clip_scores, MEAN_RATIO[kind])
+        judged = gridded or found.scores
+        show("Pairs", *pair_table(judged))
+        show("Clips", *clip_table(clip_scores))
+        for row in found.claims:
+            console.print(f"{row.example} ({row.pair}): {row.says}: {', '.join(row.values)}", highlight=False)
+        columns = ["what", "found", "wanted"]
+        show(
+            "Targets",
+            columns,
+            [[Cell(t.what), Cell(t.found, "good" if t.met else "bad"), Cell(t.wanted)] for t in reached],
+        )
+        if out is not None:
+            for one in sorted(gridded, key=lambda one: one.of(OURS).ratio or 0.0)[: -WORST_SHOWN - 1 : -1]:
+                draw(found, evaluator, Pair(one.locomotion, one.action, f"{one.locomotion}+{one.action}"), forms, one)
+            out.mkdir(parents=True, exist_ok=True)
+            plain = {"pairs": [asdict(one) for one in found.scores], "clips": [asdict(one) for one in clip_scores]}
+            plain["targets"] = [asdict(one) for one in reached]
+            (out / "scores.json").write_text(json.dumps(plain, indent=1))
+            write_report(
+                out / "index.html",
+                title=f"Splices of {kind} motion against the truth",
+                subtitle=f"bank {bank.digest}, baseline {bank.baseline['clip']}, {len(bank.clips)} clips",
+                pairs=judged,
+                clips=clip_scores,
+                found=reached,
+                errors=found.errors,
+                rate=SHOWN_RATE,
+                claims=found.claims,
+                claim_columns=[*(form.label for form in forms), "truth, else locomotion", "the action itself"],
+                pictures=found.pictures,
+                grid=bool(gridded),
+            )
+            console.print(f"{out / 'index.html'}")
+
+
+def gather(found: Findings, evaluator: Evaluator, pair: Pair, forms: Sequence[Form], *, drawn: bool) -> None:
+    """Scores one pair, measures its claim, and draws it if asked."""
+    truth = truth_of(pair, evaluator.bank)
+    splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in forms]
+    score = score_pair(evaluator, pair.locomotion, pair.action, truth, splices)
+    found.scores.append(score)
+    if pair.claim:
+        found.claims.append(claim_row(pair, claimed(evaluator.bank, pair, truth, splices)))
+    if drawn:
+        draw(found, evaluator, pair, forms, score)
+
+
+def claimed(bank: Bank, pair: Pair, truth: Clip | None, splices: Sequence[Spliced]) -> dict[str, float]:
+    """The number of a pair's claim for each splice, the truth (else the locomotion itself) and the action itself."""
+    phase, measure = bank.phase(pair.locomotion), CLAIMS[pair.claim].measure
+    action = Performance(bank.motion(pair.action), bank.phase(pair.action), bank.roles)
+    shown = {one.form.label: one.clip for one in splices} | {"truth": truth or bank.motion(pair.locomotion)}
+    values = {
+        label: measure(Performance(clip, phase[: clip.frame_count], bank.roles), action)
+        for label, clip in shown.items()
+    }
+    return {**values, "action": measure(action, action)}
+
+
+def draw(found: Findings, evaluator: Evaluator, pair: Pair, forms: Sequence[Form], score: PairScore) -> None:
+    """Adds a pair's pictures and, if its truth is known, its errors over time."""
+    bank, truth = evaluator.bank, truth_of(pair, evaluator.bank)
+    splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in forms]
+    title = f"{pair.example}: {score.name}" if pair.example else score.name
+    found.pictures.append(picture(bank, score, title, truth, splices, shown=len(found.pictures) < 2))
+    if truth is not None:
+        found.errors[score.name] = {
+            one.form.label: 100.0
+            * upper_body_errors(one.clip.resampled(SHOWN_RATE), truth.resampled(SHOWN_RATE), bank.roles).mean(axis=1)
+            for one in splices
+        }
+
+
+def show(title: str, columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> None:
+    """Prints a table."""
+    colours = {"good": "green", "fair": "yellow", "bad": "red", "": ""}
+    table = Table(title=title)
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="right" if number else "left", no_wrap=True)
+    for row in rows:
+        table.add_row(*(f"[{colours[cell.grade]}]{cell.text}[/]" if cell.grade else cell.text for cell in row))
+    console.print(table)
 
 
 if __name__ == "__main__":

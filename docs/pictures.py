@@ -9,7 +9,8 @@ from bench.clips import bank_of
 from motion.procedural.library import truth
 from motionsplice.command_demo import demo_command
 from motionsplice.drawing import contact_sheet
-from runtime.evaluator import POSTURES, Evaluator, Posture
+from runtime.evaluator import Evaluator
+from runtime.requests import POSTURES, Posture
 
 IMAGES = Path(__file__).parent / "images"
 FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")

@@ -9,7 +9,8 @@ from motion.skeleton import Skeleton
 from precompute.job import precompute
 from precompute.splice import splice_exact, splice_naive
 from runtime.bank import Bank
-from runtime.evaluator import Evaluator, Poses, Requests
+from runtime.evaluator import Evaluator
+from runtime.requests import Poses, Requests
 
 __all__ = [
     "Bank",

@@ -17,7 +17,7 @@ from motion.formats.files import read_clip
 from motion.roles import read_roles_file
 from motionsplice.drawing import animation, contact_sheet
 from precompute import splice as whole_clip
-from runtime import evaluator
+from runtime import requests
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 
@@ -42,7 +42,7 @@ class Posture(StrEnum):
     OFF = "off"
 
 
-RUN_TIME_METHODS: Mapping[Method, evaluator.Method] = {
+RUN_TIME_METHODS: Mapping[Method, requests.Method] = {
     Method.SPLICE: "splice",
     Method.NAIVE: "naive",
     Method.NONE: "none",
@@ -97,9 +97,9 @@ def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: P
     if posture not in WHOLE_CLIP_POSTURES:
         raise SettingsError("the exact splice knows its whole posture", mend="Choose --posture absolute")
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
-    neutrals = bank.neutral_motion(locomotion), bank.neutral_motion(action)
+    offsets = bank.torso_offsets(locomotion), bank.torso_offsets(action)
     return whole_clip.splice_exact(
-        clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], neutrals=neutrals
+        clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], torso_offsets=offsets
     ).clip
 
 

@@ -19,7 +19,7 @@ from precompute.ring import wind
 
 WORKING_RATE = 30.0  # frames per second at which motions are compared
 KNOT_SPACING = 0.1  # seconds
-STIFFNESS = 0.3
+STIFFNESS = 1.0  # of the phase, against changes of its speed
 STRIDES = (0.5, 1.8)  # shortest and longest stride looked for, seconds
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # how far the stride's ends may be apart, as a part of how far its middle is
@@ -103,7 +103,8 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
 def most_typical(strides: Sequence[Baseline]) -> Baseline:
     """The stride that all `strides` come nearest to, among the MOST_CANDIDATES that close best.
 
-    Each stride, taken twice over, is wound round each candidate's ring, so the cost is linear in their number.
+    Each stride, taken twice over, is wound round each candidate's ring, so the cost is linear in their number. Summed
+    are distances, not their squares: else one run among walks draws the choice to a stride between all, like neither.
     """
 
     def apart(candidate: Baseline) -> float:
@@ -112,7 +113,7 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
         for stride in strides:
             distances = planar_distances(level(np.tile(stride.clouds / stride.leg, (2, 1, 1))), ring)
             wound = wind(distances) % len(ring)
-            total += float(distances[np.arange(len(wound)), wound].mean())
+            total += float(np.sqrt(distances[np.arange(len(wound)), wound].mean()))
         return total
 
     candidates = sorted(strides, key=lambda stride: (stride.loop, stride.name))[:MOST_CANDIDATES]

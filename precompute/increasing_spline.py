@@ -27,7 +27,7 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: f
     """The least-squares spline through (x, y) [n] on clamped knots that rises everywhere between its ends.
 
     x is increasing (not strictly: a path may climb straight up), and y[-1] lies above y[0]; both are frames or
-    cycles. One knot per `knot_spacing` of x. `stiffness` weighs the square of the coefficients' third differences
+    cycles. One knot per `knot_spacing` of x. `stiffness` weighs the square of the coefficients' second differences
     against that of the misfit, so that a spline with close knots neither trembles nor cuts corners (a P-spline, Eilers
     and Marx 1996).
     """
@@ -37,8 +37,7 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: f
     knots = np.concatenate([[x[0]] * DEGREE, breaks, [x[-1]] * DEGREE])
     design = BSpline.design_matrix(x, knots, DEGREE).tocsr()
     count = intervals + DEGREE
-    stencil = [-1.0, 3.0, -3.0, 1.0]
-    bend = diags_array(stencil, offsets=np.arange(DEGREE + 1), shape=(max(count - DEGREE, 0), count))
+    bend = diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(count - 2, count))
     normal = csr_array(design.T @ design + stiffness * len(x) / count * (bend.T @ bend))
     bands = np.zeros((DEGREE + 1, count))
     for offset in range(DEGREE + 1):

@@ -17,10 +17,9 @@ from motion.kinematics import joint_positions
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
 from motion.roles import Roles
-from precompute.baseline import WORKING_RATE, align, find_baseline
+from precompute.baseline import WORKING_RATE
 from precompute.posture import Torso, measure_torso
 from precompute.timewarp import TimeWarp, align_pair
-from precompute.torso_offset import MeanStride, torso_offsets
 
 Posture = Literal["relative", "absolute", "off"]
 
@@ -43,13 +42,13 @@ def splice_exact(
     roles: Roles,
     *,
     posture: Posture = "relative",
-    neutrals: tuple[Clip | None, Clip | None] = (None, None),
+    torso_offsets: tuple[Floats | None, Floats | None] = (None, None),
 ) -> Splice:
     """The action's upper body on the locomotion's root and lower body, by the papers' three steps.
 
-    All clips share one skeleton. `neutrals`, for posture `relative`, are the gaits of the locomotion and of the action
-    without any action; None for a clip that is its own neutral, as a plain locomotion is (docs/method.md). Raises
-    SkeletonError if the rigs differ, BaselineError if a neutral has no stride.
+    All clips share one skeleton. Posture `relative` needs the `torso_offsets` [F, 4] of locomotion and action at their
+    own frames (`precompute.torso_offset`, `Bank.torso_offsets`); None for a clip that is its own neutral, as a plain
+    locomotion is (docs/method.md). Raises SkeletonError if the rigs differ.
     """
     check_same_rig(locomotion, action)
     warp, action_frames = align_in_time(locomotion, action, roles)
@@ -62,8 +61,8 @@ def splice_exact(
         turn = horn_rotation(torso_u.posture, measure_torso(result, roles).posture)
         result = transfer_posture(result, torso_l, turn, roles)
     elif posture == "relative":
-        own = _offsets_of(locomotion, neutrals[0], roles, np.arange(float(kept.frame_count)))
-        theirs = _offsets_of(action, neutrals[1], roles, action_frames)
+        own = sampled_offsets(torso_offsets[0], np.arange(float(kept.frame_count)))
+        theirs = sampled_offsets(torso_offsets[1], action_frames)
         result = transfer_posture(result, torso_l, quaternion.multiply(theirs, quaternion.conjugate(own)), roles)
     return Splice(result, action_frames, warp)
 
@@ -106,14 +105,11 @@ def transfer_posture(splice: Clip, torso_l: Torso, turn: Floats, roles: Roles) -
     return replace(splice, rotations=rotations)
 
 
-def _offsets_of(clip: Clip, neutral: Clip | None, roles: Roles, frames: Floats) -> Floats:
-    """The torso offsets [F, 4] of a clip at its real-valued `frames` [F], both clips timed by the neutral's stride."""
-    if neutral is None:
+def sampled_offsets(offsets: Floats | None, frames: Floats) -> Floats:
+    """Torso offsets [F, 4] at real-valued frames [n]; identities for a clip that is its own neutral."""
+    if offsets is None:
         return np.broadcast_to(quaternion.IDENTITY, (len(frames), 4))
-    ring = find_baseline(neutral, roles)
-    stride = MeanStride.of(measure_torso(neutral, roles).upright, align(neutral, roles, ring).phase)
-    offsets = torso_offsets(measure_torso(clip, roles).upright, align(clip, roles, ring).phase, clip.rate, stride)
-    before = np.minimum(frames.astype(np.int64), clip.frame_count - 2)
+    before = np.minimum(frames.astype(np.int64), len(offsets) - 2)
     return quaternion.slerp(offsets[before], offsets[before + 1], frames - before)
 
 

@@ -128,19 +128,25 @@ class Bank:
         """The name of the clip that the posture of `name` is relative to."""
         return self.clips[int(self.tables["neutral"][self.number(name)])].name
 
-    def neutral_motion(self, name: str) -> Clip | None:
-        """The clip that the posture of `name` is relative to; None if that is itself."""
-        neutral = self.neutral(name)
-        return None if neutral == name else self.motion(neutral)
+    def torso_offsets(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
+        """What the torso of the clip called `name` does beyond its neutral's, at each frame [F, 4]."""
+        return np.asarray(self.tables["torso_offsets"][self._rows(name, seam)], np.float64)
 
-    def motion(self, name: str) -> Clip:
-        """The clip called `name`, on the bank's skeleton, in its editable form."""
-        entry = self.clip(name)
-        rows = slice(entry.first_row, entry.first_row + entry.frame_count)
+    def motion(self, name: str, *, seam: bool = False) -> Clip:
+        """The clip called `name`, on the bank's skeleton, in its editable form; with `seam`, its seam after it."""
+        entry, rows = self.clip(name), self._rows(name, seam)
         roots, rotations = (
             np.asarray(self.tables[table][rows], np.float64) for table in ("root_positions", "rotations")
         )
         return Clip(name, self.skeleton, entry.rate, roots, rotations)
+
+    def phase(self, name: str) -> NDArray[np.float64]:
+        """The phase of each frame [F] of the clip called `name`, cycles of the baseline."""
+        return np.asarray(self.tables["phase_of_frame"][self._rows(name, False)])
+
+    def _rows(self, name: str, seam: bool) -> slice:
+        entry = self.clip(name)
+        return slice(entry.first_row, entry.first_row + (entry.row_count if seam else entry.frame_count))
 
     def _checked(self) -> Bank:
         """Itself, if the parts fit each other, so that no kernel can be led out of a table. Raises BankError."""

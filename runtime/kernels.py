@@ -91,7 +91,7 @@ def evaluate(
     for character in range(len(requests.time)):
         clip_l, clip_u = requests.locomotion[character], requests.action[character]
         method = requests.method[character]
-        frame_l = min(requests.time[character] * bank.rate[clip_l], bank.frame_count[clip_l] - 1.0)
+        frame_l = requests.time[character] * bank.rate[clip_l]
         row_l, t_l = locate(frame_l, bank.first_row[clip_l], bank.frame_count[clip_l])
         for axis in range(3):
             here = bank.root_positions[row_l, axis]
@@ -131,6 +131,18 @@ def evaluate(
                     posture_turn(bank.postures[clip_u], running.means[character], scratch)
                 transfer_posture(scratch)
         normalise_into(scratch.pelvis, out[bank.pelvis])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def action_frames(bank: BankArrays, requests: RequestArrays, frames: Array) -> None:
+    """Writes each character's real-valued action frame [n]."""
+    for character in range(len(requests.time)):
+        clip_l = requests.locomotion[character]
+        frame_l = requests.time[character] * bank.rate[clip_l]
+        row_l, t_l = locate(frame_l, bank.first_row[clip_l], bank.frame_count[clip_l])
+        frames[character] = action_frame(
+            bank, clip_l, row_l, t_l, requests.action[character], requests.start[character]
+        )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from runtime.bank import Bank, ClipEntry
-from runtime.evaluator import Method, Posture
+from runtime.requests import Method, Posture
 
 AXES = "right-handed, Y up, Z forward"
 UNITS = "metres, seconds; unit quaternions xyzw"

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import SettingsError
-from runtime.evaluator import Evaluator, Poses, RunningPosture
+from runtime.evaluator import Evaluator
+from runtime.requests import Poses, RunningPosture
 from service.models import AXES, UNITS, StreamRequest
 
 STREAM_VERSION = 1

@@ -12,11 +12,14 @@ from motion.clip import Clip
 from motion.errors import SkeletonError
 from motion.formats.files import read_clip
 from motion.kinematics import joint_positions
+from motion.quaternion import Floats
 from motion.roles import find_roles
 from precompute.bank_builder import write_bank
-from precompute.baseline import WORKING_RATE, find_baseline
+from precompute.baseline import WORKING_RATE, align, find_baseline
+from precompute.posture import measure_torso
 from precompute.prepared import prepare
 from precompute.splice import Posture, align_in_time, splice_exact, splice_naive
+from precompute.torso_offset import MeanStride, torso_offsets
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 from tests.conftest import CLIPS
@@ -35,6 +38,13 @@ def bank_of(folder: Path, *clips: Clip) -> Bank:
     settled = [replace(one, neutral=clips[0].name) for one in prepared]
     write_bank(folder, clips[0].skeleton, ROLES, ring, settled)
     return Bank.open(folder)
+
+
+def offsets_of(action: Clip, neutral: Clip) -> Floats:
+    """The torso offsets of an action, timed by its neutral's stride."""
+    ring = find_baseline(neutral, ROLES)
+    stride = MeanStride.of(measure_torso(neutral, ROLES).upright, align(neutral, ROLES, ring).phase)
+    return torso_offsets(measure_torso(action, ROLES).upright, align(action, ROLES, ring).phase, action.rate, stride)
 
 
 @pytest.mark.parametrize("name", sorted(CLIPS))
@@ -78,8 +88,9 @@ def test_the_answer_does_not_depend_on_local_axes(posture: Posture, tmp_path: Pa
     axes = local_axes(WALK.skeleton.joint_count, seed=8)
     turned = [with_local_axes(clip, axes) for clip in (WALK, CURVE, BOX)]
     np.testing.assert_allclose(joint_positions(turned[1]), joint_positions(CURVE), atol=1e-9)
-    plain = splice_exact(CURVE, BOX, ROLES, posture=posture, neutrals=(CURVE, WALK)).clip
-    other = splice_exact(turned[1], turned[2], ROLES, posture=posture, neutrals=(turned[1], turned[0])).clip
+    plain = splice_exact(CURVE, BOX, ROLES, posture=posture, torso_offsets=(None, offsets_of(BOX, WALK))).clip
+    offsets = None, offsets_of(turned[2], turned[0])
+    other = splice_exact(turned[1], turned[2], ROLES, posture=posture, torso_offsets=offsets).clip
     np.testing.assert_allclose(joint_positions(other), joint_positions(plain), atol=1e-6)
     banks = bank_of(tmp_path / "plain", WALK, CURVE, BOX), bank_of(tmp_path / "turned", *turned)
     first, second = (joint_positions(Evaluator(bank).clip(CURVE.name, BOX.name, posture=posture)) for bank in banks)

@@ -53,9 +53,10 @@ def test_a_clip_of_less_than_a_stride_has_a_mean_stride_all_the_same() -> None:
 
 def test_a_punch_keeps_its_shoulders_by_relative_and_loses_them_without() -> None:
     """The papers' own limitation (Heck et al. 2006, section 5): shoulders that move on purpose."""
+    offsets = torso_offsets(measure_torso(PUNCH, ROLES).upright, align(PUNCH, ROLES, RING).phase, PUNCH.rate, STRIDE)
     curve, truth = make("curve", seed=11), make("curve", "punch", seed=11)
     errors = {}
     for posture in ("off", "relative"):
-        result = splice_exact(curve, PUNCH, ROLES, posture=posture, neutrals=(None, WALK)).clip
+        result = splice_exact(curve, PUNCH, ROLES, posture=posture, torso_offsets=(None, offsets)).clip
         errors[posture] = upper_body_errors(result, truth, ROLES).mean()
     assert errors["relative"] < 0.7 * errors["off"]

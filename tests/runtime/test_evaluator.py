@@ -7,7 +7,8 @@ from motion import quaternion
 from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
 from motion.kinematics import joint_positions
 from runtime.bank import Bank
-from runtime.evaluator import POSTURES, Evaluator, Requests, RunningPosture
+from runtime.evaluator import Evaluator
+from runtime.requests import POSTURES, Requests, RunningPosture
 
 
 def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:
@@ -105,6 +106,18 @@ def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> N
         getattr(requests, name)[1] = 77
         with pytest.raises(SettingsError, match=f"{name} number"):
             evaluator.evaluate(requests, evaluator.poses(2))
+
+
+def test_action_frames_are_the_frames_that_a_splice_shows(bank: Bank) -> None:
+    evaluator = Evaluator(bank)
+    frames = evaluator.action_frames("walk", evaluator.frame_times("walk"), "carry_box")
+    box, splice = bank.motion("carry_box"), evaluator.clip("walk", "carry_box")
+    own = frames <= box.frame_count - 1
+    upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
+    shown = box.sampled(frames[own])[1]
+    assert quaternion.angle(splice.rotations[own][:, upper], shown[:, upper]).max() < 1e-4
+    assert np.diff(frames[:120]).min() > 0.0
+    assert own.sum() > 200
 
 
 def test_a_running_posture_starts_from_the_stored_one_and_follows_the_splices_own(bank: Bank) -> None:

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 from motion import quaternion
 from motion.kinematics import world_transforms
 from motion.pointcloud import horn_rotation
-from runtime import evaluator as evaluation
 from runtime.bank import Bank
-from runtime.evaluator import METHODS, POSTURES, Evaluator, Requests
+from runtime.evaluator import Evaluator
+from runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Requests
 from runtime.rotation_kernels import horn, slerp
 from tests import naive
 
@@ -75,9 +75,7 @@ def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
 def test_a_running_posture_is_that_of_its_twin(bank: Bank, locomotion: str, action: str) -> None:
     evaluator = Evaluator(bank)
     found = evaluator.clip(locomotion, action, posture="running")
-    twin = naive.followed(
-        bank, evaluator.clip(locomotion, action, posture="off"), locomotion, action, evaluation.TIME_CONSTANT
-    )
+    twin = naive.followed(bank, evaluator.clip(locomotion, action, posture="off"), locomotion, action, TIME_CONSTANT)
     assert quaternion.angle(found.rotations, twin.rotations).max() < 5e-5
 
 

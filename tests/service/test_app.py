@@ -20,7 +20,8 @@ from fastapi.testclient import TestClient
 
 from motion.errors import SettingsError
 from runtime.bank import Bank
-from runtime.evaluator import Evaluator, Posture, RunningPosture
+from runtime.evaluator import Evaluator
+from runtime.requests import Posture, RunningPosture
 from service import routes
 from service.app import create_app
 from service.models import BankInfo, StreamRequest

@@ -15,6 +15,7 @@ REAL_SETTINGS = Path(__file__).with_name("real_clips.toml")
 
 def bank_of(clips: Path | None, baseline: str | None, folder: Path) -> Bank:
     """The bank, below `folder`, of the clips in a folder, or of the built-in ones."""
+    folder.mkdir(exist_ok=True)
     linked = folder / "clips"
     if clips is None:
         write_sample_clips(linked)

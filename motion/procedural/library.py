@@ -11,15 +11,22 @@ import numpy as np
 from motion import quaternion
 from motion.clip import Clip
 from motion.errors import SettingsError, did_you_mean
-from motion.procedural import actions, locomotions
+from motion.procedural import actions, catalogue
 from motion.procedural.body import LEFT, RIGHT, SKELETON, euler, side_name
-from motion.procedural.gait import lower_body
+from motion.procedural.locomotions import varied
+from motion.procedural.lower import lower_body
 from motion.procedural.upper import Arm, Rhythm, Trunk, swinging_arms, trunk
 from motion.quaternion import Floats
 
-LOCOMOTIONS: tuple[str, ...] = tuple(locomotions.LOCOMOTIONS)
+LOCOMOTIONS: tuple[str, ...] = tuple(catalogue.LOCOMOTIONS)
 ACTIONS: tuple[str, ...] = tuple(actions.ACTIONS)
 
+# Each name's place here seeds its variations; new ones go to the end, so that what there is stays as it is.
+_NUMBERS = (
+    *("walk", "slow_walk", "curve", "run", "stairs_up", "side_step", "turn_180"),
+    *("carry_box", "carry_cup", "punch", "push", "wave"),
+    *("stairs_down", "walk_to_run", "step_up"),
+)
 _SHOULDERS_LEAD, _GAZE_LEADS = 0.12, 0.3  # seconds ahead of the pelvis on the way into a turn
 
 
@@ -32,7 +39,7 @@ def make(
     seed, seconds and rate alone, so the clip with an action is the ground truth of splicing that action onto the
     one without. Raises SettingsError if a name is unknown, or seconds or rate make no clip.
     """
-    known = locomotions.LOCOMOTIONS
+    known = catalogue.LOCOMOTIONS
     if locomotion not in known:
         raise SettingsError(f"there is no locomotion {locomotion!r}", mend=did_you_mean(locomotion, LOCOMOTIONS))
     if action is not None and action not in actions.ACTIONS:
@@ -42,12 +49,11 @@ def make(
             f"{seconds} seconds at {rate} frames per second",
             mend="Ask for up to an hour at 1 to 1000 frames per second",
         )
-    random = np.random.default_rng([seed, LOCOMOTIONS.index(locomotion)])
-    chosen = locomotions.varied(known[locomotion], random)
-    start = random.uniform()
+    random = np.random.default_rng([seed, _NUMBERS.index(locomotion)])
+    chosen = varied(known[locomotion], random)
+    walker = chosen.walker(seconds, start=random.uniform())
     time = np.arange(round(seconds * rate) + 1) / rate
-    path = locomotions.path_of(locomotion, chosen.gait, seconds, start)
-    lower = lower_body(chosen.gait, path, time, start, path.lean)
+    path, lower = walker.path, lower_body(walker, time)
     rhythm = Rhythm(
         phase=lower.phase,
         pace=path.pace(time),
@@ -56,17 +62,18 @@ def make(
         lean=path.lean(time),
         time=time,
     )
+    carriage = chosen.carriage(walker.tempo.weight(time))
     if action is None:
-        chest, arms = trunk(chosen.carriage, rhythm), swinging_arms(chosen.carriage, rhythm)
+        chest, arms = trunk(carriage, rhythm), swinging_arms(carriage, rhythm)
     else:
-        own = np.random.default_rng([seed, len(LOCOMOTIONS) + ACTIONS.index(action)])
-        chest, arms = actions.ACTIONS[action](chosen.carriage, rhythm, own)
+        own = np.random.default_rng([seed, _NUMBERS.index(action)])
+        chest, arms = actions.ACTIONS[action](carriage, rhythm, own)
     world = lower.world | _upper_body(lower.world["Hips"], rhythm, chest, arms)
     name = locomotion if action is None else f"{locomotion}+{action}"
     return Clip(name, SKELETON, rate, lower.root, _local(world))
 
 
-_SAMPLE_SEEDS = {name: seed for seed, name in enumerate((*LOCOMOTIONS, *ACTIONS), start=1)}
+_SAMPLE_SEEDS = {name: seed for seed, name in enumerate(_NUMBERS, start=1)}
 
 
 def sample_clips() -> dict[str, Clip]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -34,11 +34,13 @@ class Path:
     """Functions of time in seconds [n]: `position` -> [n, 3], `heading` -> [n], `pace` -> [n].
 
     The pace is the length of a step there against that of a full step: 1, but for where the body slows to turn.
+    `ground` is the height [n] on which a foot stands that the path puts at points [n, 3]: theirs, if not given.
     """
 
     position: Callable[[Floats], Floats]
     heading: Callable[[Floats], Floats]
     pace: Callable[[Floats], Floats]
+    ground: Callable[[Floats], Floats] = lambda points: points[:, 1]
 
     def lean(self, time: Floats) -> Floats:
         """The roll to the left [n] that balances the path's curvature, taken over half a second."""
@@ -53,9 +55,10 @@ def _even(t: Floats) -> Floats:
     return np.ones_like(t)
 
 
-def straight(velocity: tuple[float, float, float], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Path:
-    """Facing +Z, moving at `velocity` metres per second from `origin`."""
-    return Path(lambda t: np.array(origin) + np.multiply.outer(t, np.array(velocity)), np.zeros_like, _even)
+def straight(position: Callable[[Floats], Floats], ground: Callable[[Floats], Floats] | None = None) -> Path:
+    """Facing +Z all the way; `position` and `ground` as in `Path`."""
+    path = Path(position, np.zeros_like, _even)
+    return path if ground is None else replace(path, ground=ground)
 
 
 def circle(speed: float, radius: float) -> Path:

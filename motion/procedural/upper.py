@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -20,19 +20,24 @@ class Carriage:
     `lean` is the trunk's mean forward pitch, `twist` and `list` the amplitudes of its turn and roll against the
     path, `nod` of its pitch twice a stride. The upper arms swing by `swing` about `hang` (forward positive), held
     off the body by `abduction` and turned inwards by `inward`; the elbows bend by `elbow`, and by `elbow_swing`
-    more and less.
+    more and less. Where one carriage turns into another, each is an array [F].
     """
 
-    lean: float
-    twist: float
-    list: float
-    nod: float
-    swing: float
-    hang: float
-    abduction: float
-    inward: float
-    elbow: float
-    elbow_swing: float
+    lean: float | Floats
+    twist: float | Floats
+    list: float | Floats
+    nod: float | Floats
+    swing: float | Floats
+    hang: float | Floats
+    abduction: float | Floats
+    inward: float | Floats
+    elbow: float | Floats
+    elbow_swing: float | Floats
+
+    def turning_to(self, other: Carriage, weight: Floats) -> Carriage:
+        """This carriage where `weight` [F] is 0, the other where it is 1."""
+        both = {field.name: (getattr(self, field.name), getattr(other, field.name)) for field in fields(self)}
+        return Carriage(**{name: first + (second - first) * weight for name, (first, second) in both.items()})
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,7 @@ def _punch(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> U
     base = trunk(replace(carriage, twist=0.4 * carriage.twist), rhythm)
     arms, thrusts = {}, {}
     for side in (LEFT, RIGHT):
-        since = np.mod(rhythm.phase + (0.5 if side == LEFT else 0.0) + 0.12, 1.0)
+        since = np.mod(rhythm.swing + (0.5 if side == LEFT else 0.0) + 0.12, 1.0)
         thrust = ease(since / 0.17) - ease((since - 0.21) / 0.25)
         thrusts[side] = thrust
         guard = np.array([-0.08, 0.06, 0.25])

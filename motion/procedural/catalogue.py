@@ -34,6 +34,9 @@ from motion.procedural.locomotions import (
 from motion.procedural.upper import Carriage
 
 RISE, TREAD = 0.17, 0.29  # of a stair, metres
+# Captured runs and jogs swing arms and shoulders 0.06 of a stride ahead of walks, against the knees; the knees of a run
+# themselves pass that much earlier after the heel strike.
+RUN_LEAD = 0.125
 
 
 def _radians(**degrees: float) -> dict[str, float]:
@@ -85,6 +88,7 @@ _RUN = Manner(
     Carriage(
         **_radians(lean=9, twist=14, list=2, nod=1.5, swing=31, hang=-12, abduction=14, inward=26),
         **_radians(elbow=98, elbow_swing=12),
+        lead=RUN_LEAD,
     ),
 )
 _STAIRS_UP = Manner(

@@ -54,15 +54,16 @@ def make(
     walker = chosen.walker(seconds, start=random.uniform())
     time = np.arange(round(seconds * rate) + 1) / rate
     path, lower = walker.path, lower_body(walker, time)
+    carriage = chosen.carriage(walker.tempo.weight(time))
     rhythm = Rhythm(
         phase=lower.phase,
+        swing=lower.phase + carriage.lead,
         pace=path.pace(time),
         shoulders=path.heading(time + _SHOULDERS_LEAD),
         gaze=path.heading(time + _GAZE_LEADS),
         lean=path.lean(time),
         time=time,
     )
-    carriage = chosen.carriage(walker.tempo.weight(time))
     if action is None:
         chest, arms = trunk(carriage, rhythm), swinging_arms(carriage, rhythm)
     else:

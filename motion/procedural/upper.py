@@ -20,7 +20,8 @@ class Carriage:
     `lean` is the trunk's mean forward pitch, `twist` and `list` the amplitudes of its turn and roll against the
     path, `nod` of its pitch twice a stride. The upper arms swing by `swing` about `hang` (forward positive), held
     off the body by `abduction` and turned inwards by `inward`; the elbows bend by `elbow`, and by `elbow_swing`
-    more and less. Where one carriage turns into another, each is an array [F].
+    more and less. Arms and twist are `lead` cycles ahead of a walk's, against the heel strikes. Where one carriage
+    turns into another, each is an array [F].
     """
 
     lean: float | Floats
@@ -33,6 +34,7 @@ class Carriage:
     inward: float | Floats
     elbow: float | Floats
     elbow_swing: float | Floats
+    lead: float | Floats = 0.0
 
     def turning_to(self, other: Carriage, weight: Floats) -> Carriage:
         """This carriage where `weight` [F] is 0, the other where it is 1."""
@@ -44,11 +46,12 @@ class Carriage:
 class Rhythm:
     """What the locomotion imposes on the upper body, over F frames.
 
-    phase [F] in cycles from the left heel strike; pace [F], the steps' length against full ones; headings [F] of
-    shoulders and gaze; lean [F], the roll into a curve; time [F] in seconds.
+    phase [F] in cycles from the left heel strike; swing [F], that of arms and twist; pace [F], the steps' length against
+    full ones; headings [F] of shoulders and gaze; lean [F], the roll into a curve; time [F] in seconds.
     """
 
     phase: Floats
+    swing: Floats
     pace: Floats
     shoulders: Floats
     gaze: Floats
@@ -78,7 +81,7 @@ def trunk(carriage: Carriage, rhythm: Rhythm) -> Trunk:
     """The chest turns against the pelvis, rolls to the standing leg and nods after each heel strike."""
     angle = TURN * rhythm.phase
     return Trunk(
-        yaw=carriage.twist * rhythm.pace * np.cos(angle - 0.25),
+        yaw=carriage.twist * rhythm.pace * np.cos(TURN * rhythm.swing - 0.25),
         pitch=carriage.lean + carriage.nod * rhythm.pace * np.cos(2.0 * angle - 1.3),
         roll=carriage.list * rhythm.pace * np.sin(angle + 0.2) - rhythm.lean,
     )
@@ -98,7 +101,7 @@ def hanging_arm(side: float, flexion: Floats, abduction: Floats, inward: Floats,
 
 def swinging_arm(carriage: Carriage, rhythm: Rhythm, side: float) -> Arm:
     """The arm's natural swing, forward with the other side's leg; the elbow bends as it comes forward."""
-    angle = TURN * rhythm.phase + (np.pi if side == LEFT else 0.0)
+    angle = TURN * rhythm.swing + (np.pi if side == LEFT else 0.0)
     wave = np.cos(angle - 0.2) + 0.08 * np.cos(2.0 * angle - 0.6)
     late = np.cos(angle - 0.75)
     pace = rhythm.pace

@@ -9,7 +9,7 @@ What would chance do? Each cycle is rolled round by a random part of itself, whi
 every tie to the legs, and the strength is measured anew, from taking out the drift on. A few strides are few
 witnesses, so each is cut as finely as the question allows: in strides for what comes once a stride, in steps, twice
 as many, for what comes with each step. Finer cuts would prove more than there is: within half a cycle any slow wave
-keeps step. Two strides still prove little (a wave must come back within some 5 degrees), three or four much. White
+keeps step. Two strides still prove little (a wave must come back within some 9 degrees), three or four much. White
 noise passes in 1 of 20 curves, as LEVEL says; noise as slow as a step, which drifts from one to the next, in 1 of 10.
 """
 

@@ -5,12 +5,18 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+from PIL import Image
+
 from bench.clips import bank_of
-from motion.procedural.library import truth
+from motion.procedural.library import make, truth
+from motion.roles import find_roles
 from motionsplice.command_demo import demo_command
+from motionsplice.correlation_charts import draw_chart
 from motionsplice.drawing import contact_sheet
+from precompute.body_angles import View
+from precompute.correlation import study
 from runtime.evaluator import Evaluator
-from runtime.requests import POSTURES, Posture
+from runtime.requests import Posture
 
 IMAGES = Path(__file__).parent / "images"
 FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")
@@ -19,7 +25,7 @@ FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")
 def main() -> None:
     """Writes docs/images."""
     IMAGES.mkdir(exist_ok=True)
-    assert set(FORMS) == set(POSTURES)
+    draw_study()
     with tempfile.TemporaryDirectory() as folder:
         demo_command(Path(folder) / "demo")
         for picture in ("curve+carry_cup.png", "curve+carry_cup.gif"):
@@ -28,6 +34,15 @@ def main() -> None:
         evaluator, real = Evaluator(bank), truth("stairs_up", "carry_box")
         rows = [(form, evaluator.clip("stairs_up", "carry_box", posture=form), bank.roles) for form in FORMS]
         contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=real).save(IMAGES / "postures.png")
+
+
+def draw_study() -> None:
+    """The plots of the correlation study, in few colours so that they are small."""
+    walk = make("walk", seconds=4.0)
+    for view in View:
+        file = IMAGES / f"study-{view}.png"
+        draw_chart(study(walk, find_roles(walk.skeleton)), view, file)
+        Image.open(file).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(file, optimize=True)
 
 
 if __name__ == "__main__":

@@ -46,8 +46,8 @@ class Carriage:
 class Rhythm:
     """What the locomotion imposes on the upper body, over F frames.
 
-    phase [F] in cycles from the left heel strike; swing [F], that of arms and twist; pace [F], the steps' length against
-    full ones; headings [F] of shoulders and gaze; lean [F], the roll into a curve; time [F] in seconds.
+    phase [F] in cycles from the left heel strike; swing [F], that of arms and twist; pace [F], the steps' length
+    against full ones; headings [F] of shoulders and gaze; lean [F], the roll into a curve; time [F] in seconds.
     """
 
     phase: Floats

@@ -15,7 +15,7 @@ from motionsplice.cli import app, main
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 
-COMMANDS = ("precompute", "inspect", "splice", "render", "serve", "demo")
+COMMANDS = ("precompute", "inspect", "splice", "render", "study", "serve", "demo")
 
 
 def run(*arguments: object) -> Result:

@@ -1,8 +1,9 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV   := .venv
 BIN    := $(VENV)/bin
+REAL   ?= ../shared/mocap/cmu
 
-.PHONY: demo test check pictures clean
+.PHONY: demo test check quality pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -16,6 +17,10 @@ check: $(VENV)/ready           ## style, types and the arrows between the packag
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
+	$(BIN)/python -m bench.quality --out quality/built-in
+	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
+
 pictures: $(VENV)/ready        ## draw the documentation's pictures anew
 	PYTHONPATH=. $(BIN)/python docs/pictures.py </dev/null
 
@@ -27,4 +32,4 @@ $(VENV)/ready: pyproject.toml
 	touch $@
 
 clean:
-	rm -rf $(VENV) demo build dist
+	rm -rf $(VENV) demo quality build dist

@@ -22,9 +22,9 @@ from bench.claims import CLAIMS, Performance
 from bench.clips import bank_of
 from bench.measures import upper_body_errors
 from bench.pair_list import Pair, grid_pairs, read_pairs, truth_of
-from bench.report import Cell, ClaimRow, Picture, claim_row, clip_table, pair_table, picture, write_report
+from bench.report import Cell, ClaimRow, Picture, claim_row, clip_table, means_table, pair_table, picture, write_report
 from bench.scores import Form, PairScore, Spliced, score_clip, score_pair, splice_pair
-from bench.targets import OURS, targets
+from bench.targets import BUILT_IN, OURS, REAL, targets
 from motion.clip import Clip
 from motion.quaternion import Floats
 from runtime.bank import Bank
@@ -32,7 +32,6 @@ from runtime.evaluator import Evaluator
 
 FORMS = (Form("naive"), Form("exact"), Form("splice"))
 PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))
-MEAN_RATIO = {"real": 0.45, "built-in": 0.35}
 SHOWN_RATE = 30.0  # frames per second of the strips that show errors over time
 WORST_SHOWN = 4  # pairs of a grid that are drawn
 
@@ -69,9 +68,11 @@ def main(
         for pair in read_pairs(pairs or (PAIRS if clips else EXAMPLES)):
             gather(found, evaluator, pair, forms, drawn=out is not None)
         clip_scores = [score_clip(bank, clip.name) for clip in bank.clips]
-        reached = targets(gridded or found.scores, clip_scores, MEAN_RATIO[kind])
         judged = gridded or found.scores
+        reached = targets(judged, clip_scores, REAL if clips else BUILT_IN)
         show("Pairs", *pair_table(judged))
+        for part in ("action", "locomotion") if gridded else ():
+            show(f"Mean error over the naive splice's, by {part}", *means_table(gridded, part))
         show("Clips", *clip_table(clip_scores))
         for row in found.claims:
             console.print(f"{row.example} ({row.pair}): {row.says}: {', '.join(row.values)}", highlight=False)

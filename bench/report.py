@@ -90,6 +90,18 @@ def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]
     return columns, rows
 
 
+def means_table(scores: Sequence[PairScore], part: str) -> tuple[list[str], list[list[Cell]]]:
+    """Each method's mean ratio to the naive splice over the pairs of a locomotion or action (`part`), and over all."""
+    names = list(dict.fromkeys(getattr(one, part) for one in scores))
+    rows = []
+    for method in (one.method for one in scores[0].methods[1:]):
+        ratios = {name: [one.of(method).ratio or 0.0 for one in scores if getattr(one, part) == name] for name in names}
+        means = [sum(values) / len(values) for values in ratios.values()]
+        every = [value for values in ratios.values() for value in values]
+        rows.append([Cell(method), *(_graded(mean, 0.45, 0.7) for mean in (*means, sum(every) / len(every)))])
+    return ["method", *names, "all"], rows
+
+
 def clip_table(scores: Sequence[ClipScore]) -> tuple[list[str], list[list[Cell]]]:
     """Columns and rows of the table of clips."""
     columns = ["clip", "kind", "strides", "knee passes", "strides between", "concentration", "shoulders °"]

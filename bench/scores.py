@@ -142,7 +142,7 @@ def score_pair(
             error, worst = 100.0 * errors.mean(), 100.0 * np.percentile(errors, 95)
             ratio = errors.mean() / upper_body_errors(naive.frames(0, one.clip.frame_count), truth, roles).mean()
         if frames is not None:
-            seamed = bank.motion(action, seam=True)
+            shown = bank.motion(action, seam=one.form.how == "splice")
             turns = quaternion.multiply(
                 sampled_offsets(bank.torso_offsets(action, seam=True), frames),
                 quaternion.conjugate(bank.torso_offsets(locomotion)[: len(frames)]),
@@ -152,8 +152,8 @@ def score_pair(
             steps = np.diff(frames)
             steps = steps[steps > WRAP] * clip_l.rate / clip_u.rate
             slopes = (float(steps.min()), float(steps.max()))
-            apart = 100.0 * float(np.sqrt(np.mean(mismatch(kept, seamed, frames, roles) ** 2)))
-            change = float(np.degrees(change_within_halves(one.clip, kept, seamed.sampled(frames)[1], roles)))
+            apart = 100.0 * float(np.sqrt(np.mean(mismatch(kept, shown, frames, roles) ** 2)))
+            change = float(np.degrees(change_within_halves(one.clip, kept, shown.sampled(frames)[1], roles)))
         lag = np.degrees(lag_error(one.clip, truth or clip_l, phase[: one.clip.frame_count], roles))
         scores.append(
             MethodScore(

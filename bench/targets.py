@@ -10,6 +10,26 @@ import numpy as np
 from bench.scores import ClipScore, MethodScore, PairScore
 
 OURS, REFERENCE = "splice", "exact"
+LEAST_CONCENTRATION = 0.93
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What the scores of one kind of motion are held to; None where nothing is wanted.
+
+    The arms' timing is judged on `walking` locomotions, if they are named: on stairs and sideways, knees keep another
+    time than the built-in arms do.
+    """
+
+    mean_ratio: float
+    worst_ratio: float | None = None
+    oracle: float | None = None
+    floor: float | None = None
+    walking: frozenset[str] | None = None
+
+
+REAL = Bounds(mean_ratio=0.45, worst_ratio=0.7, oracle=1.6, floor=1.5)
+BUILT_IN = Bounds(mean_ratio=0.35, walking=frozenset({"walk", "slow_walk", "curve", "turn_180", "step_up"}))
 
 
 @dataclass(frozen=True)
@@ -22,46 +42,56 @@ class Target:
     met: bool
 
 
-def targets(pairs: Sequence[PairScore], clips: Sequence[ClipScore], mean_ratio: float) -> list[Target]:
-    """All targets that the scores say something of. mean_ratio is what the mean error over the naive one's may be."""
-    found = [_worst(pairs, *bound) for bound in BOUNDS]
+def targets(pairs: Sequence[PairScore], clips: Sequence[ClipScore], bounds: Bounds) -> list[Target]:
+    """All targets that the scores say something of."""
+    found: list[Target | None] = []
     judged = [one for one in pairs if one.truth]
     if judged:
-        mean = float(np.mean([one.of(OURS).ratio for one in judged]))
-        found.insert(0, _at_most("error over the naive splice's, mean of all pairs", mean, mean_ratio))
-        errors = {name: np.mean([one.of(name).ratio for one in judged]) for name in (OURS, REFERENCE)}
-        found.insert(2, _at_most("bank over the papers' whole-clip splice", errors[OURS] / errors[REFERENCE], 1.1))
-        oracle = np.mean([one.of(OURS).error for one in judged]) / np.mean([one.oracle for one in judged])
-        found.insert(3, _at_most("error over that of an oracle that knows the truth", float(oracle), 1.6))
-    walks = [one for one in clips if one.kind == "locomotion" and one.concentration is not None]
-    if walks:
-        least = min(walks, key=lambda one: one.concentration or 0.0)
-        value = least.concentration or 0.0
-        found.append(
-            Target("phase concentration, worst locomotion", f"{value:.3f} ({least.clip})", ">= 0.93", value >= 0.93)
-        )
+        ratios = {name: _mean([one.of(name).ratio for one in judged]) for name in (OURS, REFERENCE)}
+        error, oracle = _mean([one.of(OURS).error for one in judged]), _mean([one.oracle for one in judged])
+        known = [one for one in judged if one.floor is not None]
+        floor = _mean([one.of(OURS).error for one in known]) / _mean([one.floor for one in known])
+        found = [
+            _at_most("error over the naive splice's, mean of all pairs", ratios[OURS], bounds.mean_ratio),
+            _worst(judged, "error over the naive splice's, worst pair", lambda one: one.ratio, bounds.worst_ratio),
+            _at_most("error over that of the papers' whole-clip splice", ratios[OURS] / ratios[REFERENCE], 1.1),
+            _at_most("error over that of an oracle that knows the truth", error / oracle, bounds.oracle),
+            _at_most("error over what the truth's own strides differ by", floor, bounds.floor),
+        ]
+    walking = [one for one in judged if bounds.walking is None or one.locomotion in bounds.walking]
+    found += [
+        _worst(walking, "arms out of step with the legs, worst walk, degrees of a stride", lambda one: one.lag, 15.0),
+        _worst(pairs, "neck's jitter over the larger source's, worst pair", lambda one: one.jitter, 1.1),
+        _worst(pairs, "posture off what its form promises, worst pair, degrees", lambda one: one.posture, 1.5),
+        _worst(pairs, "turn within either half, worst pair, degrees", lambda one: one.change, 0.05),
+        _least_concentration(clips),
+    ]
     return [one for one in found if one is not None]
 
 
-Bound = tuple[str, Callable[[MethodScore], float | None], float]
-BOUNDS: tuple[Bound, ...] = (
-    ("error over the naive splice's, worst pair", lambda one: one.ratio, 0.7),
-    ("arms out of step with the legs, worst pair, degrees of a stride", lambda one: one.lag, 15.0),
-    ("neck's jitter over the larger source's, worst pair", lambda one: one.jitter, 1.1),
-    ("posture off what its form promises, worst pair, degrees", lambda one: one.posture, 1.5),
-    ("turn within either half against its source, worst pair, degrees", lambda one: one.change, 0.05),
-)
-
-
 def _worst(
-    pairs: Sequence[PairScore], what: str, measure: Callable[[MethodScore], float | None], most: float
+    pairs: Sequence[PairScore], what: str, measure: Callable[[MethodScore], float | None], most: float | None
 ) -> Target | None:
     known = [(value, one.name) for one in pairs if (value := measure(one.of(OURS))) is not None]
-    if not known:
+    if not known or most is None:
         return None
     value, name = max(known)
     return Target(what, f"{value:.3g} ({name})", f"<= {most:g}", bool(value <= most))
 
 
-def _at_most(what: str, value: float, most: float) -> Target:
-    return Target(what, f"{value:.2f}", f"<= {most:g}", bool(value <= most))
+def _at_most(what: str, value: float, most: float | None) -> Target | None:
+    return None if most is None else Target(what, f"{value:.2f}", f"<= {most:g}", bool(value <= most))
+
+
+def _least_concentration(clips: Sequence[ClipScore]) -> Target | None:
+    walks = [one for one in clips if one.kind == "locomotion"]
+    known = [(one.concentration, one.clip) for one in walks if one.concentration is not None]
+    if not known:
+        return None
+    value, name = min(known)
+    met = value >= LEAST_CONCENTRATION
+    return Target("phase concentration, worst locomotion", f"{value:.3f} ({name})", f">= {LEAST_CONCENTRATION}", met)
+
+
+def _mean(values: Sequence[float | None]) -> float:
+    return float(np.mean([value for value in values if value is not None]))

@@ -18,6 +18,8 @@ from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from precompute.job import Outcome, precompute
 from runtime.bank import Bank
 
+AUTOMATIC = "auto"
+
 console = Console()
 
 
@@ -32,9 +34,8 @@ def precompute_command(
     clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), or folders of them.")],
     out: Annotated[Path, typer.Option(help="The bank to write.")],
     baseline: Annotated[
-        str | None,
-        typer.Option(help="The clip whose stride all are aligned to; else the most typical stride."),
-    ] = None,
+        str, typer.Option(help="The clip whose stride all are aligned to; auto: the most typical stride.")
+    ] = AUTOMATIC,
     jobs: Annotated[int | None, typer.Option(min=1, help="Processes; else one per core.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
@@ -48,7 +49,7 @@ def precompute_command(
     outcome = run(
         clips,
         out,
-        baseline=baseline,
+        baseline=None if baseline == AUTOMATIC else baseline,
         jobs=jobs,
         settings=ClipSettings(skip_frames=skip_frames, unit=unit),
         roles_file=roles,

@@ -47,6 +47,12 @@ def test_precompute_shows_what_it_made(clip_folder: Path, tmp_path: Path) -> Non
         assert clip.name in shown
 
 
+def test_the_automatic_baseline_may_be_asked_for_by_name(clip_folder: Path, tmp_path: Path) -> None:
+    run("precompute", clip_folder, "--out", tmp_path / "asked", "--baseline", "auto", "--jobs", 1)
+    run("precompute", clip_folder, "--out", tmp_path / "unsaid", "--jobs", 1)
+    assert Bank.open(tmp_path / "asked").digest == Bank.open(tmp_path / "unsaid").digest
+
+
 def test_a_clip_that_fails_is_named_and_the_status_says_so(clip_folder: Path, tmp_path: Path) -> None:
     broken = tmp_path / "broken.bvh"
     broken.write_bytes(b"nothing of the kind")

@@ -1,0 +1,79 @@
+"""Where alignment could go wrong: which foot starts, standing about, and rates that differ in one bank."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.rhythm import arm_lag, lag_error
+from motion.clip import Clip
+from motion.formats.bvh import dump
+from motion.formats.files import read_clip
+from motion.kinematics import joint_positions
+from motion.procedural.library import make
+from motion.roles import find_roles
+from precompute.baseline import align, find_baseline
+from precompute.job import precompute
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from tests.conftest import CLIPS
+
+WALK = CLIPS["walk"]
+ROLES = find_roles(WALK.skeleton)
+RING = find_baseline(WALK, ROLES)
+CURVE, TRUTH = make("curve", seed=21), make("curve", "wave", seed=21)
+WAVE = make("walk", "wave", seed=22, seconds=7.0)
+
+
+def bank_of(folder: Path, **actions: Clip) -> Bank:
+    """A bank of a walk, a curve and actions on the walk."""
+    (folder / "clips").mkdir()
+    for name, clip in {"walk": WALK, "curve": CURVE, **actions}.items():
+        (folder / "clips" / f"{name}.bvh").write_bytes(dump(clip))
+    settings = "".join(f'[{name}]\nkind = "action"\nneutral = "walk"\n' for name in actions)
+    (folder / "clips" / "clips.toml").write_text(settings)
+    precompute([folder / "clips"], folder / "bank", baseline="walk")
+    return Bank.open(folder / "bank")
+
+
+def test_it_makes_no_difference_which_foot_an_action_starts_with(tmp_path: Path) -> None:
+    """Nor where in the stride: the same action cut at every eighth of one is as near to the truth."""
+    stride = round(WAVE.rate * 1.08)
+    cuts = {f"wave{eighth}": WAVE.frames(eighth * stride // 8, WAVE.frame_count) for eighth in range(8)}
+    bank = bank_of(tmp_path, **cuts)
+    evaluator = Evaluator(bank)
+    for name in cuts:
+        lag = lag_error(evaluator.clip("curve", name), TRUTH, bank.phase("curve"), bank.roles)
+        assert np.degrees(lag) < 8.0, name
+
+
+def test_clips_of_any_rate_go_together(tmp_path: Path) -> None:
+    bank = bank_of(tmp_path, slow=WAVE.resampled(30.0), own=WAVE, fast=WAVE.resampled(120.0))
+    evaluator = Evaluator(bank)
+    results = [joint_positions(evaluator.clip("curve", name)) for name in ("slow", "own", "fast")]
+    for result in results[1:]:
+        assert np.median(np.linalg.norm(result - results[0], axis=-1)) < 0.01
+    assert np.degrees(lag_error(evaluator.clip("curve", "slow"), TRUTH, bank.phase("curve"), bank.roles)) < 8.0
+
+
+@pytest.mark.parametrize("seconds", [0.5, 1.5])
+def test_a_walk_is_in_step_again_after_standing_still(seconds: float) -> None:
+    half, still = WALK.frame_count // 2, round(seconds * WALK.rate)
+    frames = np.concatenate([np.arange(half), np.full(still, half), np.arange(half, WALK.frame_count)])
+    stopped = replace(WALK, root_positions=WALK.root_positions[frames], rotations=WALK.rotations[frames])
+    apart = align(stopped, ROLES, RING).phase - align(WALK, ROLES, RING).phase[frames]
+    walking = np.r_[0 : half - 20, half + still + 20 : len(frames)]
+    assert np.abs(apart - np.round(apart))[walking].max() < 0.06
+
+
+def test_arms_keep_their_time_against_the_phase_forward_backward_and_sideways(real_motion: Path) -> None:
+    """09_12 walks forward up to 6 s, then backward and sideways; its arms go with the legs all the same."""
+    reading, walk = (read_clip(real_motion / f"{name}.amc") for name in ("09_12", "16_15"))
+    clip, roles = reading.clip, reading.roles
+    phase = align(clip, roles, find_baseline(walk.clip, walk.roles)).phase
+    for first, last in ((0.0, 6.0), (6.0, 8.5), (8.5, 11.0), (11.0, 13.5), (13.5, 15.9)):
+        window = slice(round(first * clip.rate), round(last * clip.rate))
+        assert abs(arm_lag(clip.frames(window.start, window.stop), phase[window], roles)) < 0.1

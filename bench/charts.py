@@ -98,10 +98,12 @@ def pair_chart(bank: Bank, locomotion: str, action: str, truth: Clip | None, spl
     panels["swing"].plot(seconds, knee, color="#009e73", linestyle="--", label="right knee")
     panels["swing"].set(title="left hand ahead of its shoulder, right knee ahead of the root, cm", xlabel="seconds")
     for name in ("error", "neck", "swing"):
-        if panels[name].lines:
-            panels[name].legend(fontsize=8, ncols=4, frameon=False, loc="upper right")
         panels[name].spines[["top", "right"]].set_visible(False)
         panels[name].margins(x=0.0)
+        if panels[name].lines:
+            low, high = panels[name].get_ylim()
+            panels[name].set_ylim(low, high + 0.25 * (high - low))  # room for the legend
+            panels[name].legend(fontsize=8, ncols=4, frameon=False, loc="upper right")
     return _png(figure)
 
 

@@ -71,8 +71,10 @@ def main(
         judged = gridded or found.scores
         reached = targets(judged, clip_scores, REAL if clips else BUILT_IN)
         show("Pairs", *pair_table(judged))
-        for part in ("action", "locomotion") if gridded else ():
-            show(f"Mean error over the naive splice's, by {part}", *means_table(gridded, part))
+        parts = ("action", "locomotion") if gridded else ()
+        means = [(f"Mean error over the naive splice's, by {part}", *means_table(gridded, part)) for part in parts]
+        for mean in means:
+            show(*mean)
         show("Clips", *clip_table(clip_scores))
         for row in found.claims:
             console.print(f"{row.example} ({row.pair}): {row.says}: {', '.join(row.values)}", highlight=False)
@@ -102,6 +104,7 @@ def main(
                 claim_columns=[*(form.label for form in forms), "truth, else locomotion", "the action itself"],
                 pictures=found.pictures,
                 grid=bool(gridded),
+                means=means,
             )
             console.print(f"{out / 'index.html'}")
 

@@ -151,6 +151,7 @@ def write_report(
     claim_columns: Sequence[str],
     pictures: Sequence[Picture],
     grid: bool,
+    means: Sequence[tuple[str, list[str], list[list[Cell]]]],
 ) -> None:
     """Writes the page."""
     page = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True)
@@ -162,6 +163,7 @@ def write_report(
         targets=found,
         overview=_base64(charts.overview(errors, rate)) if errors else "",
         grid=_base64(charts.ratio_grid(pairs, OURS)) if grid else "",
+        means=means,
         pair_columns=pair_columns,
         pair_rows=pair_rows,
         pair_note=PAIR_NOTE,

@@ -7,7 +7,10 @@ from pathlib import Path
 
 from PIL import Image
 
+from bench.charts import pair_chart, ratio_grid
 from bench.clips import bank_of
+from bench.pair_list import grid_pairs, truth_of
+from bench.scores import Form, score_pair, splice_pair
 from motion.procedural.library import make, truth
 from motion.roles import find_roles
 from motionsplice.command_demo import demo_command
@@ -34,15 +37,34 @@ def main() -> None:
         evaluator, real = Evaluator(bank), truth("stairs_up", "carry_box")
         rows = [(form, evaluator.clip("stairs_up", "carry_box", posture=form), bank.roles) for form in FORMS]
         contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=real).save(IMAGES / "postures.png")
+        draw_quality(evaluator)
+
+
+def draw_quality(evaluator: Evaluator) -> None:
+    """What the quality report shows of the built-in grid, and of one pair."""
+    bank, forms, scores = evaluator.bank, (Form("naive"), Form("splice")), []
+    for pair in grid_pairs():
+        splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in forms]
+        scores.append(score_pair(evaluator, pair.locomotion, pair.action, truth_of(pair, bank), splices))
+    (IMAGES / "quality-grid.png").write_bytes(ratio_grid(scores, "splice"))
+    splices = [splice_pair(evaluator, "curve", "punch", form) for form in (*forms, Form("exact"))]
+    (IMAGES / "quality-pair.png").write_bytes(pair_chart(bank, "curve", "punch", truth("curve", "punch"), splices))
+    for name in ("quality-grid.png", "quality-pair.png"):
+        reduce(IMAGES / name)
 
 
 def draw_study() -> None:
-    """The plots of the correlation study, in few colours so that they are small."""
+    """The plots of the correlation study."""
     walk = make("walk", seconds=4.0)
     for view in View:
         file = IMAGES / f"study-{view}.png"
         draw_chart(study(walk, find_roles(walk.skeleton)), view, file)
-        Image.open(file).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(file, optimize=True)
+        reduce(file)
+
+
+def reduce(file: Path) -> None:
+    """Few colours, so that a chart is small."""
+    Image.open(file).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(file, optimize=True)
 
 
 if __name__ == "__main__":

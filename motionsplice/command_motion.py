@@ -82,9 +82,11 @@ def splice_command(
     start: Annotated[float, typer.Option(help="Seconds into the action before which it does not begin.")] = 0.0,
 ) -> None:
     """Splice an action's upper body onto a locomotion, and write the motion as BVH."""
-    clip = spliced(Bank.open(bank), locomotion, action, method, posture, start)
+    opened = Bank.open(bank)
+    clip, whole = spliced(opened, locomotion, action, method, posture, start), opened.clip(locomotion)
     out.write_bytes(dump(clip))
-    console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s")
+    part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
+    console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
 
 
 def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: Posture, start: float) -> Clip:

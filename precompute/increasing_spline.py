@@ -26,10 +26,11 @@ MOST_STEPS = 60
 def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: float = 0.0) -> BSpline[np.float64]:
     """The least-squares spline through (x, y) [n] on clamped knots that rises everywhere between its ends.
 
-    x is increasing (not strictly: a path may climb straight up), and y[-1] lies above y[0]; both are frames or
-    cycles. One knot per `knot_spacing` of x. `stiffness` weighs the square of the coefficients' second differences
-    against that of the misfit, so that a spline with close knots neither trembles nor cuts corners (a P-spline, Eilers
-    and Marx 1996).
+    x is increasing (not strictly: a path may climb straight up), in frames or seconds; y is in frames or cycles. One
+    knot per `knot_spacing` of x. The slope from end to end must be positive, so x[-1] above x[0] and y[-1] above y[0]:
+    the curve rises by at least LEAST_SLOPE of it everywhere, and the fit starts from the line with this slope.
+    `stiffness` weighs the square of the coefficients' second differences against that of the misfit, so that a spline
+    with close knots neither trembles nor cuts corners (a P-spline, Eilers and Marx 1996).
     """
     x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
     intervals = max(1, round(float(x[-1] - x[0]) / knot_spacing))

@@ -25,6 +25,7 @@ from runtime.bank import content_digest
 Progress = Callable[[str, int, int], None]  # what is being done, how many are done, of how many
 Failures = dict[str, MotionError]
 Made = TypeVar("Made")
+FEW = 3  # errors that a message about many clips quotes
 
 
 @dataclass(frozen=True)
@@ -98,18 +99,25 @@ def load(source: Source, find_stride: bool) -> Loaded:
 
 def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionError], name: str | None) -> Baseline:
     """The named clip's stride, or the most typical of all locomotions' strides. Raises BaselineError."""
+    if not loaded:
+        raise BaselineError("not one of the clips can be read", mend=_reasons(failed))
     if name is None:
         strides = [one.stride for one in loaded.values() if one.stride is not None]
         if not strides:
-            reasons = " ".join(str(error) for error in failed.values())
             problem = "none of the clips can serve as the baseline, for none of them has a stride"
-            raise BaselineError(problem, mend=reasons or "Add a plain walk of a few steps")
+            raise BaselineError(problem, mend=_reasons(failed) or "Add a plain walk of a few steps")
         return most_typical(strides)
     if name in failed:
         raise BaselineError(f"the baseline cannot be read: {failed[name]}")
     if name not in loaded:
         raise BaselineError(f"the baseline {name!r} is not among the clips", mend=did_you_mean(name, loaded))
     return find_baseline(loaded[name].reading.clip, loaded[name].reading.roles)
+
+
+def _reasons(failed: Mapping[str, MotionError]) -> str:
+    """Why clips failed: the first FEW of them, and how many more."""
+    told = [f"{name}: {str(failed[name]).rstrip('.')}." for name in sorted(failed)[:FEW]]
+    return " ".join(told) + (f" And {len(failed) - FEW} more failed." if len(failed) > FEW else "")
 
 
 def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) -> PreparedClip:

@@ -9,12 +9,14 @@ from scipy.spatial.transform import Rotation
 
 from motion import quaternion
 from motion.clip import Clip
+from motion.errors import ClipError
 from motion.kinematics import world_transforms
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
 from motion.roles import Roles
 
 UP = np.array([0.0, 1.0, 0.0])
+HIPS_APART = 1e-6  # metres over the floor: with less they show no direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,12 +39,19 @@ class Torso:
 
 
 def measure_torso(clip: Clip, roles: Roles) -> Torso:
-    """The torso of every frame of a clip."""
+    """The torso of every frame of a clip. Raises ClipError, naming the frame, if its hips show no posture frame."""
     positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
     pelvis = positions[:, roles.pelvis, None]
     cloud = positions[:, list(roles.upper_cloud)] - pelvis
     from_pelvis = quaternion.conjugate(world[:, roles.pelvis, None])
-    frame = posture_frame(positions[:, roles.left_hip] - positions[:, roles.right_hip])
+    hip_line = positions[:, roles.left_hip] - positions[:, roles.right_hip]
+    if len(steep := np.flatnonzero(np.hypot(hip_line[:, 0], hip_line[:, 2]) < HIPS_APART)):
+        raise ClipError(
+            "one hip is straight above the other or in its place, so they do not show which way the body faces",
+            place=f"clip {clip.name!r}, frame {steep[0]}",
+            mend="Leave the frame out, or name other joints for the hips in a file and pass it as --roles",
+        )
+    frame = posture_frame(hip_line)
     parent = world[:, clip.skeleton.parents[roles.pelvis]]
     return Torso(
         clouds=quaternion.rotate(from_pelvis, cloud),
@@ -55,7 +64,7 @@ def posture_frame(hip_line: Floats) -> Floats:
     """World rotations H [F, 4] of the posture frame, from the vectors [F, 3] from right to left hip.
 
     x lies along the hips, z = x cross up, y = z cross x: the hips' yaw and roll are taken out, while the lean
-    against gravity stays (docs/method.md).
+    against gravity stays (docs/method.md). The hips must lie HIPS_APART over the floor.
     """
     x = hip_line / np.linalg.norm(hip_line, axis=-1, keepdims=True)
     z = np.cross(x, UP)

@@ -12,12 +12,12 @@ import numpy as np
 
 from motion import quaternion
 from motion.clip import Clip
-from motion.errors import SkeletonError
+from motion.errors import ClipError, SkeletonError
 from motion.kinematics import joint_positions
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
 from motion.roles import Roles
-from precompute.baseline import WORKING_RATE
+from precompute.baseline import SHORTEST_CLIP, WORKING_RATE
 from precompute.posture import Torso, measure_torso
 from precompute.timewarp import TimeWarp, align_pair
 
@@ -48,7 +48,8 @@ def splice_exact(
 
     All clips share one skeleton. Posture `relative` needs the `torso_offsets` [F, 4] of locomotion and action at their
     own frames (`precompute.torso_offset`, `Bank.torso_offsets`); None for a clip that is its own neutral, as a plain
-    locomotion is (docs/method.md). Raises SkeletonError if the rigs differ.
+    locomotion is (docs/method.md). Raises SkeletonError for clips on two skeletons, and ClipError for clips too long or
+    too short to be aligned.
     """
     check_same_rig(locomotion, action)
     warp, action_frames = align_in_time(locomotion, action, roles)
@@ -79,13 +80,28 @@ def splice_naive(locomotion: Clip, action: Clip, roles: Roles) -> Clip:
 
 
 def align_in_time(locomotion: Clip, action: Clip, roles: Roles) -> tuple[TimeWarp, Floats]:
-    """lambda(t) at the locomotion's own frames, up to where the alignment ends (Heck et al. 2006, 3.1)."""
+    """lambda(t) at the locomotion's own frames, up to where the alignment ends (Heck et al. 2006, 3.1).
+
+    Raises ClipError if that is before SHORTEST_CLIP, or if the clips are too long for `align_pair`.
+    """
     cloud = list(roles.lower_cloud)
+    if min(locomotion.duration, action.duration) < SHORTEST_CLIP:
+        raise _too_short(locomotion, action)
     clouds_l, clouds_u = (joint_positions(clip.resampled(WORKING_RATE))[:, cloud] for clip in (locomotion, action))
     warp = align_pair(clouds_l, clouds_u, WORKING_RATE)
-    covered = warp.path[-1, 0] / WORKING_RATE * locomotion.rate
-    at = np.arange(int(covered + 1e-9) + 1) * (WORKING_RATE / locomotion.rate)
+    covered = warp.path[-1, 0] / WORKING_RATE
+    if covered < SHORTEST_CLIP:
+        raise _too_short(locomotion, action)
+    at = np.arange(int(covered * locomotion.rate + 1e-9) + 1) * (WORKING_RATE / locomotion.rate)
     return warp, np.asarray(warp.curve(at)) * (action.rate / WORKING_RATE)
+
+
+def _too_short(locomotion: Clip, action: Clip) -> ClipError:
+    return ClipError(
+        f"it goes in step with {locomotion.name!r} for less than {SHORTEST_CLIP} s before one of them ends",
+        place=f"clip {action.name!r}",
+        mend="Use the bank's splice (--method splice), which repeats the action",
+    )
 
 
 def attach(locomotion: Clip, rotations_u: Floats, q_a: Floats, roles: Roles) -> Clip:

@@ -29,9 +29,9 @@ def workers(count: int) -> Iterator[Executor | None]:
 def outcomes(
     pool: Executor | None, function: Callable[[Task], Result], tasks: Iterable[Task]
 ) -> Iterator[tuple[Task, Result | MotionError]]:
-    """Each task with what `function` made of it, or the MotionError that it raised, as they are done.
+    """Each task with what `function` made of it, or the error that it raised as a MotionError, as they are done.
 
-    Raises MotionError if a process died.
+    So one bad task leaves the others alone, even if the error is our own. Raises MotionError if a process died.
     """
     if pool is None:
         for task in tasks:
@@ -50,3 +50,8 @@ def _attempt(function: Callable[[Task], Result], task: Task) -> Result | MotionE
         return function(task)
     except MotionError as error:
         return error
+    except MemoryError:
+        return MotionError("there is not enough memory for it", mend="Use fewer --jobs, or a shorter clip")
+    except Exception as error:
+        problem = f"an unexpected {type(error).__name__}: {error}"
+        return MotionError(problem, mend="This is a bug in motionsplice: please report it, with the file")

@@ -84,6 +84,13 @@ def test_splice_writes_the_motion(bank: Bank, tmp_path: Path, method: str, postu
         assert 0.5 * bank.clip("walk").frame_count < clip.frame_count <= bank.clip("walk").frame_count
 
 
+def test_a_splice_that_ends_before_its_locomotion_says_so(bank: Bank, tmp_path: Path) -> None:
+    splice = f"splice {bank.path} --locomotion walk --action wave --out {tmp_path / 'out.bvh'} --method".split()
+    shorter = f"{bank.clip('walk').duration:.2f} s"
+    assert f" s of {shorter}" in run(*splice, "exact").output
+    assert f", {shorter}\n" in run(*splice, "splice").output
+
+
 def test_render_draws_sheets_and_animations(clip_folder: Path, tmp_path: Path) -> None:
     motions = [clip_folder / "walk.bvh", clip_folder / "run.bvh"]
     run("render", *motions, "--out", tmp_path / "sheet.png", "--columns", 4)

@@ -148,6 +148,16 @@ def test_a_baseline_without_a_cycle_is_refused(tmp_path: Path) -> None:
         precompute([clips], tmp_path / "bank", jobs=1)
 
 
+@pytest.mark.parametrize("baseline", [None, "walk", "broken0"])
+def test_if_no_clip_can_be_read_the_reasons_are_told(tmp_path: Path, baseline: str | None) -> None:
+    for number in range(5):
+        (tmp_path / f"broken{number}.bvh").write_bytes(b"HIERARCHY\nROOT")
+    words = r"^not one of the clips can be read\. broken0: .*\. broken2: .*\. And 2 more"
+    with pytest.raises(BaselineError, match=words) as told:
+        precompute([tmp_path], tmp_path / "bank", baseline=baseline)
+    assert "stride" not in str(told.value)
+
+
 def test_two_clips_of_one_name_are_refused(tmp_path: Path) -> None:
     a, b = write(tmp_path / "a", walk=CLIPS["walk"]), write(tmp_path / "b", walk=CLIPS["walk"])
     with pytest.raises(ClipError, match=r"two clips are called 'walk'.*Rename"):

@@ -9,7 +9,7 @@ import pytest
 from bench.measures import posture_error, upper_body_errors
 from motion import quaternion
 from motion.clip import Clip
-from motion.errors import SkeletonError
+from motion.errors import ClipError, SkeletonError
 from motion.formats.files import read_clip
 from motion.kinematics import joint_positions
 from motion.quaternion import Floats
@@ -135,6 +135,14 @@ def test_rigs_that_differ_are_refused() -> None:
     )
     with pytest.raises(SkeletonError, match="different joints"):
         splice_exact(WALK, renamed, ROLES)
+
+
+@pytest.mark.parametrize("frames", [(0, 40), (0, 8), (80, 82), (80, 81)])
+def test_an_action_that_ends_before_it_is_in_step_is_refused(frames: tuple[int, int]) -> None:
+    with pytest.raises(ClipError, match=r"'carry_box': .* less than 0\.3 s.*--method splice.*repeats"):
+        splice_exact(WALK, replace(BOX.frames(*frames), name="carry_box"), ROLES)
+    with pytest.raises(ClipError, match=r"less than 0\.3 s"):
+        splice_exact(WALK.frames(0, 8), BOX, ROLES)
 
 
 def test_real_walks_come_nearer_to_the_truth_than_a_naive_splice(real_motion: Path) -> None:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from motion.errors import ClipError
 from motion.quaternion import Floats
 from precompute.ring import MOST_ADVANCE, MOST_ZERO_STEPS, walk_ring, wind
 from precompute.timewarp import MOST_FLAT_STEPS, align_pair, cheapest_paths, trace
@@ -17,23 +18,26 @@ from tests import naive
 @settings(max_examples=40)
 def test_path_costs_are_those_of_trying_every_path(seed: int, rows: int, columns: int, most_flat: int) -> None:
     grid = np.random.default_rng(seed).random((rows, columns))
-    cost = cheapest_paths(grid, most_flat)[0].min(axis=2)
-    np.testing.assert_allclose(cost, naive.cheapest_path_cost(grid, most_flat))
+    by_row = [cheapest_paths(grid[:stop], most_flat)[0].min(axis=1) for stop in range(1, rows + 1)]
+    by_column = [cheapest_paths(grid[:, :stop], most_flat)[1].min(axis=1) for stop in range(1, columns + 1)]
+    np.testing.assert_allclose(np.stack(by_row), naive.cheapest_path_cost(grid, most_flat))
+    np.testing.assert_array_equal(np.stack(by_column, axis=1), np.stack(by_row))
 
 
 @given(st.integers(0, 10**6))
 @settings(max_examples=20)
 def test_a_traced_path_is_legal_and_costs_what_it_says(seed: int) -> None:
     grid = np.random.default_rng(seed).random((20, 20))
-    cost, came = cheapest_paths(grid, MOST_FLAT_STEPS)
-    path = trace(cost, came, 19, 19)
+    last_row, last_column, came = cheapest_paths(grid, MOST_FLAT_STEPS)
+    np.testing.assert_array_equal(last_row[19], last_column[19])
+    path = trace(came, 19, 19, int(np.argmin(last_row[19])))
     steps = np.diff(path, axis=0)
     assert path[0].tolist() == [0, 0]
     assert path[-1].tolist() == [19, 19]
     assert set(map(tuple, steps.tolist())) <= {(1, 1), (1, 0), (0, 1)}
     runs = [len(list(run)) for step, run in itertools.groupby(map(tuple, steps.tolist())) if step != (1, 1)]
     assert max(runs, default=0) <= MOST_FLAT_STEPS
-    np.testing.assert_allclose(grid[path[:, 0], path[:, 1]].sum(), cost[19, 19].min())
+    np.testing.assert_allclose(grid[path[:, 0], path[:, 1]].sum(), last_row[19].min())
 
 
 @given(st.integers(0, 10**6), st.integers(2, 6), st.integers(3, 5), st.integers(1, 2), st.integers(1, 2))
@@ -73,6 +77,18 @@ def test_pairwise_alignment_recovers_a_known_warp() -> None:
     assert np.median(error) < 0.02
     assert np.percentile(error, 95) < 0.06
     assert warp.mean_cost < 0.02
+
+
+def test_the_grid_keeps_little_more_than_a_byte_for_each_state() -> None:
+    grid = np.random.default_rng(1).random((100, 120))
+    kept = sum(array.nbytes for array in cheapest_paths(grid, MOST_FLAT_STEPS))
+    assert kept < 1.5 * grid.size * (2 * MOST_FLAT_STEPS + 1)
+
+
+def test_clips_too_long_for_a_grid_are_refused_before_it_is_made() -> None:
+    hours = pacing(np.linspace(0.0, 3600.0, 3600 * 30))
+    with pytest.raises(ClipError, match=r"3600 s and 3\d{3} s are too long.*--method splice"):
+        align_pair(hours, hours, 30.0)
 
 
 def pacing(phase: Floats) -> Floats:

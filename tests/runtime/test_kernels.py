@@ -57,6 +57,14 @@ def test_series_slerp_is_slerp(seed: int, radians: float, t: float) -> None:
     assert quaternion.angle(found, quaternion.slerp(a, b, t)) < 2e-6
 
 
+@pytest.mark.parametrize(("degrees", "bound"), [(60.0, 1e-7), (90.0, 1e-5), (150.0, 1e-3), (180.0, 0.0051)])
+def test_series_slerp_is_off_by_no_more_than_it_says(degrees: float, bound: float) -> None:
+    axis, found = [1.0, 0.0, 0.0], np.empty(4)
+    for t in np.linspace(0.0, 1.0, 201):
+        slerp(quaternion.IDENTITY, quaternion.about(axis, np.radians(degrees)), t, found)
+        assert quaternion.angle(found, quaternion.about(axis, t * np.radians(degrees))) < bound
+
+
 @given(st.data())
 @settings(max_examples=150)
 def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:

@@ -54,8 +54,8 @@ def main(
             walks = [score_clip(bank, clip.name) for clip in bank.clips if clip.kind == "locomotion"]
             least = min(walks, key=lambda one: one.concentration if one.concentration is not None else 1.0)
             table.add_row(
-                f"{entry.name} (automatic)" if entry.name == chosen.baseline["clip"] else entry.name,
-                f"{bank.baseline['end'] - bank.baseline['start']:.2f}",
+                f"{entry.name} (automatic)" if entry.name == chosen.baseline.clip else entry.name,
+                f"{bank.baseline.end - bank.baseline.start:.2f}",
                 *(f"{measure(ratios):.3f}" for measure in (np.mean, np.median, np.max)),
                 f"{100.0 * np.mean([clip.mean_mismatch for clip in bank.clips]):.1f}",
                 f"{least.concentration:.3f} ({least.clip})",

@@ -53,7 +53,7 @@ def main(
     with tempfile.TemporaryDirectory() as folder:
         bank = bank_of(clips, baseline, Path(folder))
         evaluator = Evaluator(bank)
-        ring_clip = bank.motion(bank.baseline["clip"])
+        ring_clip = bank.motion(bank.baseline.clip)
         for entry in bank.clips:
             clip = bank.motion(entry.name)
             own = splice_exact(clip, clip, bank.roles).clip

@@ -94,7 +94,7 @@ def main(
             write_report(
                 out / "index.html",
                 title=f"Splices of {kind} motion against the truth",
-                subtitle=f"bank {bank.digest}, baseline {bank.baseline['clip']}, {len(bank.clips)} clips",
+                subtitle=f"bank {bank.digest}, baseline {bank.baseline.clip}, {len(bank.clips)} clips",
                 pairs=judged,
                 clips=clip_scores,
                 found=reached,

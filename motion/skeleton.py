@@ -46,6 +46,8 @@ class Skeleton:
             raise ClipError("joints must be ordered parent before child, below a single root")
         if self.end_offsets.shape != (len(self.end_parents), 3):
             raise ClipError("every end site needs one parent and one offset")
+        if np.any((self.end_parents < 0) | (self.end_parents >= count)):
+            raise ClipError("an end site hangs on a joint that is not there")
         if not (np.isfinite(self.offsets).all() and np.isfinite(self.end_offsets).all()):
             raise ClipError("a bone offset is not a finite number")
 

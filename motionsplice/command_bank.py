@@ -92,10 +92,10 @@ def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank.")]) -> No
 
 def show_bank(bank: Bank) -> None:
     """Prints a bank's clips as a table, and what was noted while they were read."""
-    stride = bank.baseline["end"] - bank.baseline["start"]
+    stride = bank.baseline.end - bank.baseline.start
     console.print(
-        f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, baseline {bank.baseline['clip']!r} "
-        f"(a stride of {stride:.2f} s from {bank.baseline['start']:.2f} s)",
+        f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, baseline {bank.baseline.clip!r} "
+        f"(a stride of {stride:.2f} s from {bank.baseline.start:.2f} s)",
         highlight=False,
         soft_wrap=True,
     )

@@ -21,7 +21,7 @@ from motion.skeleton import Skeleton
 from precompute.baseline import Baseline
 from precompute.prepared import PreparedClip
 from precompute.torso_offset import MeanStride, shoulder_motion, torso_offsets
-from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, ClipEntry, content_digest
+from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, BaselineEntry, ClipEntry, content_digest
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
 CELLS_PER_FRAME = 4  # of the inverse table: phase passes at least a quarter as fast as on average
@@ -57,13 +57,9 @@ def write_bank(
             "end_offsets": skeleton.end_offsets.tolist(),
         },
         "roles": asdict(roles),
-        "baseline": {
-            "clip": baseline.name,
-            "start": baseline.start,
-            "end": baseline.end,
-            "loop": baseline.loop,
-            "cells": len(baseline.clouds),
-        },
+        "baseline": asdict(
+            BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
+        ),
         "clips": [asdict(entry) for entry in _entries(clips, offsets)],
         "tables": digests,
     }

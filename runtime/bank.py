@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import msgpack
 import numpy as np
@@ -75,6 +76,20 @@ class ClipEntry:
         return (self.frame_count - 1) / self.rate
 
 
+@dataclass(frozen=True)
+class BaselineEntry:
+    """The stride that a bank is aligned to: from start to end of a clip, seconds, in `cells` cells.
+
+    loop is how far its ends are apart, as a part of how far its halves are.
+    """
+
+    clip: str
+    start: float
+    end: float
+    loop: float
+    cells: int
+
+
 @dataclass(frozen=True, eq=False)
 class Bank:
     """All clips of a bank on one skeleton, and their tables (`TABLES` gives shapes and types)."""
@@ -83,7 +98,7 @@ class Bank:
     digest: str
     skeleton: Skeleton
     roles: Roles
-    baseline: Mapping[str, Any]
+    baseline: BaselineEntry
     clips: tuple[ClipEntry, ...]
     tables: Mapping[str, NDArray[Any]]
 
@@ -97,14 +112,14 @@ class Bank:
         try:
             digest, body = _read_manifest(folder)
             return cls(folder, digest, *_contents(body), tables=_map_tables(folder, body))._checked()
-        except (KeyError, TypeError, ValueError, AttributeError, msgpack.UnpackException) as error:
+        except (KeyError, TypeError, ValueError, AttributeError, OverflowError, msgpack.UnpackException) as error:
             raise BankError(
                 f"its manifest lacks or misstates something ({type(error).__name__}: {error})",
                 file=str(folder / MANIFEST),
                 mend=REBUILD,
             ) from None
-        except BankError:
-            raise
+        except BankError as error:
+            raise error.within(str(folder / MANIFEST)) from None
         except MotionError as error:
             raise BankError(error.problem, file=str(folder / MANIFEST), mend=REBUILD) from None
 
@@ -167,6 +182,8 @@ class Bank:
                 return f"table {name!r} holds numbers that are not finite"
         if not self.clips or len(self._numbers) != sizes[C]:
             return "it has no clips, or two of one name"
+        if self.baseline.clip not in self._numbers:
+            return "its baseline is a clip that is not there"
         row = cell = 0
         for clip in self.clips:
             follows = clip.first_row == row and clip.first_cell == cell
@@ -193,6 +210,7 @@ class Bank:
 
 
 REBUILD = "Build it again with `motionsplice precompute`"
+Entry = TypeVar("Entry", ClipEntry, BaselineEntry, Roles)
 
 
 def content_digest(data: bytes) -> str:
@@ -223,22 +241,41 @@ def _read_manifest(folder: Path) -> tuple[str, dict[str, Any]]:
     return digest, body
 
 
-def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, Mapping[str, Any], tuple[ClipEntry, ...]]:
+def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, BaselineEntry, tuple[ClipEntry, ...]]:
     rig = body["skeleton"]
+    names = tuple(rig["names"])
+    if not _fits(names, tuple[str, ...]):
+        raise BankError("the manifest names a joint by what is not text", mend=REBUILD)
     skeleton = Skeleton(
-        names=tuple(rig["names"]),
+        names=names,
         parents=np.array(rig["parents"], np.int64),
         offsets=np.array(rig["offsets"], np.float64),
         end_parents=np.array(rig["end_parents"], np.int64),
         end_offsets=np.array(rig["end_offsets"], np.float64).reshape(-1, 3),
     )
-    roles = Roles(**_tuples(body["roles"]))
-    clips = tuple(ClipEntry(**_tuples(entry)) for entry in body["clips"])
-    return skeleton, roles, body["baseline"], clips
+    (roles,), (baseline,) = _entries(Roles, [body["roles"]]), _entries(BaselineEntry, [body["baseline"]])
+    return skeleton, roles, baseline, _entries(ClipEntry, body["clips"])
 
 
-def _tuples(entry: dict[str, Any]) -> dict[str, Any]:
-    return {key: tuple(value) if isinstance(value, list) else value for key, value in entry.items()}
+def _entries(kind: type[Entry], said: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:
+    """Maps of the manifest as `kind`, a dataclass. Raises BankError, naming the field, if a type is another."""
+    types, entries = get_type_hints(kind), []
+    for one in said:
+        values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in one.items()}
+        entry = kind(**values)
+        for name, wanted in types.items():
+            if not _fits(value := getattr(entry, name), wanted):
+                problem = f"the manifest gives {name} = {value!r:.40}, which is no {kind.__annotations__[name]}"
+                raise BankError(problem, mend=REBUILD)
+        entries.append(entry)
+    return tuple(entries)
+
+
+def _fits(value: object, wanted: Any) -> bool:
+    """Whether a value is of a type as annotated: a bool is no int, and no float is infinite or NaN."""
+    if get_origin(wanted) is tuple:
+        return isinstance(value, tuple) and all(_fits(one, get_args(wanted)[0]) for one in value)
+    return type(value) is wanted and (not isinstance(value, float) or math.isfinite(value))
 
 
 def _map_tables(folder: Path, body: dict[str, Any]) -> dict[str, NDArray[Any]]:

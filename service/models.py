@@ -74,7 +74,7 @@ class BankInfo(BaseModel):
         """What is to be said of a bank."""
         return cls(
             digest=bank.digest,
-            baseline=bank.baseline["clip"],
+            baseline=bank.baseline.clip,
             clips=len(bank.clips),
             joints=list(bank.skeleton.names),
             parents=bank.skeleton.parents.tolist(),

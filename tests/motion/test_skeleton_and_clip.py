@@ -50,6 +50,7 @@ def test_kinematics_keeps_bone_lengths() -> None:
         ({"parents": np.array([-1, -1, 0])}, "single root"),
         ({"offsets": np.full((3, 3), np.nan)}, "finite"),
         ({"end_offsets": np.zeros((2, 3))}, "end site"),
+        ({"end_parents": np.array([3])}, "joint that is not there"),
     ],
 )
 def test_a_broken_skeleton_is_refused(change: dict[str, NDArray[np.float64]], words: str) -> None:

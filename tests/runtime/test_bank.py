@@ -26,7 +26,7 @@ def test_holds_what_was_put_in(bank: Bank) -> None:
     assert bank.clip("carry_box").tags == ("carry",)
     assert bank.neutral("carry_box") == "walk"
     assert bank.neutral("run") == "run"
-    assert bank.baseline["clip"] == "walk"
+    assert bank.baseline.clip == "walk"
     for clip in bank.clips:
         phase = bank.tables["phase_of_frame"][clip.first_row : clip.first_row + clip.row_count]
         assert np.diff(phase).min() > 0.0
@@ -109,15 +109,53 @@ def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None
         lambda body: body["tables"].update(rotations=body["tables"]["root_positions"]),
         lambda body: body["tables"].update(rotations="../../elsewhere"),
         lambda body: body.pop("skeleton"),
+        lambda body: body.update(baseline={}),
+        lambda body: body["baseline"].update(clip="absent"),
+        lambda body: body["skeleton"].update(end_parents=[999] * len(body["skeleton"]["end_parents"])),
+        lambda body: body["skeleton"]["parents"].append(2**63),
+        lambda body: body["skeleton"].update(names=list(range(len(body["skeleton"]["names"])))),
     ]
     for lie in lies:
-        body = msgpack.unpackb(outer["body"])
-        lie(body)
-        packed = msgpack.packb(body)
-        manifest = outer | {"body": packed, "digest": content_digest(packed)}
-        (copy / MANIFEST).write_bytes(msgpack.packb(manifest))
+        tell(copy, outer, lie)
         with pytest.raises(BankError):
             Bank.open(copy)
+
+
+def tell(bank: Path, outer: dict[str, Any], lie: Callable[[dict[str, Any]], object]) -> None:
+    """Writes a manifest again, with a lie in its body and a digest that fits."""
+    body = msgpack.unpackb(outer["body"])
+    lie(body)
+    packed = msgpack.packb(body)
+    (bank / MANIFEST).write_bytes(msgpack.packb(outer | {"body": packed, "digest": content_digest(packed)}))
+
+
+@pytest.mark.parametrize(
+    ("part", "field", "value"),
+    [
+        ("clips", "rate", "30"),
+        ("clips", "rate", 30),
+        ("clips", "mean_mismatch", float("nan")),
+        ("clips", "loop", 1.0),
+        ("clips", "loop", True),
+        ("clips", "name", b"walk"),
+        ("clips", "tags", "carry"),
+        ("clips", "notes", [1]),
+        ("clips", "warnings", None),
+        ("baseline", "clip", 3),
+        ("baseline", "start", [0.0]),
+        ("baseline", "cells", 30.0),
+        ("roles", "pelvis", 1.0),
+        ("roles", "spine", [1, 2.0]),
+        ("roles", "head", None),
+    ],
+)
+def test_a_field_of_another_type_is_named(copy: Path, part: str, field: str, value: object) -> None:
+    def lie(body: dict[str, Any]) -> None:
+        (body[part][0] if part == "clips" else body[part])[field] = value
+
+    tell(copy, msgpack.unpackb((copy / MANIFEST).read_bytes()), lie)
+    with pytest.raises(BankError, match=rf"manifest\.msgpack: the manifest gives {field} = .*precompute"):
+        Bank.open(copy)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import numpy as np
 from motion.errors import RoleError, SettingsError, did_you_mean
 from motion.quaternion import Floats
 from motion.role_names import OPTIONAL, PAIRED, roles_by_name
-from motion.skeleton import Integers, Skeleton
+from motion.skeleton import Integers, Skeleton, chain
 
 GivenRole = str | Sequence[str]  # the name of a joint, or for the spine of several
 NOTHING_GIVEN: Mapping[str, GivenRole] = MappingProxyType({})
@@ -113,12 +113,7 @@ def limbs_by_name(names: tuple[str, ...], given: Mapping[str, GivenRole]) -> dic
 
 def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:
     """The lowest joint that all of `joints` hang on."""
-    chains = []
-    for joint in joints:
-        chain = [joint]
-        while parents[chain[-1]] >= 0:
-            chain.append(int(parents[chain[-1]]))
-        chains.append(chain)
+    chains = [chain(parents, joint) for joint in joints]
     shared = set(chains[0]).intersection(*chains[1:])
     return next(joint for joint in chains[0] if joint in shared)
 
@@ -180,8 +175,8 @@ def _joint(role: str, name: GivenRole, names: tuple[str, ...]) -> int:
 
 def _between(skeleton: Skeleton, upper: int, lower: int) -> list[int]:
     """The joints from `lower` up to `upper`, without it."""
-    chain = skeleton.chain(lower)
-    return chain[: chain.index(upper)]
+    way = skeleton.chain(lower)
+    return way[: way.index(upper)]
 
 
 def _stub(missing: Sequence[str]) -> str:

@@ -14,6 +14,23 @@ from motion.quaternion import Floats
 Integers = NDArray[np.int64]
 
 
+def chain(parents: Integers, joint: int) -> list[int]:
+    """The joints from `joint` up to where nothing is above, both included; parents [J] are negative there."""
+    up = [joint]
+    while parents[up[-1]] >= 0:
+        up.append(int(parents[up[-1]]))
+    return up
+
+
+def subtree(parents: Integers, joint: int) -> list[int]:
+    """`joint` and everything that hangs on it, parent before child, as `parents` [J] are."""
+    inside = {joint}
+    for candidate in range(joint + 1, len(parents)):
+        if int(parents[candidate]) in inside:
+            inside.add(candidate)
+    return sorted(inside)
+
+
 @dataclass(frozen=True, eq=False)
 class Skeleton:
     """Joints ordered parent before child; all local frames are aligned with the world in the bind pose.
@@ -69,18 +86,11 @@ class Skeleton:
 
     def chain(self, joint: int) -> list[int]:
         """The joints from `joint` up to the root, both included."""
-        chain = [joint]
-        while self.parents[chain[-1]] >= 0:
-            chain.append(int(self.parents[chain[-1]]))
-        return chain
+        return chain(self.parents, joint)
 
     def subtree(self, joint: int) -> list[int]:
         """`joint` and everything that hangs on it, parent before child."""
-        inside = {joint}
-        for candidate in range(joint + 1, self.joint_count):
-            if int(self.parents[candidate]) in inside:
-                inside.add(candidate)
-        return sorted(inside)
+        return subtree(self.parents, joint)
 
     def bone_length(self, joint: int) -> float:
         """Metres from `joint` to its parent."""

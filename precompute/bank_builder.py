@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import re
+import time
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -24,6 +25,8 @@ from precompute.torso_offset import MeanStride, shoulder_motion, torso_offsets
 from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, BaselineEntry, ClipEntry, content_digest
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
+OUR_PARTIAL = re.compile(rf"\.([0-9a-f]{{32}}\.npy|{re.escape(MANIFEST)})\.\d+")
+ABANDONED = 3600.0  # seconds after which no job is still writing a file
 CELLS_PER_FRAME = 4  # of the inverse table: phase passes at least a quarter as fast as on average
 
 
@@ -71,6 +74,9 @@ def write_bank(
     for file in folder.glob("*.npy"):
         if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
             file.unlink()
+    for file in (*path.iterdir(), *folder.iterdir()):
+        if OUR_PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > ABANDONED:
+            file.unlink()  # of a job that was killed
     return digest
 
 

@@ -20,6 +20,7 @@ from motion.roles import Roles
 
 SEAM = 0.3  # seconds
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
+WIDEST_TURN = 1.2  # radians, of any one joint
 ABOUT_AS_GOOD = 1.25  # of the least gap: of such loops the longest is taken
 
 
@@ -43,7 +44,9 @@ def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
         counterpart = float(np.interp(phase[-1] - strides, phase, np.arange(last + 1)))
         if 1.0 <= counterpart <= last - count:
             there = clip.sampled([counterpart])[1][0, 1:]
-            gaps[strides] = float(np.sqrt(np.mean(quaternion.angle(there, clip.rotations[last, 1:]) ** 2)))
+            turns = quaternion.angle(there, clip.rotations[last, 1:])
+            if turns.max() <= WIDEST_TURN:
+                gaps[strides] = float(np.sqrt(np.mean(turns**2)))
     if not gaps or min(gaps.values()) > WIDEST_GAP:
         return Seamed(clip, phase, 0)
     strides = max(number for number, gap in gaps.items() if gap <= ABOUT_AS_GOOD * min(gaps.values()))

@@ -10,7 +10,7 @@ import numpy as np
 from motion import quaternion
 from motion.errors import FormatError
 from motion.quaternion import Floats
-from motion.skeleton import Integers, Skeleton
+from motion.skeleton import Integers, Skeleton, chain, subtree
 
 STEADY = 0.01  # of the rig's longest bone: less movement of an inner joint on its parent is noise
 
@@ -64,7 +64,7 @@ def fold(nodes: Nodes, root: int) -> Folded:
     An inner joint's position channels become its offset: their median, which is noted if they move.
     """
     position, rotation = _world(nodes, root)
-    kept = _below(nodes.parents, root)
+    kept = subtree(nodes.parents, root)
     places = {joint: place for place, joint in enumerate(kept)}
     offsets, notes = nodes.offsets[kept].copy(), []
     longest = float(np.linalg.norm(nodes.offsets[kept[1:]], axis=1).max(initial=0.0))
@@ -96,19 +96,8 @@ def _world(nodes: Nodes, joint: int) -> tuple[Floats, Floats]:
     """A joint's world position [F, 3] and rotation [F, 4]."""
     frames = len(nodes.rotations)
     position, rotation = np.zeros((frames, 3)), np.tile(quaternion.IDENTITY, (frames, 1))
-    chain = [joint]
-    while nodes.parents[chain[-1]] >= 0:
-        chain.append(int(nodes.parents[chain[-1]]))
-    for one in reversed(chain):
+    for one in reversed(chain(nodes.parents, joint)):
         local = nodes.translations.get(one, np.broadcast_to(nodes.offsets[one], (frames, 3)))
         position = position + quaternion.rotate(rotation, local)
         rotation = quaternion.multiply(rotation, nodes.rotations[:, one])
     return position, rotation
-
-
-def _below(parents: Integers, root: int) -> list[int]:
-    inside = {root}
-    for joint in range(root + 1, len(parents)):
-        if int(parents[joint]) in inside:
-            inside.add(joint)
-    return sorted(inside)

@@ -26,13 +26,23 @@ def test_rises_everywhere(seed: int, count: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_is_the_bounded_least_squares_fit(seed: int) -> None:
+@pytest.mark.parametrize("stiffness", [0.0, 1.0, 30.0])
+def test_is_the_bounded_least_squares_fit(seed: int, stiffness: float) -> None:
     x, y = np.arange(200.0), staircase(seed, 200)
-    curve = fit_increasing(x, y, 6.0)
+    curve = fit_increasing(x, y, 6.0, stiffness)
     design = BSpline.design_matrix(x, curve.t, DEGREE).toarray()
+    bend = np.diff(np.eye(len(curve.c)), 2, axis=0)
+    stiff = np.concatenate([design, np.sqrt(stiffness * len(x) / len(curve.c)) * bend])
     abscissae = np.array([curve.t[i + 1 : i + 1 + DEGREE].mean() for i in range(len(curve.c))])
     floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * np.diff(abscissae)
-    np.testing.assert_allclose(curve.c, naive.increasing_coefficients(design, y, floor), atol=1e-3)
+    wanted = naive.increasing_coefficients(stiff, np.concatenate([y, np.zeros(len(bend))]), floor)
+    np.testing.assert_allclose(curve.c, wanted, atol=1e-3)
+
+
+def test_a_stiffer_spline_changes_its_speed_less() -> None:
+    x, y = np.arange(200.0), staircase(5, 200)
+    bent = [np.abs(np.diff(fit_increasing(x, y, 6.0, stiffness)(x), 2)).mean() for stiffness in (0.0, 1.0, 30.0)]
+    assert bent[0] > bent[1] > bent[2]
 
 
 def test_a_straight_line_stays_itself() -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -84,6 +85,18 @@ def test_files_that_are_not_a_banks_stay(tmp_path: Path) -> None:
     mine.write_bytes(b"mine")
     precompute([write(tmp_path / "clips", walk=CLIPS["walk"])], tmp_path / "bank")
     assert mine.read_bytes() == b"mine"
+
+
+def test_what_a_killed_job_left_behind_is_removed_and_what_a_running_one_writes_is_not(tmp_path: Path) -> None:
+    tables = tmp_path / "bank" / "tables"
+    tables.mkdir(parents=True)
+    old, fresh, mine = (tables / name for name in (f".{'0a' * 16}.npy.12", f".{'0b' * 16}.npy.34", ".mine.npy.56"))
+    for file in (old, fresh, mine):
+        file.write_bytes(b"half a table")
+    for file in (old, mine):
+        os.utime(file, (0, 0))
+    precompute([write(tmp_path / "clips", walk=CLIPS["walk"])], tmp_path / "bank")
+    assert [file.exists() for file in (old, fresh, mine)] == [False, True, True]
 
 
 def test_people_of_other_size_are_brought_to_the_banks_skeleton(tmp_path: Path) -> None:

@@ -73,6 +73,15 @@ def test_a_clip_whose_strides_are_not_alike_has_no_seam() -> None:
     assert add_seam(replace(clip, rotations=bent), align(clip, ROLES, RING).phase, ROLES).strides == 0
 
 
+def test_one_arm_that_is_elsewhere_a_stride_before_makes_no_seam() -> None:
+    clip = CLIPS["walk"]
+    raised = clip.rotations.copy()
+    turn = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 7.5, clip.frame_count))
+    raised[:, ROLES.left_shoulder] = quaternion.multiply(raised[:, ROLES.left_shoulder], turn)
+    assert seamed(clip).strides > 0
+    assert add_seam(replace(clip, rotations=raised), align(clip, ROLES, RING).phase, ROLES).strides == 0
+
+
 def test_an_action_goes_on_past_its_end_without_a_jump(bank: Bank) -> None:
     assert bank.clip("wave").duration < 0.6 * bank.clip("walk").duration
     splice = Evaluator(bank).clip("walk", "wave")

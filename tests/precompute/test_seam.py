@@ -76,7 +76,7 @@ def test_a_clip_whose_strides_are_not_alike_has_no_seam() -> None:
 def test_one_arm_that_is_elsewhere_a_stride_before_makes_no_seam() -> None:
     clip = CLIPS["walk"]
     raised = clip.rotations.copy()
-    turn = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 7.5, clip.frame_count))
+    turn = quaternion.about([0.0, 0.0, 1.0], 2.0 * (np.arange(clip.frame_count) > clip.frame_count - 25))
     raised[:, ROLES.left_shoulder] = quaternion.multiply(raised[:, ROLES.left_shoulder], turn)
     assert seamed(clip).strides > 0
     assert add_seam(replace(clip, rotations=raised), align(clip, ROLES, RING).phase, ROLES).strides == 0

@@ -128,6 +128,7 @@ def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) 
         neutral=settings.neutral or "",
         tags=settings.tags,
         notes=one.reading.notes,
+        file_warnings=one.reading.warnings,
         source=one.digest,
     )
 

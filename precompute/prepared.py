@@ -23,8 +23,8 @@ class PreparedClip:
     """A clip on the bank's skeleton, with all that was measured of it.
 
     `seamed` is the clip with the frames that lead back to an earlier stride, and `torso` that of all its rows. kind is
-    `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; source is the digest of
-    the file it came from.
+    `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; notes and file_warnings
+    are what the reading of its file said; source is the digest of that file.
     """
 
     clip: Clip
@@ -35,6 +35,7 @@ class PreparedClip:
     neutral: str = ""
     tags: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    file_warnings: tuple[str, ...] = ()
     source: str = ""
 
     @property
@@ -45,7 +46,7 @@ class PreparedClip:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What a person should know before using the clip."""
-        said = []
+        said = list(self.file_warnings)
         if self.alignment.swing < LEAST_SWING:
             said.append("does not look like locomotion: its legs hardly move")
         elif self.alignment.cost.mean() > FOREIGN_GAIT * self.alignment.chance:

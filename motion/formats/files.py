@@ -33,12 +33,16 @@ JUMP = 0.1  # radians, mean over joints: more after the first frame, and twice a
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A clip, its roles, the metres that one of the file's units was taken for, and what is worth knowing."""
+    """A clip, its roles, the metres that one of the file's units was taken for, and what is worth knowing.
+
+    warnings tell what would spoil a splice if nothing is done about it; notes what was done to the file.
+    """
 
     clip: Clip
     roles: Roles
     unit: float
     notes: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 def read_clip(
@@ -73,11 +77,11 @@ def _read(path: Path, skip_frames: int, unit: str | None, given: Mapping[str, Gi
         metres, note = guess_unit(leg)
         notes.append(note)
     clip = _clip(path.stem, folded, rate, metres, skip_frames)
-    if skip_frames == 0 and _starts_with_a_pose(clip.rotations):
-        notes.append("its first frame looks like a bind pose; --skip-frames 1 leaves it out")
+    posed = skip_frames == 0 and _starts_with_a_pose(clip.rotations)
+    warnings = ("its first frame looks like a bind pose; --skip-frames 1 leaves it out",) if posed else ()
     if not given:
         check_shape(joint_positions(clip), roles)
-    return Reading(clip, roles, metres, tuple(notes))
+    return Reading(clip, roles, metres, tuple(notes), warnings)
 
 
 def _parse(path: Path) -> tuple[Nodes, float, float | None]:

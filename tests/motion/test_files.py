@@ -53,13 +53,13 @@ def test_a_leading_bind_pose_is_noticed(tmp_path: Path) -> None:
     posed = WALK.rotations.copy()
     posed[0] = quaternion.IDENTITY
     with_pose = Clip("walk", WALK.skeleton, WALK.rate, WALK.root_positions, posed)
-    assert any("--skip-frames 1" in note for note in read_clip(written(tmp_path, with_pose)).notes)
-    assert not any("--skip-frames" in note for note in read_clip(written(tmp_path)).notes)
+    assert any("--skip-frames 1" in said for said in read_clip(written(tmp_path, with_pose)).warnings)
+    assert not read_clip(written(tmp_path)).warnings
 
 
 def test_the_bind_pose_of_every_real_bvh_is_noticed_and_of_no_amc(real_motion: Path) -> None:
     for path in [*real_motion.glob("06_*.bvh"), *real_motion.glob("16_*.amc")]:
-        noticed = any("--skip-frames" in note for note in read_clip(path).notes)
+        noticed = any("--skip-frames" in said for said in read_clip(path).warnings)
         assert noticed == (path.suffix == ".bvh"), path.name
 
 

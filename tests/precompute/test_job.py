@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from motion import quaternion
 from motion.clip import Clip
 from motion.errors import BaselineError, ClipError, MotionError, SettingsError
 from motion.formats.bvh import dump
@@ -214,6 +215,20 @@ def test_settings_reach_the_clip(tmp_path: Path) -> None:
     assert bank.clip("box").frame_count == CLIPS["carry_box"].frame_count - 7
     assert bank.clip("box").tags == ("a", "b")
     assert bank.neutral("box") == "walk"  # nearer in gait than the run
+
+
+def test_a_leading_bind_pose_is_a_warning_until_it_is_left_out(tmp_path: Path) -> None:
+    walk = CLIPS["walk"]
+    posed = walk.rotations.copy()
+    posed[0] = quaternion.IDENTITY
+    clips = write(tmp_path / "clips", walk=walk, posed=replace(walk, rotations=posed))
+    precompute([clips], tmp_path / "bank", baseline="walk")
+    bank = Bank.open(tmp_path / "bank")
+    assert any("--skip-frames 1" in said for said in bank.clip("posed").warnings)
+    assert not bank.clip("walk").warnings
+    (clips / "clips.toml").write_text("[posed]\nskip_frames = 1\n")
+    precompute([clips], tmp_path / "bank", baseline="walk")
+    assert not Bank.open(tmp_path / "bank").clip("posed").warnings
 
 
 def test_a_neutral_that_is_not_there_fails_that_clip_only(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from bench.pair_list import grid_pairs, read_pairs, truth_of
 from bench.quality import PAIRS
 from bench.scores import score_clip
 from motion.errors import BaselineError
+from motionsplice.cli import run
 from runtime.evaluator import Evaluator
 
 
@@ -64,4 +65,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run(lambda: typer.run(main))

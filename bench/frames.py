@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.clips import bank_of
+from motionsplice.cli import run
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 from runtime.requests import METHODS, POSTURES, Requests, RunningPosture
@@ -79,4 +80,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run(lambda: typer.run(main))

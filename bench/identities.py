@@ -22,6 +22,7 @@ from bench.measures import accelerations
 from motion.clip import Clip
 from motion.kinematics import joint_positions
 from motion.quaternion import Floats
+from motionsplice.cli import run
 from precompute.bank_builder import write_bank
 from precompute.baseline import WORKING_RATE, find_baseline
 from precompute.prepared import prepare
@@ -121,4 +122,4 @@ def _percentiles(error: Floats) -> str:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run(lambda: typer.run(main))

@@ -27,6 +27,7 @@ from motion.formats.bvh import dump
 from motion.pointcloud import horn_rotation
 from motion.procedural.library import make
 from motion.roles import find_roles
+from motionsplice.cli import run
 from precompute.job import precompute
 from precompute.posture import measure_torso
 from precompute.splice import transfer_posture
@@ -92,4 +93,4 @@ def drifting_bank(folder: Path) -> Bank:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run(lambda: typer.run(main))

@@ -10,6 +10,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from motionsplice.cli import run
 from precompute.job import precompute
 from runtime.bank import Bank
 
@@ -37,4 +38,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run(lambda: typer.run(main))

@@ -124,7 +124,7 @@ def claim_row(pair: Pair, values: Mapping[str, float]) -> ClaimRow:
 
 
 def picture(
-    bank: Bank, score: PairScore, title: str, truth: Clip | None, splices: Sequence[Spliced], *, shown: bool
+    bank: Bank, score: PairScore, example: str, truth: Clip | None, splices: Sequence[Spliced], *, shown: bool
 ) -> Picture:
     """A pair's stick figures (papers, Figures 4 and 4.7) and its charts."""
     rows = [(one.form.label, one.clip, bank.roles) for one in splices if one.form.how != "exact"]
@@ -134,6 +134,7 @@ def picture(
     file = io.BytesIO()
     contact_sheet(rows, columns=12, end=end, ghost=truth).save(file, format="png")
     chart = charts.pair_chart(bank, score.locomotion, score.action, truth, splices)
+    title = f"{example}: {score.name}" if example else score.name
     return Picture(title, _base64(file.getvalue()), _base64(chart), shown)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 
 import typer
 from rich.console import Console
@@ -23,9 +24,14 @@ for group in (command_bank, command_motion, command_study, command_serve, comman
 
 
 def main() -> None:
-    """Runs the command line. What a user can mend is told in one paragraph, and the exit status is 1."""
+    """Runs the command line."""
+    run(app)
+
+
+def run(command: Callable[[], object]) -> None:
+    """Runs a command. What a user can mend is told in one paragraph, and the exit status is 1."""
     try:
-        app()
+        command()
     except MotionError as error:
         _tell(str(error))
     except OSError as error:

@@ -40,11 +40,8 @@ def samples(tmp_path_factory: pytest.TempPathFactory) -> Bank:
 @pytest.fixture(scope="module")
 def grid(samples: Bank) -> list[PairScore]:
     """Every built-in action on every built-in locomotion, scored."""
-    evaluator, scores = Evaluator(samples), []
-    for pair in grid_pairs():
-        splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in FORMS]
-        scores.append(score_pair(evaluator, pair.locomotion, pair.action, truth_of(pair, samples), splices))
-    return scores
+    evaluator = Evaluator(samples)
+    return [quality.judge(evaluator, pair, FORMS).score for pair in grid_pairs()]
 
 
 def test_splices_of_built_in_motion_meet_every_target(samples: Bank, grid: list[PairScore]) -> None:
@@ -84,8 +81,7 @@ def test_the_thesis_examples_are_all_there_and_come_true(samples: Bank) -> None:
     for pair in pairs:
         if CLAIMS[pair.claim].unit != "°":
             continue
-        splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in FORMS]
-        values = quality.claimed(samples, pair, truth_of(pair, samples), splices)
+        values = quality.claimed(samples, quality.judge(evaluator, pair, FORMS))
         assert values["splice"] == pytest.approx(values["truth"], abs=4.0), pair.example
 
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.signal import find_peaks
 
-from bench.rhythm import concentration
+from bench.rhythm import concentration, forward, resultant
 from motion import quaternion
 from motion.clip import Clip
 from motion.kinematics import joint_positions, world_transforms
@@ -38,11 +38,9 @@ class Claim:
 def _lean(shown: Performance, action: Performance) -> float:
     """Degrees that the shoulders are ahead of the pelvis, mean over the clip."""
     positions, roles = joint_positions(shown.clip), shown.roles
-    ahead = np.cross(positions[:, roles.left_hip] - positions[:, roles.right_hip], [0.0, 1.0, 0.0])
-    ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
     shoulders = 0.5 * (positions[:, roles.left_shoulder] + positions[:, roles.right_shoulder])
     trunk = shoulders - positions[:, roles.pelvis]
-    return float(np.degrees(np.arctan2(np.sum(trunk * ahead, axis=1), trunk[:, 1])).mean())
+    return float(np.degrees(np.arctan2(np.sum(trunk * forward(positions, roles), axis=1), trunk[:, 1])).mean())
 
 
 def _tilt(shown: Performance, action: Performance) -> float:
@@ -54,7 +52,7 @@ def _tilt(shown: Performance, action: Performance) -> float:
 
 def _timing(shown: Performance, action: Performance) -> float:
     """Degrees of a stride by which the punches are off where the action has them against its own legs."""
-    means = [np.mean(np.exp(2j * np.pi * one.phase[_punches(one)])) for one in (shown, action)]
+    means = [resultant(one.phase[_punches(one)]) for one in (shown, action)]
     return float(np.degrees(np.abs(np.angle(means[0] * np.conj(means[1])))))
 
 

@@ -22,7 +22,7 @@ def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
     Over the frames that both clips have; the pelvis, which both have in one place, is left out.
     """
     frames = min(result.frame_count, truth.frame_count)
-    upper = [joint for joint in result.skeleton.subtree(roles.pelvis) if joint != roles.pelvis]
+    upper = result.skeleton.subtree(roles.pelvis)[1:]
     over_root = []
     for clip in (result, truth):
         positions = joint_positions(clip.frames(0, frames))
@@ -40,9 +40,9 @@ def promised_posture(locomotion: Clip, action: Clip, turns: Floats, posture: str
 
     For `relative` it is the locomotion's, turned at each frame by `turns` [F, 4]: what the action does beyond its gait.
     """
-    own, theirs = (measure_torso(clip, roles) for clip in (locomotion, action))
     if posture in ("absolute", "running"):
-        return theirs.posture
+        return measure_torso(action, roles).posture
+    own = measure_torso(locomotion, roles)
     if posture == "relative":
         return np.asarray(quaternion.rotate(turns[:, None], own.upright[:, -2:]).mean(axis=0))
     return own.posture
@@ -86,7 +86,7 @@ def change_within_halves(result: Clip, locomotion: Clip, upper_rotations: Floats
     upper_rotations [F, J, 4] are the action's at the frames that the result shows.
     """
     count = result.frame_count
-    upper = [joint for joint in result.skeleton.subtree(roles.pelvis) if joint != roles.pelvis]
+    upper = result.skeleton.subtree(roles.pelvis)[1:]
     lower = [joint for joint in range(result.skeleton.joint_count) if joint not in {*upper, roles.pelvis}]
     return max(
         float(quaternion.angle(result.rotations[:, joints], source[:count, joints]).max())

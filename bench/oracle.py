@@ -24,7 +24,7 @@ def oracle_error(locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Flo
     Each frame of the action is first aligned as a splice is, with `offsets`, the torso offsets [F, 4] of locomotion and
     action at their own frames. Frames are picked one by one, without any regard to time, as no motion could be.
     """
-    upper = [joint for joint in locomotion.skeleton.subtree(roles.pelvis) if joint != roles.pelvis]
+    upper = locomotion.skeleton.subtree(roles.pelvis)[1:]
     torso_l, torso_u = measure_torso(locomotion, roles), measure_torso(action, roles)
     hung = _hung_on_pelvis(action, upper, roles)
     world = world_transforms(locomotion.skeleton, locomotion.root_positions, locomotion.rotations)[1]

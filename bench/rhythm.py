@@ -12,9 +12,7 @@ from motion.quaternion import Floats
 from motion.roles import Roles
 
 LEAST_SWING = 0.03  # metres of amplitude: an arm that swings less, as under a box, has no phase to speak of
-LEAST_SHARE = (
-    0.3  # of an arm's motion at the stride's own period: with less, as when dribbling, something else times it
-)
+LEAST_SHARE = 0.3  # of an arm's motion at the stride's own period: with less, as when dribbling, it has another time
 TREMBLE = 0.03  # seconds over which the knees' way is smoothed before their passes are counted
 CLEAR_PASS = 0.25  # of the knees' usual amplitude, to be exceeded on both sides of a pass
 
@@ -23,7 +21,7 @@ def swing(clip: Clip, roles: Roles, joint: str, about: str | None = None) -> Flo
     """How far a joint is forward of another, or of the root [F], metres; both are roles' names."""
     positions = joint_positions(clip)
     centre = positions[:, getattr(roles, about) if about else roles.root]
-    return np.asarray(np.sum((positions[:, getattr(roles, joint)] - centre) * _forward(positions, roles), axis=1))
+    return np.asarray(np.sum((positions[:, getattr(roles, joint)] - centre) * forward(positions, roles), axis=1))
 
 
 def arm_lag(clip: Clip, phase: Floats, roles: Roles) -> float:
@@ -74,10 +72,15 @@ def knee_passes(clip: Clip, roles: Roles) -> NDArray[np.int64]:
 
 def concentration(phase: Floats) -> float:
     """How much alike phases [n] in cycles are: the length of the mean of exp(2 pi i phase), 1 if all agree."""
-    return float(np.abs(np.mean(np.exp(2j * np.pi * phase)))) if len(phase) else float("nan")
+    return abs(resultant(phase)) if len(phase) else float("nan")
 
 
-def _forward(positions: Floats, roles: Roles) -> Floats:
+def resultant(phase: Floats) -> complex:
+    """The mean of exp(2 pi i phase) over phases [n] in cycles: its angle is their mean."""
+    return complex(np.mean(np.exp(2j * np.pi * phase)))
+
+
+def forward(positions: Floats, roles: Roles) -> Floats:
     """Unit vectors over the floor [F, 3] in front of the hips."""
     ahead = np.cross(positions[:, roles.left_hip] - positions[:, roles.right_hip], [0.0, 1.0, 0.0])
     return np.asarray(ahead / np.linalg.norm(ahead, axis=1, keepdims=True))

@@ -71,10 +71,7 @@ class Clip:
 
     def sampled(self, frames: ArrayLike) -> tuple[Floats, Floats]:
         """Root positions [n, 3] and rotations [n, J, 4] at real-valued frames [n], held at both ends."""
-        at = np.clip(np.asarray(frames, np.float64), 0.0, self.frame_count - 1)
-        before = np.minimum(at.astype(np.int64), max(self.frame_count - 2, 0))
-        after = np.minimum(before + 1, self.frame_count - 1)
-        t = at - before
+        before, after, t = quaternion.neighbours(self.frame_count, frames)
         positions = self.root_positions[before] + t[:, None] * (
             self.root_positions[after] - self.root_positions[before]
         )

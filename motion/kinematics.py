@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from motion import quaternion
 from motion.clip import Clip
 from motion.quaternion import Floats
+from motion.roles import Roles
 from motion.skeleton import Skeleton
 
 
@@ -30,6 +31,12 @@ def world_transforms(skeleton: Skeleton, root_positions: ArrayLike, rotations: A
 def joint_positions(clip: Clip) -> Floats:
     """World positions [F, J, 3] in metres of a clip's joints."""
     return world_transforms(clip.skeleton, clip.root_positions, clip.rotations)[0]
+
+
+def hips_heading(positions: Floats, roles: Roles) -> Floats:
+    """Which way the hips face [...]: radians about Y from +Z, from joint positions [..., J, 3] in the world."""
+    across = positions[..., roles.left_hip, :] - positions[..., roles.right_hip, :]
+    return np.arctan2(-across[..., 2], across[..., 0])
 
 
 def end_positions(skeleton: Skeleton, positions: Floats, world: Floats) -> Floats:

@@ -69,6 +69,13 @@ def one_hemisphere(q: ArrayLike) -> Floats:
     return q
 
 
+def neighbours(count: int, frames: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """The keys before and after real-valued frames [n], and how far past the first [n]; held at the ends of `count`."""
+    at = np.clip(np.asarray(frames, np.float64), 0.0, count - 1)
+    before = np.minimum(at.astype(np.int64), max(count - 2, 0))
+    return before, np.minimum(before + 1, count - 1), at - before
+
+
 def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Floats:
     """Spherical linear interpolation along the shorter arc. [..., 4], [..., 4], [...] -> [..., 4]."""
     a, b, t = np.asarray(a, np.float64), np.asarray(b, np.float64), np.asarray(t, np.float64)[..., None]

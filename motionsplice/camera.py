@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from motion.clip import Clip
-from motion.kinematics import joint_positions
+from motion.kinematics import hips_heading, joint_positions
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motionsplice.stick_figure import StickFigure
@@ -40,8 +40,7 @@ class Camera:
         """
         tracked = clip.resampled(min(TRACKING_RATE, clip.rate))
         positions = joint_positions(tracked)
-        hips = positions[:, roles.left_hip] - positions[:, roles.right_hip]
-        headings = np.unwrap(np.arctan2(-hips[:, 2], hips[:, 0]))
+        headings = np.unwrap(hips_heading(positions, roles))
         headings = gaussian_filter1d(headings, SMOOTHING * tracked.rate, mode="nearest")
         clock = np.arange(tracked.frame_count) / tracked.rate
         first, last = np.searchsorted(clock, [times[0], times[-1]])

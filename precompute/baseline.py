@@ -10,7 +10,7 @@ import numpy as np
 from motion import quaternion
 from motion.clip import Clip
 from motion.errors import BaselineError, ClipError
-from motion.kinematics import joint_positions
+from motion.kinematics import hips_heading, joint_positions
 from motion.pointcloud import planar_distance, planar_distances, windowed
 from motion.quaternion import Floats
 from motion.roles import Roles
@@ -178,7 +178,6 @@ def facing(positions: Floats, roles: Roles) -> Floats:
 
     positions [n, J, 3] are all joints' in the world.
     """
-    line = positions[:, roles.left_hip] - positions[:, roles.right_hip]
-    turn = quaternion.about([0.0, 1.0, 0.0], np.arctan2(line[:, 2], line[:, 0]))
+    turn = quaternion.about([0.0, 1.0, 0.0], -hips_heading(positions, roles))
     clouds = positions[:, list(roles.lower_cloud)]
     return quaternion.rotate(turn[:, None], clouds - clouds[:, :1] * np.array([1.0, 0.0, 1.0]))

@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 
 from motion import quaternion
 from motion.clip import Clip
-from motion.kinematics import world_transforms
+from motion.kinematics import hips_heading, world_transforms
 from motion.quaternion import Floats
 from motion.roles import Roles
 from precompute.periodic import drift
+from precompute.posture import UP
 
-UP = np.array([0.0, 1.0, 0.0])
 SPINE_SPAN, NECK_SPAN = "shoulders over hips", "head over shoulders"
 
 
@@ -103,8 +103,7 @@ def _as_travelling(clip: Clip, roles: Roles, phase: Floats) -> Floats:
     Travel is where the hips face but for their own sway in each stride, which is the body's and not the way's.
     """
     positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
-    across = positions[:, roles.left_hip] - positions[:, roles.right_hip]
-    heading = drift(np.unwrap(np.arctan2(-across[:, 2], across[:, 0])), phase)
+    heading = drift(np.unwrap(hips_heading(positions, roles)), phase)
     return quaternion.multiply(quaternion.about(UP, -heading)[:, None], world)
 
 

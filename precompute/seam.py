@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from motion import quaternion
 from motion.clip import Clip
-from motion.kinematics import joint_positions
+from motion.kinematics import hips_heading, joint_positions
 from motion.quaternion import Floats
 from motion.roles import Roles
 
@@ -92,6 +92,4 @@ def _one(clip: Clip, frame: float) -> Clip:
 
 def _heading(clip: Clip, roles: Roles) -> float:
     """The direction of the hips in a clip's last frame, radians about Y."""
-    positions = joint_positions(clip)[-1]
-    x, _, z = positions[roles.left_hip] - positions[roles.right_hip]
-    return float(np.arctan2(-z, x))
+    return float(hips_heading(joint_positions(clip)[-1], roles))

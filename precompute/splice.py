@@ -125,8 +125,8 @@ def sampled_offsets(offsets: Floats | None, frames: Floats) -> Floats:
     """Torso offsets [F, 4] at real-valued frames [n]; identities for a clip that is its own neutral."""
     if offsets is None:
         return np.broadcast_to(quaternion.IDENTITY, (len(frames), 4))
-    before = np.minimum(frames.astype(np.int64), len(offsets) - 2)
-    return quaternion.slerp(offsets[before], offsets[before + 1], frames - before)
+    before, after, t = quaternion.neighbours(len(offsets), frames)
+    return quaternion.slerp(offsets[before], offsets[after], t)
 
 
 def check_same_rig(locomotion: Clip, action: Clip) -> None:

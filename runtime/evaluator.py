@@ -50,7 +50,8 @@ class Evaluator:
         first character at fault, if a time or start is not a number or lies outside its clip; SettingsError if a clip,
         method or posture number is unknown or sizes differ.
         """
-        self._check(requests, out, running)
+        self._check_room(requests, out)
+        self._check(requests, running)
         kernels.evaluate(
             self._arrays,
             _columns(requests),
@@ -143,7 +144,7 @@ class Evaluator:
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
         requests.locomotion[:], requests.action[:] = self.bank.number(locomotion), self.bank.number(action)
         requests.time[:], requests.start[:] = times, start
-        self._check(requests, self.poses(len(times)), None)
+        self._check(requests, None)
         kernels.action_frames(self._arrays, _columns(requests), frames)
         return frames
 
@@ -157,13 +158,16 @@ class Evaluator:
         poses = self.pose(self.bank.clips[0].name, 0.0)
         self.world_positions(poses, np.empty((1, self.bank.skeleton.joint_count, 3), np.float32))
 
-    def _check(self, requests: Requests, out: Poses, running: RunningPosture | None) -> None:
-        count, clips = len(requests.time), len(self._durations)
+    def _check_room(self, requests: Requests, out: Poses) -> None:
+        count = len(requests.time)
         columns = (requests.locomotion, requests.action, requests.start, requests.method, requests.posture)
         joints = self.bank.skeleton.joint_count
         fits = out.root_positions.shape == (count, 3) and out.rotations.shape == (count, joints, 4)
         if not fits or any(len(column) != count for column in columns):
             raise SettingsError("requests and poses have different numbers of characters or joints")
+
+    def _check(self, requests: Requests, running: RunningPosture | None) -> None:
+        count, clips = len(requests.time), len(self._durations)
         if count == 0:
             return
         for label, numbers, top in (
@@ -221,6 +225,6 @@ def _bank_arrays(bank: Bank) -> kernels.BankArrays:
         parents=bank.skeleton.parents,
         offsets=bank.skeleton.offsets,
         lower=np.array(lower),
-        upper=np.array([joint for joint in upper if joint != roles.pelvis], np.int64),
+        upper=np.array(upper[1:], np.int64),
         pelvis=roles.pelvis,
     )

@@ -33,3 +33,4 @@ $(VENV)/ready: pyproject.toml
 
 clean:
 	rm -rf $(VENV) demo quality build dist
+	find . -name "*.nb[ic]" -delete

@@ -21,7 +21,7 @@ from bench.clips import bank_of
 from motionsplice.cli import run
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import METHODS, POSTURES, Requests, RunningPosture
+from runtime.requests import METHODS, POSTURES, Requests, Memory
 
 
 def random_requests(bank: Bank, count: int, method: str, posture: str, seed: int = 0) -> Requests:
@@ -46,14 +46,14 @@ def main(
         opened = Bank.open(bank) if bank else bank_of(None, "walk", Path(folder))
         evaluator = Evaluator(opened)
         poses = evaluator.poses(characters)
-        running = RunningPosture.begin(characters, rate=60.0)
+        memory = Memory.begin(characters, rate=60.0)
         positions = np.empty((characters, opened.skeleton.joint_count, 3), np.float32)
         forms = [("naive", "off"), ("none", "off"), *(("splice", posture) for posture in POSTURES)]
         work: dict[str, Callable[[], None]] = {}
         for method, posture in forms:
             requests = random_requests(opened, characters, method, posture)
             label = f"{method}, posture {posture}" if method == "splice" else method
-            work[label] = lambda requests=requests: evaluator.evaluate(requests, poses, running)  # type: ignore[misc]
+            work[label] = lambda requests=requests: evaluator.evaluate(requests, poses, memory)  # type: ignore[misc]
         work["world positions"] = lambda: evaluator.world_positions(poses, positions)
         seconds: dict[str, list[float]] = {label: [] for label in work}
         for run in work.values():

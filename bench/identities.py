@@ -27,8 +27,9 @@ from precompute.bank_builder import write_bank
 from precompute.baseline import WORKING_RATE, find_baseline
 from precompute.prepared import prepare
 from precompute.splice import align_in_time, splice_exact
-from runtime.bank import Bank, ClipEntry
+from runtime.bank import Bank
 from runtime.evaluator import Evaluator
+from runtime.manifest import ClipEntry
 from tests.rigs import local_axes, uneven_time, warped, with_local_axes
 
 

@@ -33,7 +33,7 @@ from precompute.posture import measure_torso
 from precompute.splice import transfer_posture
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import RunningPosture
+from runtime.requests import Memory
 
 TIME_CONSTANTS = (0.5, 1.0, 2.0, 4.0, 8.0)  # seconds
 DRIFTS = {"walk": (8.0, 40.0), "carry_box": (8.0, 25.0)}  # degrees either way, seconds
@@ -71,9 +71,9 @@ def main(
 def followed(evaluator: Evaluator, locomotion: str, action: str, time_constant: float) -> Clip:
     """A whole splice whose posture follows its own with a time constant in seconds."""
     plain = evaluator.clip(locomotion, action, posture="off")
-    running = RunningPosture.begin(1, plain.rate, time_constant)
+    memory = Memory.begin(1, plain.rate, time_constant)
     times = evaluator.frame_times(locomotion)
-    poses = evaluator.sequence(locomotion, times, action, posture="running", running=running)
+    poses = evaluator.sequence(locomotion, times, action, posture="running", memory=memory)
     return replace(plain, rotations=poses.rotations.astype(np.float64))
 
 

@@ -120,7 +120,7 @@ def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) 
         return Spliced(form, evaluator.clip(locomotion, action, posture=form.posture), frames)
     assert form.posture != "running"
     clips = bank.motion(locomotion), bank.motion(action)
-    offsets = bank.torso_offsets(locomotion), bank.torso_offsets(action)
+    offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
     exact = splice_exact(*clips, bank.roles, posture=form.posture, torso_offsets=offsets)
     return Spliced(form, exact.clip, exact.action_frames)
 
@@ -144,8 +144,8 @@ def score_pair(
         if frames is not None:
             shown = bank.motion(action, seam=one.form.how == "splice")
             turns = quaternion.multiply(
-                sampled_offsets(bank.torso_offsets(action, seam=True), frames),
-                quaternion.conjugate(bank.torso_offsets(locomotion)[: len(frames)]),
+                sampled_offsets(bank.torso(action, seam=True).offsets, frames),
+                quaternion.conjugate(bank.torso(locomotion).offsets[: len(frames)]),
             )
             promised = promised_posture(kept, clip_u, turns, one.form.posture, roles)
             posture = np.degrees(posture_angle(measure_torso(one.clip, roles).posture, promised))
@@ -174,7 +174,7 @@ def score_pair(
         )
     oracle = floor = None
     if truth is not None:
-        offsets = bank.torso_offsets(locomotion), bank.torso_offsets(action)
+        offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
         oracle = 100.0 * oracle_error(clip_l, clip_u, truth, offsets, roles)
         floor = _known(100.0 * stride_to_stride(truth, phase[: truth.frame_count], roles))
     return PairScore(locomotion, action, truth.name if truth else "", oracle, floor, tuple(scores))

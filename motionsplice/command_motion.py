@@ -99,7 +99,7 @@ def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: P
     if posture not in WHOLE_CLIP_POSTURES:
         raise SettingsError("the exact splice knows its whole posture", mend="Choose --posture absolute")
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
-    offsets = bank.torso_offsets(locomotion), bank.torso_offsets(action)
+    offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
     return whole_clip.splice_exact(
         clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], torso_offsets=offsets
     ).clip

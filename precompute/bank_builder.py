@@ -22,7 +22,9 @@ from motion.skeleton import Skeleton
 from precompute.baseline import Baseline
 from precompute.prepared import PreparedClip
 from precompute.torso_offset import MeanStride, shoulder_motion, torso_offsets
-from runtime.bank import FORMAT, MANIFEST, TABLE_FOLDER, TABLES, VERSION, BaselineEntry, ClipEntry, content_digest
+from runtime.bank import TABLE_FOLDER
+from runtime.manifest import FORMAT, MANIFEST, TABLES, VERSION, BaselineEntry, ClipEntry, content_digest
+from runtime.rows import Layout, TorsoRows
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
 OUR_PARTIAL = re.compile(rf"\.([0-9a-f]{{32}}\.npy|{re.escape(MANIFEST)})\.\d+")
@@ -40,7 +42,7 @@ def write_bank(
     """
     clips = sorted(prepared, key=lambda one: one.clip.name)
     offsets = _torso_offsets(clips)
-    tables = _tables(clips, offsets)
+    tables = _tables(clips, offsets, Layout.of(skeleton, roles))
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     digests = {}
@@ -111,16 +113,20 @@ def _entries(clips: Sequence[PreparedClip], offsets: Sequence[Floats]) -> list[C
     return entries
 
 
-def _tables(clips: Sequence[PreparedClip], offsets: Sequence[Floats]) -> dict[str, NDArray[Any]]:
+def _tables(clips: Sequence[PreparedClip], offsets: Sequence[Floats], layout: Layout) -> dict[str, NDArray[Any]]:
     numbers = {one.clip.name: number for number, one in enumerate(clips)}
+    rows = [
+        layout.pack(
+            one.seamed.clip.root_positions,
+            one.seamed.clip.rotations,
+            TorsoRows(one.torso.clouds, one.torso.frames, turns),
+        )
+        for one, turns in zip(clips, offsets, strict=True)
+    ]
     return {
-        "rotations": np.concatenate([one.seamed.clip.rotations for one in clips]),
-        "root_positions": np.concatenate([one.seamed.clip.root_positions for one in clips]),
+        **{half: np.concatenate([one[half] for one in rows]) for half in ("lower", "upper")},
         "phase_of_frame": np.concatenate([one.seamed.phase for one in clips]),
         "frame_of_phase": np.concatenate([frame_of_phase(one.seamed.phase) for one in clips]),
-        "upper_clouds": np.concatenate([one.torso.clouds for one in clips]),
-        "posture_frames": np.concatenate([one.torso.frames for one in clips]),
-        "torso_offsets": np.concatenate(offsets),
         "postures": np.stack([one.posture for one in clips]),
         "neutral": np.array([numbers[one.neutral] for one in clips]),
     }

@@ -20,7 +20,7 @@ from precompute.neutral import nearest_gait
 from precompute.prepared import PreparedClip, prepare
 from precompute.sources import Source, find_sources
 from precompute.workers import outcomes, workers
-from runtime.bank import content_digest
+from runtime.manifest import content_digest
 
 Progress = Callable[[str, int, int], None]  # what is being done, how many are done, of how many
 Failures = dict[str, MotionError]

@@ -2,68 +2,83 @@
 
 from __future__ import annotations
 
+from threading import Lock
+
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from motion.clip import Clip
 from motion.errors import SettingsError, TimeRangeError
-from runtime import kernels
-from runtime.bank import Bank, ClipEntry
-from runtime.requests import (
-    METHODS,
-    POSTURES,
-    Float32s,
-    Method,
-    Poses,
-    Posture,
-    Requests,
-    RunningPosture,
-    known,
-)
+from runtime import arrays, kernels, world_kernels
+from runtime.bank import Bank
+from runtime.lookup_kernels import NONE
+from runtime.requests import METHODS, POSTURES, Float32s, Memory, Method, Poses, Posture, Requests, known
 
-NO_MEMORY = kernels.PostureArrays(np.empty((0, 2, 3)), 0.0)
+NO_MEMORY = arrays.MemoryArrays(np.empty((0, 2, 3)), np.empty((0, 4)), 0.0)
+ONE_AT_A_TIME = Lock()  # not every threading layer of numba's bears two parallel calls at once
 
 
 class Evaluator:
     """Evaluates splices of a bank's clips in constant time per character (Heck's thesis, 4.3).
 
-    Not to be shared between threads: each makes its own, over the same bank.
+    With `threads`, batches are divided among so many. Not to be shared between threads: each makes its own, over the
+    same bank.
     """
 
-    def __init__(self, bank: Bank) -> None:
+    def __init__(self, bank: Bank, *, threads: int = 1) -> None:
+        most = numba.config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
+        if not 1 <= threads <= most:
+            raise SettingsError(f"{threads} threads cannot be had", mend=f"Ask for 1 to {most}")
         self.bank = bank
-        self._arrays = _bank_arrays(bank)
-        self._durations = np.array([clip.duration for clip in bank.clips])
-        joints = bank.skeleton.joint_count
-        self._scratch = kernels.Scratch(np.empty(4), np.empty(4), np.empty(4), np.empty(4), np.empty((3, 3)))
-        self._world = np.empty((joints, 4))
+        self._threads = threads
+        self._arrays = arrays.bank_arrays(bank)
+        self._rig = arrays.rig_arrays(bank.skeleton)
+        self._scratch = arrays.scratch(self._arrays, threads)
+        self._world = world_kernels.scratch(bank.skeleton.joint_count)
+        self._one = Requests.empty(1)
 
     def poses(self, count: int) -> Poses:
         """Room for the poses of `count` characters."""
         joints = self.bank.skeleton.joint_count
         return Poses(np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32))
 
-    def evaluate(self, requests: Requests, out: Poses, running: RunningPosture | None = None) -> None:
+    def evaluate(self, requests: Requests, out: Poses, memory: Memory | None = None) -> None:
         """Writes every character's pose into `out`, which has as many rows as `requests`.
 
-        Posture `running` needs `running`, which each call carries on by one frame. Raises TimeRangeError, naming the
-        first character at fault, if a time or start is not a number or lies outside its clip; SettingsError if a clip,
-        method or posture number is unknown or sizes differ.
+        Posture `running` needs `memory`, which each call carries on by one frame; a memory of one character takes all
+        requests for that one's, in order. Raises TimeRangeError, naming the first character at fault, if a time or
+        start is not a number or lies outside its clip; SettingsError if a clip, method or posture number is unknown or
+        sizes differ.
         """
-        self._check_room(requests, out)
-        self._check(requests, running)
-        kernels.evaluate(
-            self._arrays,
-            _columns(requests),
-            kernels.PostureArrays(running.means, running.share) if running else NO_MEMORY,
-            self._scratch,
-            out.root_positions,
-            out.rotations,
-        )
+        count = len(requests.records)
+        self._check_room(count, out, memory)
+        remembered = arrays.MemoryArrays(memory.means, memory.turns, memory.share) if memory else NO_MEMORY
+        rotations = out.rotations.reshape(count, 4 * self.bank.skeleton.joint_count)
+        work = (self._arrays, requests.records, remembered, self._scratch, out.root_positions, rotations)
+        if self._threads == 1 or len(remembered.means) == 1:
+            fault = kernels.evaluate(*work)
+        else:
+            fault = kernels.first_at_fault(self._arrays, requests.records, memory is not None)
+            if fault < 0:
+                with ONE_AT_A_TIME:
+                    numba.set_num_threads(self._threads)
+                    kernels.evaluate_in_parallel(*work)
+        if fault >= 0:
+            raise self._fault(requests, fault)
 
     def world_positions(self, poses: Poses, out: Float32s) -> None:
-        """Writes world positions [n, J, 3], metres, of evaluated poses into `out`."""
-        kernels.world_positions(self._arrays, poses.root_positions, poses.rotations, self._world, out)
+        """Writes world positions [n, J, 3], metres, of evaluated poses into `out`. Raises SettingsError."""
+        count, joints = len(poses.root_positions), self.bank.skeleton.joint_count
+        self._check_room(count, poses, None)
+        _check_array(out, (count, joints, 3))
+        world_kernels.world_positions(
+            self._rig,
+            poses.root_positions,
+            poses.rotations.reshape(count, 4 * joints),
+            self._world,
+            out.reshape(count, 3 * joints),
+        )
 
     def pose(
         self,
@@ -79,7 +94,10 @@ class Evaluator:
 
         Raises UnknownClipError, TimeRangeError or SettingsError.
         """
-        return self.sequence(locomotion, [time], action, start=start, method=method, posture=posture)
+        out = self.poses(1)
+        self._ask(self._one, locomotion, action, time, start, method, posture)
+        self._evaluate_one(self._one, out, None)
+        return out
 
     def sequence(
         self,
@@ -90,27 +108,15 @@ class Evaluator:
         start: float = 0.0,
         method: Method = "splice",
         posture: Posture = "relative",
-        running: RunningPosture | None = None,
+        memory: Memory | None = None,
     ) -> Poses:
-        """The poses of one splice at many times [n], seconds into the locomotion. Raises as `pose` does.
+        """The poses of one splice at many times [n] in order, seconds into the locomotion. Raises as `pose` does.
 
-        With `running`, of one character, they are evaluated one after the other, and it is carried on to the last.
+        With `memory`, of one character, that is carried on to the last of them.
         """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
-        requests.locomotion[:] = self.bank.number(locomotion)
-        requests.action[:] = self.bank.number(locomotion if action is None else action)
-        requests.time[:] = times
-        requests.start[:] = start
-        requests.method[:] = kernels.NONE if action is None else known(METHODS, "method", method)
-        requests.posture[:] = known(POSTURES, "posture", posture)
-        try:
-            if running is None:
-                self.evaluate(requests, out)
-            else:
-                for row in range(len(times)):
-                    self.evaluate(requests.rows(row, row + 1), out.rows(row, row + 1), running)
-        except TimeRangeError as error:  # there is one character here, whose number says nothing
-            raise TimeRangeError(error.problem, mend=error.mend) from None
+        self._ask(requests, locomotion, action, times, start, method, posture)
+        self._evaluate_one(requests, out, memory)
         return out
 
     def clip(
@@ -124,8 +130,8 @@ class Evaluator:
     ) -> Clip:
         """A whole splice, at the locomotion's own frames, as a clip. Raises as `pose` does."""
         times, rate = self.frame_times(locomotion), self.bank.clip(locomotion).rate
-        running = RunningPosture.begin(1, rate) if posture == "running" else None
-        poses = self.sequence(locomotion, times, action, start=start, method=method, posture=posture, running=running)
+        memory = Memory.begin(1, rate)
+        poses = self.sequence(locomotion, times, action, start=start, method=method, posture=posture, memory=memory)
         return Clip(
             name=locomotion if action is None else f"{locomotion}+{action}",
             skeleton=self.bank.skeleton,
@@ -142,10 +148,10 @@ class Evaluator:
         Frames past the action's last one lie in its seam (docs/bank.md). Raises as `pose` does.
         """
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        requests.locomotion[:], requests.action[:] = self.bank.number(locomotion), self.bank.number(action)
-        requests.time[:], requests.start[:] = times, start
-        self._check(requests, None)
-        kernels.action_frames(self._arrays, _columns(requests), frames)
+        self._ask(requests, locomotion, action, times, start, "splice", "off")
+        if (fault := kernels.first_at_fault(self._arrays, requests.records, False)) >= 0:
+            raise self._fault(requests, fault)
+        kernels.action_frames(self._arrays, requests.records, frames)
         return frames
 
     def frame_times(self, locomotion: str) -> NDArray[np.float64]:
@@ -155,76 +161,76 @@ class Evaluator:
 
     def warm(self) -> None:
         """Compiles the kernels, or loads them compiled, so that no later call has to wait for it."""
-        poses = self.pose(self.bank.clips[0].name, 0.0)
-        self.world_positions(poses, np.empty((1, self.bank.skeleton.joint_count, 3), np.float32))
+        requests, joints = Requests.empty(1), self.bank.skeleton.joint_count
+        poses = self.poses(1)
+        for memory in (None, Memory.begin(1, rate=60.0)):
+            self.evaluate(requests, poses, memory)
+        if self._threads > 1:
+            self.evaluate(Requests.empty(2), self.poses(2))
+        self.world_positions(poses, np.empty((1, joints, 3), np.float32))
 
-    def _check_room(self, requests: Requests, out: Poses) -> None:
-        count = len(requests.time)
-        columns = (requests.locomotion, requests.action, requests.start, requests.method, requests.posture)
-        joints = self.bank.skeleton.joint_count
-        fits = out.root_positions.shape == (count, 3) and out.rotations.shape == (count, joints, 4)
-        if not fits or any(len(column) != count for column in columns):
-            raise SettingsError("requests and poses have different numbers of characters or joints")
+    def _ask(
+        self,
+        requests: Requests,
+        locomotion: str,
+        action: str | None,
+        times: NDArray[np.float64] | list[float] | float,
+        start: float,
+        method: str,
+        posture: str,
+    ) -> None:
+        """Writes what is asked by name into requests. Raises UnknownClipError or SettingsError."""
+        number = self.bank.number(locomotion)
+        played = number if action is None else self.bank.number(action)
+        form = NONE if action is None else known(METHODS, "method", method)
+        requests.records[:] = (number, played, 0.0, start, form, known(POSTURES, "posture", posture))
+        requests.time[:] = times
 
-    def _check(self, requests: Requests, running: RunningPosture | None) -> None:
-        count, clips = len(requests.time), len(self._durations)
-        if count == 0:
-            return
-        for label, numbers, top in (
-            ("locomotion", requests.locomotion, clips),
-            ("action", requests.action, clips),
-            ("method", requests.method, len(METHODS)),
-            ("posture", requests.posture, len(POSTURES)),
-        ):
-            if numbers.min() < 0 or numbers.max() >= top:
-                raise SettingsError(f"a {label} number lies outside 0 to {top - 1}")
-        follows = np.any((requests.posture == kernels.RUNNING) & (requests.method == kernels.SPLICE))
-        if follows and (running is None or running.means.shape != (count, 2, 3)):
+    def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
+        """As `evaluate`, for requests about one character, whose number says nothing in an error."""
+        try:
+            self.evaluate(requests, out, memory)
+        except TimeRangeError as error:
+            raise TimeRangeError(error.problem, mend=error.mend) from None
+
+    def _check_room(self, count: int, out: Poses, memory: Memory | None) -> None:
+        _check_array(out.root_positions, (count, 3))
+        _check_array(out.rotations, (count, self.bank.skeleton.joint_count, 4))
+        if memory is not None and len(memory.means) not in (1, count):
             raise SettingsError(
-                "posture 'running' is a mean over the frames so far, and none are given",
-                mend="Evaluate frame after frame with a RunningPosture of as many characters, or ask for a whole clip",
+                f"there are {count} requests, and a memory of {len(memory.means)} characters",
+                mend="Give a Memory of as many characters, or of the one that all requests are about",
             )
-        self._check_times("time", requests.time, requests.locomotion)
-        self._check_times("start", requests.start, requests.action)
 
-    def _check_times(self, label: str, seconds: NDArray[np.float64], clips: NDArray[np.int32]) -> None:
-        inside = (seconds >= 0.0) & (seconds <= self._durations[clips] + 1e-6)  # false for NaN
-        if inside.all():
-            return
-        character = int(np.argmin(inside))
-        clip: ClipEntry = self.bank.clips[clips[character]]
-        raise TimeRangeError(
-            f"{label} {seconds[character]} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s",
-            place=f"character {character}" if len(seconds) > 1 else "",
-            mend=f"Give a {label} from 0 to {clip.duration:.3f}",
+    def _fault(self, requests: Requests, character: int) -> SettingsError | TimeRangeError:
+        """What is wrong with a request, as an error."""
+        request, clips = requests.records[character], self.bank.clips
+        place = f"character {character}" if len(requests.records) > 1 else ""
+        for label, number, top in (
+            ("locomotion", request["locomotion"], len(clips)),
+            ("action", request["action"], len(clips)),
+            ("method", request["method"], len(METHODS)),
+            ("posture", request["posture"], len(POSTURES)),
+        ):
+            if not 0 <= number < top:
+                return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
+        for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
+            if not 0.0 <= request[label] <= clip.duration + arrays.LATE:
+                problem = (
+                    f"{label} {request[label]} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
+                )
+                return TimeRangeError(problem, place=place, mend=f"Give a {label} from 0 to {clip.duration:.3f}")
+        return SettingsError(
+            "posture 'running' is a mean over the frames so far, and there is no memory of them",
+            place=place,
+            mend="Evaluate frame after frame with a Memory, or ask for a whole clip",
         )
 
 
-def _columns(requests: Requests) -> kernels.RequestArrays:
-    return kernels.RequestArrays(
-        requests.locomotion, requests.time, requests.action, requests.start, requests.method, requests.posture
-    )
-
-
-def _bank_arrays(bank: Bank) -> kernels.BankArrays:
-    tables, clips, roles = bank.tables, bank.clips, bank.roles
-    upper = bank.skeleton.subtree(roles.pelvis)
-    lower = [joint for joint in range(bank.skeleton.joint_count) if joint not in set(upper)]
-    return kernels.BankArrays(
-        **{name: tables[name] for name in ("rotations", "root_positions", "phase_of_frame", "frame_of_phase")},
-        **{name: tables[name] for name in ("upper_clouds", "posture_frames", "torso_offsets", "postures")},
-        first_row=np.array([clip.first_row for clip in clips]),
-        frame_count=np.array([clip.frame_count for clip in clips]),
-        row_count=np.array([clip.row_count for clip in clips]),
-        rate=np.array([clip.rate for clip in clips]),
-        first_cell=np.array([clip.first_cell for clip in clips]),
-        cell_count=np.array([clip.cell_count for clip in clips]),
-        first_phase=np.array([clip.first_phase for clip in clips]),
-        last_phase=np.array([clip.last_phase for clip in clips]),
-        loop=np.array([clip.loop for clip in clips]),
-        parents=bank.skeleton.parents,
-        offsets=bank.skeleton.offsets,
-        lower=np.array(lower),
-        upper=np.array(upper[1:], np.int64),
-        pelvis=roles.pelvis,
-    )
+def _check_array(array: Float32s, shape: tuple[int, ...]) -> None:
+    """That results fit an array, lest they be lost in a copy, or another kernel compiled. Raises SettingsError."""
+    if array.shape != shape or array.dtype != np.float32 or not array.flags.c_contiguous:
+        raise SettingsError(
+            f"results need float32{list(shape)}, side by side in memory, and not {array.dtype}{list(array.shape)}",
+            mend="Evaluator.poses makes room for as many characters as there are requests",
+        )

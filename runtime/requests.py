@@ -4,62 +4,85 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import SettingsError, did_you_mean
-from runtime import kernels
+from motion.quaternion import IDENTITY
+from runtime.lookup_kernels import NAIVE, NONE, SPLICE
+from runtime.posture_kernels import ABSOLUTE, OFF, RELATIVE, RUNNING
 
 Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
-METHODS: Mapping[str, int] = {"none": kernels.NONE, "naive": kernels.NAIVE, "splice": kernels.SPLICE}
-POSTURES: Mapping[str, int] = {
-    "off": kernels.OFF,
-    "relative": kernels.RELATIVE,
-    "absolute": kernels.ABSOLUTE,
-    "running": kernels.RUNNING,
-}
+METHODS: Mapping[str, int] = {"none": NONE, "naive": NAIVE, "splice": SPLICE}
+POSTURES: Mapping[str, int] = {"off": OFF, "relative": RELATIVE, "absolute": ABSOLUTE, "running": RUNNING}
 TIME_CONSTANT = 2.0  # seconds: about two strides
 
 Float32s = NDArray[np.float32]
 
 
+REQUEST = np.dtype(
+    [
+        ("locomotion", np.int32),
+        ("action", np.int32),
+        ("time", np.float64),
+        ("start", np.float64),
+        ("method", np.uint8),
+        ("posture", np.uint8),
+    ],
+    align=True,
+)
+
+
 @dataclass(frozen=True, eq=False)
 class Requests:
-    """What n characters play at one moment; fill the arrays in place, frame by frame.
+    """What n characters play at one moment, a record each [n] of REQUEST; fill it in place, frame by frame.
 
-    locomotion, action: [n] int32 clip numbers (`Bank.number`).
-    time:   [n] float64 seconds into the locomotion.
-    start:  [n] float64 seconds into the action before which it does not begin; the first frame at or after it
-            that is in step with the locomotion's first frame goes with that.
-    method, posture: [n] uint8, values of METHODS and POSTURES.
+    locomotion, action: clip numbers (`Bank.number`).
+    time:   seconds into the locomotion.
+    start:  seconds into the action before which it does not begin; the first frame at or after it that is in step with
+            the locomotion's first frame goes with that.
+    method, posture: values of METHODS and POSTURES.
     """
 
-    locomotion: NDArray[np.int32]
-    time: NDArray[np.float64]
-    action: NDArray[np.int32]
-    start: NDArray[np.float64]
-    method: NDArray[np.uint8]
-    posture: NDArray[np.uint8]
-
-    def rows(self, first: int, stop: int) -> Requests:
-        """Characters `first` to `stop` (exclusive), in the same memory."""
-        return Requests(*(getattr(self, field.name)[first:stop] for field in fields(self)))
+    records: NDArray[np.void]
 
     @classmethod
     def empty(cls, count: int) -> Requests:
         """Room for `count` characters: clip 0 from its start, `splice`, `relative`."""
-        return cls(
-            locomotion=np.zeros(count, np.int32),
-            time=np.zeros(count),
-            action=np.zeros(count, np.int32),
-            start=np.zeros(count),
-            method=np.full(count, kernels.SPLICE, np.uint8),
-            posture=np.full(count, kernels.RELATIVE, np.uint8),
-        )
+        records = np.zeros(count, REQUEST)
+        records["method"], records["posture"] = SPLICE, RELATIVE
+        return cls(records)
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    @property
+    def locomotion(self) -> NDArray[np.int32]:
+        return self.records["locomotion"]
+
+    @property
+    def action(self) -> NDArray[np.int32]:
+        return self.records["action"]
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        return self.records["time"]
+
+    @property
+    def start(self) -> NDArray[np.float64]:
+        return self.records["start"]
+
+    @property
+    def method(self) -> NDArray[np.uint8]:
+        return self.records["method"]
+
+    @property
+    def posture(self) -> NDArray[np.uint8]:
+        return self.records["posture"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,28 +92,32 @@ class Poses:
     root_positions: Float32s
     rotations: Float32s
 
-    def rows(self, first: int, stop: int) -> Poses:
-        """Characters `first` to `stop` (exclusive), in the same memory."""
-        return Poses(self.root_positions[first:stop], self.rotations[first:stop])
-
 
 @dataclass(frozen=True, eq=False)
-class RunningPosture:
-    """What posture `running` remembers of n characters: the mean posture of each one's splice so far.
+class Memory:
+    """What the evaluator remembers from frame to frame of n characters, or of the one that all requests are about.
 
-    It starts from the locomotion's stored posture, and new frames gain on it with a time constant (Heck's thesis, 4.3).
+    Where a torso's joints lie so that no alignment is clearly the best, the last one is held. For posture `running` it
+    is the mean posture of the splice so far, which starts from the locomotion's stored posture and follows new frames
+    with a time constant (Heck's thesis, 4.3).
 
-    means: [n, 2, 3] metres; NaN: not begun, which a character that starts anew is set back to.
-    share: how much of a new frame goes into the mean.
+    turns: [n, 4] the last alignments. means: [n, 2, 3] metres; NaN: not begun. share: how much of a new frame goes
+    into the mean.
     """
 
+    turns: NDArray[np.float64]
     means: NDArray[np.float64]
     share: float
 
     @classmethod
-    def begin(cls, count: int, rate: float, time_constant: float = TIME_CONSTANT) -> RunningPosture:
+    def begin(cls, count: int, rate: float, time_constant: float = TIME_CONSTANT) -> Memory:
         """For `count` characters that are evaluated `rate` times per second of motion; time_constant in seconds."""
-        return cls(np.full((count, 2, 3), np.nan), 1.0 - math.exp(-1.0 / (rate * time_constant)))
+        turns = np.tile(IDENTITY, (count, 1))
+        return cls(turns, np.full((count, 2, 3), np.nan), 1.0 - math.exp(-1.0 / (rate * time_constant)))
+
+    def forget(self, character: int) -> None:
+        """For a character that starts anew."""
+        self.turns[character], self.means[character] = IDENTITY, np.nan
 
 
 def known(constants: Mapping[str, int], label: str, name: str) -> int:

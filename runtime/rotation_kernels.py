@@ -1,180 +1,180 @@
-"""Rotations in kernels: interpolation, products, and the one that lays a cloud on another.
+"""Rotations in kernels: sampling a row's, and products and best fits across a block of characters.
 
-As `runtime.kernels`: nothing here checks, allocates or holds the GIL.
+Nothing here checks, allocates or holds the GIL. A block is a flat array of rows of BLOCK lanes, one lane a character;
+with offsets that the compiler knows, loops over lanes become vector instructions.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from numba import njit
-from numpy.typing import NDArray
+import numpy as np
 
-Array = NDArray[Any]
+from runtime.arrays import ALIGNED, BLOCK, BOUND, GAP, Array, Index, Real
+from runtime.compiled import inlined, kernel
+
+ONE, FOUR, HALF, THREE_HALVES = np.uint64(1), np.uint64(4), np.float32(0.5), np.float32(1.5)
+# Eberly 2011: sin(t angle) / sin(angle) as a series in cos(angle) - 1, cut after four terms
+SERIES = [(np.float32(1.0 / (i * (2 * i + 1))), np.float32(i / (2 * i + 1))) for i in range(1, 5)]
+(P1, Q1), (P2, Q2), (P3, Q3), (P4, Q4) = SERIES
+HALLEY_STEPS = 8
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def slerp(a: Array, b: Array, t: float, out: Array) -> None:
-    """Spherical interpolation of neighbouring keys, as Eberly's series (2011) cut after four terms.
+@inlined
+def sample(table: Array, row: Index, first: Index, width: Index, t: Real, out: Array) -> None:
+    """All rotations of a row's lanes, `t` of the way to the next row, into `out`, one after the other.
 
-    Keys lie in one hemisphere. The remainder grows with their angle: 1e-7 rad at 60 degrees, 1e-5 at 90, 1e-3 (0.05
-    degrees) at 150, and 0.0051 (0.3 degrees) at 180, which is as far apart as keys can be.
+    `row`, `first` (the column of the first plane) and `width` are unsigned: signed indices may count from the end, and
+    the compiler then guards each of them. Keys lie in one hemisphere, so slerp is Eberly's series (2011). Its remainder
+    grows with their angle: 2e-7 rad at 60 degrees, 1e-5 at 90, 1e-3 (0.05 degrees) at 150, and 0.0051 (0.3 degrees) at
+    180, which is as far apart as keys can be. The sum is nearly of unit length, so one step of Newton's makes it so.
     """
-    below = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] - 1.0
-    weight_a, weight_b = series(1.0 - t, below), series(t, below)
-    x, y = weight_a * a[0] + weight_b * b[0], weight_a * a[1] + weight_b * b[1]
-    z, w = weight_a * a[2] + weight_b * b[2], weight_a * a[3] + weight_b * b[3]
-    scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
-    out[0], out[1], out[2], out[3] = x * scale, y * scale, z * scale, w * scale
+    one = np.float32(1.0)
+    square, s = t * t, one - t
+    other = s * s
+    u1, u2, u3, u4 = P1 * square - Q1, P2 * square - Q2, P3 * square - Q3, P4 * square - Q4
+    v1, v2, v3, v4 = P1 * other - Q1, P2 * other - Q2, P3 * other - Q3, P4 * other - Q4
+    after, y, z, w = row + ONE, first + width, first + width + width, first + width + width + width
+    for lane in range(width):
+        ax, ay, az, aw = table[row, first + lane], table[row, y + lane], table[row, z + lane], table[row, w + lane]
+        bx, by, bz, bw = (
+            table[after, first + lane],
+            table[after, y + lane],
+            table[after, z + lane],
+            table[after, w + lane],
+        )
+        below = ax * bx + ay * by + az * bz + aw * bw - one
+        to = t * (one + u1 * below * (one + u2 * below * (one + u3 * below * (one + u4 * below))))
+        back = s * (one + v1 * below * (one + v2 * below * (one + v3 * below * (one + v4 * below))))
+        qx, qy, qz, qw = back * ax + to * bx, back * ay + to * by, back * az + to * bz, back * aw + to * bw
+        scale = THREE_HALVES - HALF * (qx * qx + qy * qy + qz * qz + qw * qw)
+        column = FOUR * lane
+        out[column], out[column + ONE] = qx * scale, qy * scale
+        out[column + ONE + ONE], out[column + ONE + ONE + ONE] = qz * scale, qw * scale
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def series(t: float, below: float) -> float:
-    """sin(t angle) / sin(angle), where `below` is cos(angle) - 1."""
-    square = t * t
-    fourth = (square / 36.0 - 4.0 / 9.0) * below
-    third = (square / 21.0 - 3.0 / 7.0) * below
-    second = (square / 10.0 - 2.0 / 5.0) * below
-    first = (square / 3.0 - 1.0 / 3.0) * below
-    return t * (1.0 + first * (1.0 + second * (1.0 + third * (1.0 + fourth))))
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def multiply(a: Array, b: Array, out: Array) -> None:
-    """out = a b; out may be a or b."""
-    x = a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1]
-    y = a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0]
-    z = a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3]
-    w = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]
-    out[0], out[1], out[2], out[3] = x, y, z, w
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def multiply_by_inverse(a: Array, b: Array, out: Array) -> None:
-    """out = a b^-1; out may be a or b."""
-    x = -a[3] * b[0] + a[0] * b[3] - a[1] * b[2] + a[2] * b[1]
-    y = -a[3] * b[1] + a[0] * b[2] + a[1] * b[3] - a[2] * b[0]
-    z = -a[3] * b[2] - a[0] * b[1] + a[1] * b[0] + a[2] * b[3]
-    w = a[3] * b[3] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    out[0], out[1], out[2], out[3] = x, y, z, w
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def rotate(q: Array, v: Array, out: Array) -> None:
-    """out = v [3] turned by q; out may be v."""
-    tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
-    ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
-    tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
-    x = v[0] + q[3] * tx + q[1] * tz - q[2] * ty
-    y = v[1] + q[3] * ty + q[2] * tx - q[0] * tz
-    z = v[2] + q[3] * tz + q[0] * ty - q[1] * tx
-    out[0], out[1], out[2] = x, y, z
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def normalise_into(q: Array, out: Array) -> None:
-    scale = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    for i in range(4):
-        out[i] = q[i] * scale
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def horn(correlation: Array, out: Array) -> None:
-    """The rotation that maximises sum target . q source, for correlation[i, j] = sum target_i source_j.
-
-    Horn 1987, by Theobald's route (2005): the largest root of the characteristic polynomial of a traceless
-    symmetric 4x4 matrix by Newton's method from an upper bound, and its eigenvector as a column of the adjugate.
-    The identity where no rotation is better than all others (empty or collinear clouds).
-    """
-    xx, xy, xz = correlation[0, 0], correlation[1, 0], correlation[2, 0]
-    yx, yy, yz = correlation[0, 1], correlation[1, 1], correlation[2, 1]
-    zx, zy, zz = correlation[0, 2], correlation[1, 2], correlation[2, 2]
-    a, b, c, d = xx - yy - zz, yy - xx - zz, zz - xx - yy, xx + yy + zz
-    ab, ac, ad, bc, bd, cd = xy + yx, zx + xz, yz - zy, yz + zy, zx - xz, xy - yx
-    squares = xx * xx + xy * xy + xz * xz + yx * yx + yy * yy + yz * yz + zx * zx + zy * zy + zz * zz
-    out[0], out[1], out[2], out[3] = 0.0, 0.0, 0.0, 1.0
-    if squares == 0.0:
-        return
-    # det(N - s) = s^4 - 2 squares s^2 - 8 det s + det N
-    det = xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx)
-    linear = -8.0 * det
-    constant = _determinant(a, b, c, d, ab, ac, ad, bc, bd, cd)
-    root = math.sqrt(3.0 * squares)  # the largest eigenvalue of a traceless matrix with this norm at most
-    for _ in range(24):
-        value = ((root * root - 2.0 * squares) * root + linear) * root + constant
-        slope = (4.0 * root * root - 4.0 * squares) * root + linear
-        if slope <= 0.0:
-            break
-        step = value / slope
-        root -= step
-        if abs(step) < 1e-14 * root:
-            break
-    a, b, c, d = a - root, b - root, c - root, d - root
-    best = 0.0
-    for column in range(4):
-        x, y, z, w = _adjugate_column(column, a, b, c, d, ab, ac, ad, bc, bd, cd)
-        size = x * x + y * y + z * z + w * w
-        if size > best:
-            best = size
-            scale = (1.0 if w >= 0.0 else -1.0) / math.sqrt(size)
-            out[0], out[1], out[2], out[3] = x * scale, y * scale, z * scale, w * scale
-    if best < 1e-12 * squares * squares * squares:  # the two largest roots meet: no single best rotation
-        out[0], out[1], out[2], out[3] = 0.0, 0.0, 0.0, 1.0
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _determinant(
-    a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
-) -> float:
-    x, y, z, w = _adjugate_column(0, a, b, c, d, ab, ac, ad, bc, bd, cd)
-    return a * x + ab * y + ac * z + ad * w
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _adjugate_column(
-    column: int,
-    a: float,
-    b: float,
-    c: float,
-    d: float,
-    ab: float,
-    ac: float,
-    ad: float,
-    bc: float,
-    bd: float,
-    cd: float,
+@inlined
+def product(
+    ax: float, ay: float, az: float, aw: float, bx: float, by: float, bz: float, bw: float
 ) -> tuple[float, float, float, float]:
-    """A column of the adjugate of the symmetric matrix [[a, ab, ac, ad], [ab, b, bc, bd], [.., c, cd], [.., d]]."""
-    # 2x2 minors of the two upper and the two lower rows
-    s0, s1, s2 = a * b - ab * ab, a * bc - ab * ac, a * bd - ab * ad
-    s3, s4, s5 = ab * bc - b * ac, ab * bd - b * ad, ac * bd - bc * ad
-    c5, c4, c3 = c * d - cd * cd, bc * d - cd * bd, bc * cd - c * bd
-    c2, c1, c0 = ac * d - cd * ad, ac * cd - c * ad, ac * bd - bc * ad
-    if column == 0:
-        return (
-            b * c5 - bc * c4 + bd * c3,
-            -ab * c5 + bc * c2 - bd * c1,
-            ab * c4 - b * c2 + bd * c0,
-            -ab * c3 + b * c1 - bc * c0,
-        )
-    if column == 1:
-        return (
-            -ab * c5 + ac * c4 - ad * c3,
-            a * c5 - ac * c2 + ad * c1,
-            -a * c4 + ab * c2 - ad * c0,
-            a * c3 - ab * c1 + ac * c0,
-        )
-    if column == 2:
-        return (
-            bd * s5 - cd * s4 + d * s3,
-            -ad * s5 + cd * s2 - d * s1,
-            ad * s4 - bd * s2 + d * s0,
-            -ad * s3 + bd * s1 - cd * s0,
-        )
+    """The rotation that turns by b, then by a."""
     return (
-        -bc * s5 + c * s4 - cd * s3,
-        ac * s5 - c * s2 + cd * s1,
-        -ac * s4 + bc * s2 - cd * s0,
-        ac * s3 - bc * s1 + c * s0,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
     )
+
+
+@inlined
+def rotated(qx: float, qy: float, qz: float, qw: float, x: Real, y: Real, z: Real) -> tuple[Real, Real, Real]:
+    """A vector turned by q."""
+    tx, ty, tz = qy * z - qz * y, qz * x - qx * z, qx * y - qy * x
+    tx, ty, tz = tx + tx, ty + ty, tz + tz
+    return x + qw * tx + qy * tz - qz * ty, y + qw * ty + qz * tx - qx * tz, z + qw * tz + qx * ty - qy * tx
+
+
+@inlined
+def multiply(block: Array, a: int, b: int, out: int) -> None:
+    """out = a b, each the first of a quaternion's four rows of the block; out may be a or b."""
+    a, b, out = a * BLOCK, b * BLOCK, out * BLOCK
+    for k in range(BLOCK):
+        ax, ay, az, aw = block[a + k], block[a + BLOCK + k], block[a + 2 * BLOCK + k], block[a + 3 * BLOCK + k]
+        bx, by, bz, bw = block[b + k], block[b + BLOCK + k], block[b + 2 * BLOCK + k], block[b + 3 * BLOCK + k]
+        x, y, z, w = product(ax, ay, az, aw, bx, by, bz, bw)
+        block[out + k], block[out + BLOCK + k] = x, y
+        block[out + 2 * BLOCK + k], block[out + 3 * BLOCK + k] = z, w
+
+
+@inlined
+def multiply_by_inverse(block: Array, a: int, b: int, out: int) -> None:
+    """out = a b^-1; out may be a or b."""
+    a, b, out = a * BLOCK, b * BLOCK, out * BLOCK
+    for k in range(BLOCK):
+        ax, ay, az, aw = block[a + k], block[a + BLOCK + k], block[a + 2 * BLOCK + k], block[a + 3 * BLOCK + k]
+        bx, by, bz, bw = block[b + k], block[b + BLOCK + k], block[b + 2 * BLOCK + k], block[b + 3 * BLOCK + k]
+        x, y, z, w = product(ax, ay, az, aw, -bx, -by, -bz, bw)
+        block[out + k], block[out + BLOCK + k] = x, y
+        block[out + 2 * BLOCK + k], block[out + 3 * BLOCK + k] = z, w
+
+
+@inlined
+def normalise(block: Array, q: int) -> None:
+    q = q * BLOCK
+    for k in range(BLOCK):
+        x, y, z, w = block[q + k], block[q + BLOCK + k], block[q + 2 * BLOCK + k], block[q + 3 * BLOCK + k]
+        scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+        block[q + k], block[q + BLOCK + k] = x * scale, y * scale
+        block[q + 2 * BLOCK + k], block[q + 3 * BLOCK + k] = z * scale, w * scale
+
+
+@inlined
+def minors(
+    a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
+) -> tuple[float, ...]:
+    """The 2x2 minors of the two upper rows of [[a, ab, ac, ad], [ab, b, bc, bd], ...], then of the two lower rows."""
+    return (
+        a * b - ab * ab,
+        a * bc - ab * ac,
+        a * bd - ab * ad,
+        ab * bc - b * ac,
+        ab * bd - b * ad,
+        ac * bd - bc * ad,
+        ac * bd - bc * ad,
+        ac * cd - c * ad,
+        ac * d - cd * ad,
+        bc * cd - c * bd,
+        bc * d - cd * bd,
+        c * d - cd * cd,
+    )
+
+
+@kernel
+def horn(block: Array) -> None:
+    """The rotations ALIGNED that maximise sum target . q source, for CORRELATION 3 i + j = sum target_i source_j.
+
+    Horn 1987, by Theobald's route (2005): the largest root of the characteristic polynomial of a traceless symmetric
+    4x4 matrix from an upper bound, the lesser of BOUND, (sum |target|^2 + sum |source|^2) / 2, and sqrt(3 sum of
+    squares); then its eigenvector, as the largest column of the adjugate. All roots are real, so Halley's method comes
+    down on it, and where the second is near, faster than Newton's. GAP is about how far that is below the largest, as a
+    part of it: where it is small, no rotation is clearly better than all others.
+    """
+    for k in range(BLOCK):
+        xx, yx, zx = block[k], block[BLOCK + k], block[2 * BLOCK + k]
+        xy, yy, zy = block[3 * BLOCK + k], block[4 * BLOCK + k], block[5 * BLOCK + k]
+        xz, yz, zz = block[6 * BLOCK + k], block[7 * BLOCK + k], block[8 * BLOCK + k]
+        a, b, c, d = xx - yy - zz, yy - xx - zz, zz - xx - yy, xx + yy + zz
+        ab, ac, ad, bc, bd, cd = xy + yx, zx + xz, yz - zy, yz + zy, zx - xz, xy - yx
+        squares = xx * xx + xy * xy + xz * xz + yx * yx + yy * yy + yz * yz + zx * zx + zy * zy + zz * zz
+        # det(N - r) = r^4 - 2 squares r^2 + linear r + constant
+        linear = -8.0 * (xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx))
+        s0, s1, s2, s3, s4, s5, c0, c1, c2, c3, c4, c5 = minors(a, b, c, d, ab, ac, ad, bc, bd, cd)
+        constant = s0 * c5 - s1 * c4 + s2 * c3 + s3 * c2 - s4 * c1 + s5 * c0
+        root = min(block[BOUND * BLOCK + k], math.sqrt(3.0 * squares))
+        for _ in range(HALLEY_STEPS):
+            value = ((root * root - 2.0 * squares) * root + linear) * root + constant
+            slope = (4.0 * root * root - 4.0 * squares) * root + linear
+            divisor = 2.0 * slope * slope - value * (12.0 * root * root - 4.0 * squares)
+            root -= 2.0 * value * slope / divisor if divisor > 0.0 else 0.0
+        slope = (4.0 * root * root - 4.0 * squares) * root + linear
+        cube = 4.0 * root * root * root
+        a, b, c, d = a - root, b - root, c - root, d - root
+        s0, s1, s2, s3, s4, s5, c0, c1, c2, c3, c4, c5 = minors(a, b, c, d, ab, ac, ad, bc, bd, cd)
+        n00, n01 = b * c5 - bc * c4 + bd * c3, -ab * c5 + bc * c2 - bd * c1
+        n02, n03 = ab * c4 - b * c2 + bd * c0, -ab * c3 + b * c1 - bc * c0
+        n11, n12, n13 = a * c5 - ac * c2 + ad * c1, -a * c4 + ab * c2 - ad * c0, a * c3 - ab * c1 + ac * c0
+        n22, n23, n33 = ad * s4 - bd * s2 + d * s0, -ac * s4 + bc * s2 - cd * s0, ac * s3 - bc * s1 + c * s0
+        x, y, z, w, most = n00, n01, n02, n03, abs(n00)
+        larger = abs(n11) > most
+        x, y = n01 if larger else x, n11 if larger else y
+        z, w, most = n12 if larger else z, n13 if larger else w, abs(n11) if larger else most
+        larger = abs(n22) > most
+        x, y = n02 if larger else x, n12 if larger else y
+        z, w, most = n22 if larger else z, n23 if larger else w, abs(n22) if larger else most
+        larger = abs(n33) > most
+        x, y = n03 if larger else x, n13 if larger else y
+        z, w, most = n23 if larger else z, n33 if larger else w, abs(n33) if larger else most
+        scale = (1.0 if w >= 0.0 else -1.0) / math.sqrt(x * x + y * y + z * z + w * w)
+        block[ALIGNED * BLOCK + k], block[(ALIGNED + 1) * BLOCK + k] = x * scale, y * scale
+        block[(ALIGNED + 2) * BLOCK + k], block[(ALIGNED + 3) * BLOCK + k] = z * scale, w * scale
+        block[GAP * BLOCK + k] = slope / cube if cube > 0.0 else 0.0

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from runtime.bank import Bank, ClipEntry
+from runtime.bank import Bank
+from runtime.manifest import ClipEntry
 from runtime.requests import Method, Posture
 
 AXES = "right-handed, Y up, Z forward"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from motion.errors import SettingsError
 from runtime.evaluator import Evaluator
-from runtime.requests import Poses, RunningPosture
+from runtime.requests import Memory, Poses
 from service.models import AXES, UNITS, StreamRequest
 
 STREAM_VERSION = 1
@@ -41,7 +41,7 @@ def frame_times(evaluator: Evaluator, request: StreamRequest, max_frames: int) -
         mend = "Ask for a lower rate or a shorter clip"
         raise SettingsError(f"{count} frames are more than the {max_frames} that one stream may have", mend=mend)
     times = np.minimum(np.arange(count) / rate, clip.duration)
-    _evaluate(evaluator, request, times[:1], _running(evaluator, request))
+    _evaluate(evaluator, request, times[:1], Memory.begin(1, rate))
     return times
 
 
@@ -52,10 +52,10 @@ async def messages(evaluator: Evaluator, request: StreamRequest, times: Times, c
     """
     encode, as_blob = (_length_delimited, True) if request.format == "msgpack" else (_json_line, False)
     yield encode(_header(evaluator, request, len(times)))
-    began, running = clock.now(), _running(evaluator, request)
+    began, memory = clock.now(), Memory.begin(1, request.rate or evaluator.bank.clip(request.locomotion).rate)
     for first in range(0, len(times), BLOCK):
         block = times[first : first + BLOCK]
-        poses = _evaluate(evaluator, request, block, running)
+        poses = _evaluate(evaluator, request, block, memory)
         frames = [
             encode(_frame(first + row, float(time), poses, row, as_blob=as_blob)) for row, time in enumerate(block)
         ]
@@ -68,12 +68,7 @@ async def messages(evaluator: Evaluator, request: StreamRequest, times: Times, c
             yield frame
 
 
-def _running(evaluator: Evaluator, request: StreamRequest) -> RunningPosture | None:
-    rate = request.rate or evaluator.bank.clip(request.locomotion).rate
-    return RunningPosture.begin(1, rate) if request.posture == "running" else None
-
-
-def _evaluate(evaluator: Evaluator, request: StreamRequest, times: Times, running: RunningPosture | None) -> Poses:
+def _evaluate(evaluator: Evaluator, request: StreamRequest, times: Times, memory: Memory) -> Poses:
     return evaluator.sequence(
         request.locomotion,
         times,
@@ -81,7 +76,7 @@ def _evaluate(evaluator: Evaluator, request: StreamRequest, times: Times, runnin
         start=request.start,
         method=request.method,
         posture=request.posture,
-        running=running,
+        memory=memory,
     )
 
 

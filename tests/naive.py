@@ -17,6 +17,8 @@ from motion.quaternion import Floats
 from precompute.posture import measure_torso
 from precompute.splice import transfer_posture
 from runtime.bank import Bank
+from runtime.manifest import ClipEntry
+from runtime.posture_kernels import LEAST_GAP
 
 
 def planar_distance(a: Floats, b: Floats) -> float:
@@ -81,51 +83,72 @@ def best_ring_cost(distances: Floats, most_advance: int, most_zero: int) -> floa
 def pose(
     bank: Bank, locomotion: str, time: float, action: str, start: float, method: str, posture: str
 ) -> tuple[Floats, Floats]:
-    """One character's root position [3] and local rotations [J, 4], straight from the bank's tables."""
-    entry_l, entry_u, tables = bank.clip(locomotion), bank.clip(action), bank.tables
+    """One character's root position [3] and local rotations [J, 4], from the bank's clips in their editable form."""
+    entry_l, entry_u, phases = bank.clip(locomotion), bank.clip(action), bank.tables["phase_of_frame"]
     pelvis, upper = bank.roles.pelvis, bank.skeleton.subtree(bank.roles.pelvis)
 
-    def between(table: str, entry_first: int, count: int, at: float) -> Floats:
-        before = min(max(int(at), 0), count - 2)
-        a, b = (np.asarray(tables[table][entry_first + before + step], np.float64) for step in (0, 1))
-        t = min(max(at - before, 0.0), 1.0)
-        return quaternion.slerp(a, b, np.full(a.shape[:-1], t)) if table in QUATERNIONS else a + t * (b - a)
+    def phase_between(entry: ClipEntry, frame: float) -> float:
+        own = phases[entry.first_row : entry.first_row + entry.frame_count]
+        return float(np.interp(frame, np.arange(len(own)), own))
 
     frame_l = time * entry_l.rate
-    in_l = (entry_l.first_row, entry_l.frame_count, frame_l)
-    root, rotations = between("root_positions", *in_l), between("rotations", *in_l)
+    root, rotations = (sampled[0] for sampled in bank.motion(locomotion).sampled([frame_l]))
     if method == "none":
         return root, rotations
     if method == "naive":
         seconds = start + time
         frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
     else:
-        phase = float(between("phase_of_frame", *in_l))
-        start_phase = float(between("phase_of_frame", entry_u.first_row, entry_u.frame_count, start * entry_u.rate))
-        phase += math.ceil(start_phase - entry_l.first_phase - 1e-3)
+        phase = phase_between(entry_l, frame_l)
+        phase += math.ceil(phase_between(entry_u, start * entry_u.rate) - entry_l.first_phase - 1e-3)
         while phase > entry_u.last_phase and entry_u.loop > 0:
             phase -= entry_u.loop
-        rows = slice(entry_u.first_row, entry_u.first_row + entry_u.row_count)
-        frame_u = float(np.interp(phase, tables["phase_of_frame"][rows], np.arange(entry_u.row_count)))
-    in_u = (entry_u.first_row, entry_u.row_count, frame_u)
+        own = phases[entry_u.first_row : entry_u.first_row + entry_u.row_count]
+        frame_u = float(np.interp(phase, own, np.arange(entry_u.row_count)))
     pelvis_l = rotations[pelvis].copy()
-    rotations[upper] = between("rotations", *in_u)[upper]
+    rotations[upper] = bank.motion(action, seam=True).sampled([frame_u])[1][0, upper]
     if method == "naive":
         return root, rotations
-    clouds = between("upper_clouds", *in_l), between("upper_clouds", *in_u)
-    turned = quaternion.multiply(pelvis_l, horn_rotation(*clouds))
-    frame = between("posture_frames", *in_l)
+    torso_l, torso_u = bank.torso(locomotion), bank.torso(action, seam=True)
+    clouds = vectors_between(torso_l.clouds, frame_l), vectors_between(torso_u.clouds, frame_u)
+    turned = quaternion.multiply(pelvis_l, best_rotation(*clouds))
+    postures, turn = bank.tables["postures"], quaternion.IDENTITY
     if posture == "absolute":
-        turn = horn_rotation(tables["postures"][bank.number(action)], tables["postures"][bank.number(locomotion)])
+        turn = best_rotation(postures[bank.number(action)], postures[bank.number(locomotion)])
     elif posture == "relative":
-        own, theirs = between("torso_offsets", *in_l), between("torso_offsets", *in_u)
+        theirs, own = rotation_between(torso_u.offsets, frame_u), rotation_between(torso_l.offsets, frame_l)
         turn = quaternion.multiply(theirs, quaternion.conjugate(own))
-    else:
-        turn = quaternion.IDENTITY
+    frame = rotation_between(torso_l.frames, frame_l)
     seen = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
-    turned = quaternion.multiply(seen, turned)
-    rotations[pelvis] = turned
+    rotations[pelvis] = quaternion.multiply(seen, turned)
     return root, rotations
+
+
+def vectors_between(vectors: Floats, frame: float) -> Floats:
+    """Vectors [F, ...] at a real-valued frame, held at both ends."""
+    before, after, t = quaternion.neighbours(len(vectors), [frame])
+    return np.asarray(vectors[before[0]] + t[0] * (vectors[after[0]] - vectors[before[0]]))
+
+
+def rotation_between(rotations: Floats, frame: float) -> Floats:
+    """Rotations [F, 4] at a real-valued frame, held at both ends."""
+    before, after, t = quaternion.neighbours(len(rotations), [frame])
+    return quaternion.slerp(rotations[before[0]], rotations[after[0]], t[0])
+
+
+def gap(target: Floats, source: Floats) -> float:
+    """How clearly one rotation is the best: the second eigenvalue of Horn's matrix below the largest, as a part of it.
+
+    It is 2 (s2 +- s3) of s1 + s2 +- s3, the singular values of the correlation, minus for a mirrored one.
+    """
+    correlation = target.T @ source
+    first, second, third = np.linalg.svd(correlation)[1] * [1.0, 1.0, np.sign(np.linalg.det(correlation))]
+    return float(2.0 * (second + third) / (first + second + third)) if first > 0.0 else 0.0
+
+
+def best_rotation(target: Floats, source: Floats) -> Floats:
+    """Horn's rotation; the identity where none is clearly the best."""
+    return horn_rotation(target, source) if gap(target, source) >= LEAST_GAP else quaternion.IDENTITY
 
 
 def followed(bank: Bank, splice: Clip, locomotion: str, action: str, time_constant: float) -> Clip:
@@ -137,6 +160,3 @@ def followed(bank: Bank, splice: Clip, locomotion: str, action: str, time_consta
         mean += share * (shoulders - mean)
         turns.append(horn_rotation(postures[bank.number(action)], mean))
     return transfer_posture(splice, torso, np.array(turns), bank.roles)
-
-
-QUATERNIONS = ("rotations", "posture_frames", "torso_offsets")

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from motion.errors import BankError, UnknownClipError
-from runtime.bank import MANIFEST, TABLES, VERSION, Bank, content_digest
+from runtime.bank import Bank
+from runtime.manifest import MANIFEST, TABLES, VERSION, content_digest
 
 
 @pytest.fixture
@@ -45,7 +46,7 @@ def test_frame_of_phase_is_the_inverse_of_phase_of_frame(bank: Bank) -> None:
 
 def test_tables_are_mapped_and_cannot_be_written(bank: Bank) -> None:
     for name in TABLES:
-        assert isinstance(bank.tables[name], np.memmap)
+        assert isinstance(bank.tables[name].base, np.memmap)
         with pytest.raises(ValueError, match="read-only"):
             bank.tables[name].flat[0] = 0
 
@@ -106,8 +107,8 @@ def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None
         lambda body: body.update(clips=[]),
         lambda body: body["roles"].update(pelvis=999),
         lambda body: body["skeleton"].update(parents=[0] * len(body["skeleton"]["names"])),
-        lambda body: body["tables"].update(rotations=body["tables"]["root_positions"]),
-        lambda body: body["tables"].update(rotations="../../elsewhere"),
+        lambda body: body["tables"].update(lower=body["tables"]["postures"]),
+        lambda body: body["tables"].update(lower="../../elsewhere"),
         lambda body: body.pop("skeleton"),
         lambda body: body.update(baseline={}),
         lambda body: body["baseline"].update(clip="absent"),

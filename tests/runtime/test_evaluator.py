@@ -8,7 +8,7 @@ from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownCli
 from motion.kinematics import joint_positions
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import POSTURES, Requests, RunningPosture
+from runtime.requests import POSTURES, Memory, Requests
 
 
 def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:
@@ -99,7 +99,7 @@ def test_an_unknown_name_is_answered_with_the_near_ones(
 
 def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    with pytest.raises(SettingsError, match="different numbers"):
+    with pytest.raises(SettingsError, match="results need float32"):
         evaluator.evaluate(Requests.empty(2), evaluator.poses(3))
     for name in ("locomotion", "action", "method", "posture"):
         requests = Requests.empty(2)
@@ -130,7 +130,7 @@ def test_a_running_posture_starts_from_the_stored_one_and_follows_the_splices_ow
 
 def test_characters_with_running_postures_do_not_share_them(bank: Bank) -> None:
     evaluator, box = Evaluator(bank), bank.number("carry_box")
-    requests, running, poses = Requests.empty(3), RunningPosture.begin(3, rate=30.0), evaluator.poses(3)
+    requests, running, poses = Requests.empty(3), Memory.begin(3, rate=30.0), evaluator.poses(3)
     requests.posture[:] = POSTURES["running"]
     requests.locomotion[:] = [bank.number(name) for name in ("walk", "run", "walk")]
     requests.action[:] = box
@@ -143,13 +143,11 @@ def test_characters_with_running_postures_do_not_share_them(bank: Bank) -> None:
 
 
 def test_a_running_posture_without_a_history_is_refused(bank: Bank) -> None:
-    with pytest.raises(SettingsError, match="mean over the frames so far"):
+    with pytest.raises(SettingsError, match="no memory of them"):
         Evaluator(bank).pose("walk", 1.0, "wave", posture="running")
-    requests = Requests.empty(2)
-    requests.posture[1] = POSTURES["running"]
     evaluator = Evaluator(bank)
-    with pytest.raises(SettingsError, match="RunningPosture of as many characters"):
-        evaluator.evaluate(requests, evaluator.poses(2), RunningPosture.begin(1, rate=30.0))
+    with pytest.raises(SettingsError, match="Memory of as many characters"):
+        evaluator.evaluate(Requests.empty(3), evaluator.poses(3), Memory.begin(2, rate=30.0))
 
 
 def test_no_characters_are_no_work(bank: Bank) -> None:

@@ -21,7 +21,7 @@ from fastapi.testclient import TestClient
 from motion.errors import SettingsError
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import Posture, RunningPosture
+from runtime.requests import Memory, Posture
 from service import routes
 from service.app import create_app
 from service.models import BankInfo, StreamRequest
@@ -74,8 +74,8 @@ def assert_is_the_evaluators(
     header, *frames = unpacked(stream)
     evaluator = Evaluator(bank)
     times = evaluator.frame_times(locomotion)
-    running = RunningPosture.begin(1, bank.clip(locomotion).rate) if posture == "running" else None
-    poses = evaluator.sequence(locomotion, times, action, posture=posture, running=running)
+    memory = Memory.begin(1, bank.clip(locomotion).rate)
+    poses = evaluator.sequence(locomotion, times, action, posture=posture, memory=memory)
     assert header["stream"] == 1
     assert header["bank"] == bank.digest
     assert (header["locomotion"], header["action"]) == (locomotion, action)

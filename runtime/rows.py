@@ -1,0 +1,117 @@
+"""The rows of a bank: all that one frame of a clip gives to a splice, side by side in memory.
+
+A splice reads the lower half of one clip and the upper half of another, so each half has a table. A row is root
+position, upper cloud, and then rotations, component by component over a whole number of vector lanes (docs/bank.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion import quaternion
+from motion.quaternion import Floats
+from motion.roles import Roles
+from motion.skeleton import Skeleton
+
+Float32s = NDArray[np.float32]
+
+ROOT, CLOUD = 0, 4  # first columns
+PELVIS, POSTURE_FRAME, TORSO_OFFSET, FIRST_JOINT = 0, 1, 2, 3  # lanes
+LANES = 8  # joints that are sampled at once
+LINE = 16  # floats of a cache line
+
+
+class TorsoRows(NamedTuple):
+    """How the upper body sits on the root in n frames (docs/bank.md).
+
+    clouds [n, points, 3]: metres, in the pelvis's frame. frames [n, 4]: the posture frame as seen from the pelvis's
+    parent. offsets [n, 4]: the turn, in the posture frame, from the neutral's torso at this phase to the clip's own.
+    """
+
+    clouds: Floats
+    frames: Floats
+    offsets: Floats
+
+
+@dataclass(frozen=True)
+class Half:
+    """One of the two tables: its joints, in their lanes from FIRST_JOINT on, and the column where lanes begin."""
+
+    joints: tuple[int, ...]
+    first_plane: int
+
+    @property
+    def width(self) -> int:
+        """Lanes of a component."""
+        return _whole(FIRST_JOINT + len(self.joints), LANES)
+
+    @property
+    def columns(self) -> int:
+        """Floats of a row."""
+        return _whole(self.first_plane + 4 * self.width, LINE)
+
+    def lanes(self, rows: NDArray[np.float32]) -> Float32s:
+        """The rotations [n, width, 4] in rows [n, columns], in the same memory."""
+        planes = rows[:, self.first_plane : self.first_plane + 4 * self.width]
+        return np.moveaxis(planes.reshape(len(rows), 4, self.width), 1, 2)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Both halves of a rig, whose upper clouds have `points` points. The pelvis has a lane of its own in each half."""
+
+    lower: Half
+    upper: Half
+    pelvis: int
+    points: int
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, roles: Roles) -> Layout:
+        above, points = skeleton.subtree(roles.pelvis), len(roles.upper_cloud)
+        below = tuple(joint for joint in range(skeleton.joint_count) if joint not in above)
+        first_plane = _whole(CLOUD + 3 * points, LANES)
+        upper = tuple(joint for joint in above if joint != roles.pelvis)
+        return cls(Half(below, first_plane), Half(upper, first_plane), roles.pelvis, points)
+
+    @property
+    def halves(self) -> dict[str, Half]:
+        """The two halves by the names of their tables."""
+        return {"lower": self.lower, "upper": self.upper}
+
+    def pack(self, roots: Floats, rotations: Floats, torso: TorsoRows) -> dict[str, Float32s]:
+        """Rows [n, columns] of both tables, for n frames: roots [n, 3] metres, rotations [n, J, 4] and their torsos."""
+        packed = {}
+        for name, half in self.halves.items():
+            rows = np.zeros((len(roots), half.columns), np.float32)
+            rows[:, ROOT : ROOT + 3] = roots
+            rows[:, CLOUD : CLOUD + 3 * self.points] = torso.clouds.reshape(len(roots), -1)
+            lanes = half.lanes(rows)
+            lanes[:] = quaternion.IDENTITY
+            lanes[:, PELVIS], lanes[:, POSTURE_FRAME] = rotations[:, self.pelvis], torso.frames
+            lanes[:, TORSO_OFFSET] = torso.offsets
+            lanes[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)] = rotations[:, half.joints]
+            packed[name] = rows
+        return packed
+
+    def motion(self, lower: Float32s, upper: Float32s) -> tuple[Floats, Floats]:
+        """Root positions [n, 3] and rotations [n, J, 4] from the same frames' rows in both tables."""
+        rotations = np.empty((len(lower), len(self.lower.joints) + len(self.upper.joints) + 1, 4))
+        for half, rows in ((self.lower, lower), (self.upper, upper)):
+            rotations[:, half.joints] = half.lanes(rows)[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)]
+        rotations[:, self.pelvis] = self.lower.lanes(lower)[:, PELVIS]
+        return lower[:, ROOT : ROOT + 3].astype(np.float64), rotations
+
+    def torso(self, lower: Float32s) -> TorsoRows:
+        """What rows of the lower table hold of the torso."""
+        lanes = self.lower.lanes(lower).astype(np.float64)
+        clouds = lower[:, CLOUD : CLOUD + 3 * self.points].reshape(len(lower), self.points, 3)
+        return TorsoRows(clouds.astype(np.float64), lanes[:, POSTURE_FRAME], lanes[:, TORSO_OFFSET])
+
+
+def _whole(count: int, of: int) -> int:
+    """`count` rounded up to a multiple."""
+    return -(-count // of) * of

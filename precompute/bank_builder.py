@@ -6,7 +6,7 @@ import io
 import os
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -53,6 +53,27 @@ def write_bank(
         file = folder / f"{digests[name]}.npy"
         if not (file.exists() and content_digest(file.read_bytes()) == digests[name]):
             _write_synced(file, data.getvalue())
+    stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
+    before = _tables_in_use(path / MANIFEST)
+    digest = write_manifest(path, skeleton, roles, stride, _entries(clips, offsets), digests)
+    for file in folder.glob("*.npy"):
+        if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
+            file.unlink()
+    for file in (*path.iterdir(), *folder.iterdir()):
+        if OUR_PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > ABANDONED:
+            file.unlink()  # of a job that was killed
+    return digest
+
+
+def write_manifest(
+    path: Path,
+    skeleton: Skeleton,
+    roles: Roles,
+    baseline: BaselineEntry,
+    clips: Sequence[ClipEntry],
+    tables: Mapping[str, str],
+) -> str:
+    """Makes written tables, digests by name, the bank in the folder `path`; returns the bank's digest."""
     body = {
         "skeleton": {
             "names": list(skeleton.names),
@@ -62,23 +83,14 @@ def write_bank(
             "end_offsets": skeleton.end_offsets.tolist(),
         },
         "roles": asdict(roles),
-        "baseline": asdict(
-            BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
-        ),
-        "clips": [asdict(entry) for entry in _entries(clips, offsets)],
-        "tables": digests,
+        "baseline": asdict(baseline),
+        "clips": [asdict(clip) for clip in clips],
+        "tables": dict(tables),
     }
     packed = msgpack.packb(body)
     digest = content_digest(packed)
     manifest = {"format": FORMAT, "version": VERSION, "digest": digest, "body": packed}
-    before = _tables_in_use(path / MANIFEST)
     _write_synced(path / MANIFEST, msgpack.packb(manifest))
-    for file in folder.glob("*.npy"):
-        if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
-            file.unlink()
-    for file in (*path.iterdir(), *folder.iterdir()):
-        if OUR_PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > ABANDONED:
-            file.unlink()  # of a job that was killed
     return digest
 
 

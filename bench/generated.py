@@ -1,0 +1,194 @@
+"""Banks of any size, generated: smooth motion that means nothing, in tables that `Bank.open` accepts.
+
+What a splice costs depends on where its rows lie, not on what they say; so a bank has only as many different motions
+as `MOST_DRAWN` rows hold, and its clips repeat them, each in rows of its own.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import cycle, islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import SettingsError
+from motion.quaternion import Floats
+from motion.roles import Roles, find_roles
+from motion.skeleton import Skeleton
+from precompute.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest
+from precompute.posture import measure_torso
+from runtime.bank import TABLE_FOLDER, Bank
+from runtime.manifest import TABLES, BaselineEntry, ClipEntry
+from runtime.rows import Layout, TorsoRows
+
+FEWEST_JOINTS, MOST_JOINTS = 15, 300  # every role needs its joint
+MOST_DRAWN = 50_000  # rows
+STRIDE, SEAM, SHORTEST = 1.1, 0.2, 3.0  # seconds
+
+
+@dataclass(frozen=True)
+class Size:
+    """What a bank to be generated holds: `clips` clips of `seconds` at `rate` frames per second.
+
+    Raises SettingsError if there are too few joints for a body, too many, no clips, or too short ones.
+    """
+
+    joints: int = 31
+    clips: int = 100
+    seconds: float = 10.0
+    rate: float = 30.0
+
+    def __post_init__(self) -> None:
+        if not (FEWEST_JOINTS <= self.joints <= MOST_JOINTS and self.clips >= 1 and self.seconds >= SHORTEST):
+            raise SettingsError(
+                f"{self.clips} clips of {self.seconds} s on {self.joints} joints cannot be generated",
+                mend=f"Ask for {FEWEST_JOINTS} to {MOST_JOINTS} joints, and for clips of {SHORTEST} s at least",
+            )
+
+    @property
+    def frames(self) -> int:
+        return round(self.seconds * self.rate) + 1
+
+    @property
+    def rows(self) -> int:
+        """Rows of one clip, its seam's among them."""
+        return self.frames + round(SEAM * self.rate)
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """One motion, as the rows and cells of a clip."""
+
+    tables: Mapping[str, NDArray[Any]]
+    phase: Floats
+
+
+def generate(path: Path, size: Size, seed: int = 0) -> Bank:
+    """Writes a generated bank to the folder `path`, and opens it, verified: so all of it has been read."""
+    skeleton = skeleton_of(size.joints)
+    roles = find_roles(skeleton)
+    random = np.random.default_rng(seed)
+    drawn = [
+        _draw(skeleton, roles, size, random) for _ in range(max(1, min(size.clips, MOST_DRAWN // size.rows)))
+    ]
+    motions = list(islice(cycle(drawn), size.clips))
+    folder = path / TABLE_FOLDER
+    folder.mkdir(parents=True)
+    digests = {
+        name: _write_table(folder, np.dtype(TABLES[name][0]), (one.tables[name] for one in motions), size.clips)
+        for name in TABLES
+        if name != "neutral"
+    }
+    digests["neutral"] = _write_table(folder, np.dtype(np.int32), [np.arange(size.clips)], 1)
+    entries = [_entry(number, one.phase, size) for number, one in enumerate(motions)]
+    baseline = BaselineEntry(entries[0].name, 0.0, STRIDE, 0.0, 32)
+    write_manifest(path, skeleton, roles, baseline, entries, digests)
+    return Bank.open(path)
+
+
+def skeleton_of(joints: int) -> Skeleton:
+    """A body of FEWEST_JOINTS to MOST_JOINTS joints: what is beyond trunk, limbs, head and toes is fingers."""
+    names: list[str] = []
+    parents: list[int] = []
+    offsets: list[tuple[float, float, float]] = []
+
+    def add(name: str, above: str | None, x: float, y: float, z: float = 0.0) -> str:
+        parents.append(-1 if above is None else names.index(above))
+        names.append(name)
+        offsets.append((x, y, z))
+        return name
+
+    spare = joints - FEWEST_JOINTS
+    trunk, toes, head = min(spare, 2), spare >= 4, spare >= 6
+    fingers = spare - trunk - 2 * toes - 2 * head
+    root = add("Hips", None, 0.0, 0.95)
+    for side, x in (("Left", 1.0), ("Right", -1.0)):
+        above = add(f"{side}UpLeg", root, 0.09 * x, -0.05)
+        above = add(f"{side}Leg", above, 0.0, -0.42)
+        above = add(f"{side}Foot", above, 0.0, -0.41)
+        if toes:
+            add(f"{side}ToeBase", above, 0.0, -0.06, 0.13)
+    chest = add("Spine", root, 0.0, 0.08)
+    for number in range(1 + trunk):
+        chest = add(f"Spine{number + 1}", chest, 0.0, 0.12)
+    if head:
+        add("Head", add("Neck", chest, 0.0, 0.2), 0.0, 0.12)
+    for side, x in (("Left", 1.0), ("Right", -1.0)):
+        above = add(f"{side}Arm", chest, 0.17 * x, 0.12)
+        above = add(f"{side}ForeArm", above, 0.27 * x, 0.0)
+        hand = add(f"{side}Hand", above, 0.25 * x, 0.0)
+        for number in range((fingers + (side == "Left")) // 2):
+            above = add(f"{side}Finger{number}", hand if number % 3 == 0 else above, 0.03 * x, 0.0)
+    return Skeleton(tuple(names), np.array(parents), np.array(offsets), np.empty(0, np.int64), np.empty((0, 3)))
+
+
+def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Generator) -> _Drawn:
+    """A motion that comes round with the stride, so that any whole number of strides leads back."""
+    seconds = np.arange(size.rows) / size.rate
+    strides = seconds / (STRIDE * random.uniform(0.9, 1.1))
+    phase = random.random() + strides + 0.02 * np.sin(2.0 * np.pi * strides)  # rises: 0.02 of 2 pi is below 1
+    axes = random.normal(size=(skeleton.joint_count, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    swing = random.uniform(0.05, 0.5, (2, skeleton.joint_count)) * [[1.0], [0.3]]
+    swing[:, 0] *= 0.2
+    shifts = random.random((2, skeleton.joint_count))
+    turns = sum(swing[k] * np.sin(2.0 * np.pi * (k + 1) * (phase[:, None] + shifts[k])) for k in range(2))
+    rotations = quaternion.about(axes, turns)
+    roots = np.stack([0.02 * np.sin(2.0 * np.pi * phase), np.full(size.rows, 0.95), 1.3 * seconds], axis=1)
+    torso = measure_torso(Clip("drawn", skeleton, size.rate, roots, rotations), roles)
+    offsets = quaternion.about(axes[roles.pelvis], 0.1 * np.sin(2.0 * np.pi * phase))
+    rows = Layout.of(skeleton, roles).pack(roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
+    rest = {"phase_of_frame": phase, "frame_of_phase": frame_of_phase(phase), "postures": torso.posture[None]}
+    return _Drawn({**rows, **rest}, phase)
+
+
+def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:
+    first, last = float(phase[0]), float(phase[-1])
+    return ClipEntry(
+        name=f"clip{number:05d}",
+        kind="locomotion",
+        tags=(),
+        rate=size.rate,
+        first_row=number * size.rows,
+        frame_count=size.frames,
+        row_count=size.rows,
+        first_cell=number * size.rows * CELLS_PER_FRAME,
+        cell_count=size.rows * CELLS_PER_FRAME,
+        first_phase=first,
+        last_phase=last,
+        cycles=float(phase[size.frames - 1]) - first,
+        loop=int(last - first) - 1,
+        mean_mismatch=0.0,
+        worst_mismatch=0.0,
+        shoulder_motion=0.0,
+        warnings=(),
+        notes=(),
+        source="generated",
+    )
+
+
+def _write_table(folder: Path, kind: np.dtype[Any], parts: Iterable[NDArray[Any]], count: int) -> str:
+    """Writes `count` parts of one shape end to end as a table, and returns its digest, after which it is named.
+
+    No more than a part is held at once.
+    """
+    digest, partial = hashlib.blake2b(digest_size=16), folder / "partial"
+    with partial.open("wb") as sink:
+        for number, part in enumerate(parts):
+            data = np.ascontiguousarray(part, kind)
+            if number == 0:
+                header = np.lib.format.header_data_from_array_1_0(data)
+                np.lib.format.write_array_header_1_0(sink, header | {"shape": (count * len(data), *data.shape[1:])})
+                sink.flush()
+                digest.update(partial.read_bytes())
+            sink.write(data.data)
+            digest.update(data.data)
+    partial.rename(folder / f"{digest.hexdigest()}.npy")
+    return digest.hexdigest()

@@ -1,0 +1,108 @@
+"""Times of pieces of work, taken in turns, and what is told of them.
+
+The pieces of one comparison run in interleaved rounds in one process, in a new order each round, and a ratio is the
+median over rounds of the ratio within a round: whatever slows the machine for a while slows all of them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import linregress
+
+from motion.quaternion import Floats
+
+Work = Callable[[int], object]  # told the number of the round, so that no two rounds need ask the same
+EVICTING = np.zeros(2**26, np.uint8)  # larger than the caches of most processors
+TICK = 1.0 / 60.0  # seconds
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What is told of a piece of work: seconds per character-frame, over its rounds; `worst` is the slowest."""
+
+    what: str
+    characters: int
+    rounds: int
+    median: float
+    p95: float
+    p99: float
+    worst: float
+    to_naive: float | None = None
+    to_floor: float | None = None
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A straight line through (x, y), fitted by least squares: its slope and that slope's standard error.
+
+    `relative` and `relative_error` are the same as parts of the median y.
+    """
+
+    slope: float
+    error: float
+    relative: float
+    relative_error: float
+
+
+def interleaved(work: Mapping[str, Work], rounds: int, before: Callable[[], object] | None = None) -> dict[str, Floats]:
+    """Seconds [rounds] of each piece of work; `before` runs ahead of each, untimed. A first round is not counted."""
+    seconds = {name: np.empty(rounds) for name in work}
+    names, draw = list(work), np.random.default_rng(0)
+    for run in work.values():
+        run(0)
+    for number in range(rounds):
+        for at in draw.permutation(len(names)):
+            run = work[names[at]]
+            if before:
+                before()
+            began = time.perf_counter()
+            run(number)
+            seconds[names[at]][number] = time.perf_counter() - began
+    return seconds
+
+
+def paced(work: Mapping[str, Work], ticks: int) -> dict[str, Floats]:
+    """Seconds [ticks] of each piece of work, when one of them runs per 60 Hz tick and the thread sleeps in between."""
+    seconds = {name: np.empty(ticks) for name in work}
+    for run in work.values():
+        run(0)
+    due = time.perf_counter()
+    for number in range(ticks):
+        for name, run in work.items():
+            due = max(due + TICK, time.perf_counter())
+            time.sleep(max(due - time.perf_counter(), 0.0))
+            began = time.perf_counter()
+            run(number)
+            seconds[name][number] = time.perf_counter() - began
+    return seconds
+
+
+def evict_caches() -> None:
+    """Writes more memory than the caches hold, so that what they held is gone."""
+    np.add(EVICTING, 1, out=EVICTING)
+
+
+def summaries(seconds: Mapping[str, Floats], characters: int, naive: str = "naive", floor: str = "copy") -> list[Summary]:
+    """What is told of times [rounds] that were taken in turns, each of as many characters."""
+    return [
+        Summary(
+            name, characters, len(one), *(float(value) / characters for value in np.percentile(one, [50, 95, 99, 100])),
+            to_naive=paired_ratio(one, seconds.get(naive)), to_floor=paired_ratio(one, seconds.get(floor)),
+        )
+        for name, one in seconds.items()
+    ]  # fmt: skip
+
+
+def paired_ratio(a: Floats, b: Floats | None) -> float | None:
+    """The median over rounds of a [rounds] over b [rounds]; None without b."""
+    return None if b is None else float(np.median(a / b))
+
+
+def fit_slope(x: Sequence[float] | Floats, y: Sequence[float] | Floats) -> Slope:
+    """The line through at least three points."""
+    fit, middle = linregress(x, y), float(np.median(y))
+    return Slope(float(fit.slope), float(fit.stderr), float(fit.slope) / middle, float(fit.stderr) / middle)

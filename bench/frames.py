@@ -1,82 +1,183 @@
-"""Time per character-frame: `python -m bench.frames [--bank BANK] [--characters 1000]`, kernels warm.
+"""Time per character-frame: `python -m bench.frames [--bank BANK] [--out frames.json]`.
 
-Rounds of all methods are interleaved, and their medians and 99th percentiles are printed per character-frame, with
-the naive splice as the baseline. Characters play random pairs of clips at random times.
+What the rows are:
+
+splice, naive, none   one call of `Evaluator.evaluate` for all characters, checks included: the splice with posture
+                      `relative`; plain replacement; the locomotion alone. Each into poses of its own.
+copy                  the floor: `np.take` of the very rows that the splices read, from the same mapped tables, two
+                      neighbouring ones of each per character, and a copy of as many bytes as the poses have. Which
+                      rows is known beforehand, so this is memory traffic alone, and each byte is written too.
+NumPy                 the same splices, by arrays and without kernels (`bench.numpy_twin`), in rounds of its own.
+
+All of a table run in turns, in rounds of one process; each round has requests of its own, and ratios are taken within
+rounds. A time is a whole call by its number of characters. Batches: called again and again. Cold: before each call,
+more memory is written than the caches hold. Paced: one call per 60 Hz tick, asleep in between, so that a core slows
+down and its caches are others'. Single calls: one character each, the cost of Python included.
+
+Times hold for the machine and for what else it does. The slowest of some rounds is mostly somebody else's work.
 """
 
 from __future__ import annotations
 
+import json
 import tempfile
-import time
-from collections.abc import Callable
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
+import numba
 import numpy as np
 import typer
-from rich.console import Console
-from rich.table import Table
 
-from bench.clips import bank_of
+from bench import frame_tables, roofline
+from bench.generated import Size, generate
+from bench.numpy_twin import NumpyTwin
+from bench.rounds import Summary, Work, evict_caches, interleaved, paced, summaries
+from bench.workload import RATE, Copy, Scene, evaluation, request_sets, twin_evaluation
 from motionsplice.cli import run
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import METHODS, POSTURES, Requests, Memory
+from runtime.requests import POSTURES, Memory
 
+Tables = dict[str, list[Summary]]
 
-def random_requests(bank: Bank, count: int, method: str, posture: str, seed: int = 0) -> Requests:
-    """Characters that play any pair of clips at any time."""
-    draw = np.random.default_rng(seed)
-    durations = np.array([clip.duration for clip in bank.clips])
-    requests = Requests.empty(count)
-    requests.locomotion[:] = draw.integers(0, len(bank.clips), count)
-    requests.action[:] = draw.integers(0, len(bank.clips), count)
-    requests.time[:] = draw.random(count) * durations[requests.locomotion]
-    requests.method[:], requests.posture[:] = METHODS[method], POSTURES[posture]
-    return requests
+ANY = Scene()
+BATCH, LARGE = 1000, 10_000  # characters; from LARGE on there are fewer rounds
+COLD, PACED = (1, 100, 1000), (1, 100, 1000)
+SINGLE_CALLS = 10  # times as many rounds as of batches
 
 
 def main(
-    bank: Annotated[Path | None, typer.Option(help="A bank; one of the built-in motions if not given")] = None,
-    characters: Annotated[int, typer.Option(min=1)] = 1000,
-    rounds: Annotated[int, typer.Option(min=3)] = 200,
+    bank: Annotated[Path | None, typer.Option(help="A bank; a generated one if not given")] = None,
+    joints: Annotated[int, typer.Option(help="Of a generated bank")] = Size.joints,
+    clips: Annotated[int, typer.Option(help="Of a generated bank")] = Size.clips,
+    seconds: Annotated[float, typer.Option(help="Length of a generated bank's clips")] = Size.seconds,
+    characters: Annotated[list[int] | None, typer.Option(help="May be given more than once")] = None,
+    rounds: Annotated[int, typer.Option(min=2)] = 300,
+    ticks: Annotated[int, typer.Option(min=2, help="60 Hz ticks of each paced row")] = 300,
+    threads: Annotated[int, typer.Option(min=2, help="Compared with one")] = 2,
+    out: Annotated[Path | None, typer.Option(help="JSON file of the results")] = None,
 ) -> None:
-    """Prints microseconds per character-frame of each method."""
+    """Prints what a splice costs, against plain replacement and against a copy of the bytes that it touches."""
     with tempfile.TemporaryDirectory() as folder:
-        opened = Bank.open(bank) if bank else bank_of(None, "walk", Path(folder))
+        opened = Bank.open(bank) if bank else generate(Path(folder) / "bank", Size(joints, clips, seconds))
         evaluator = Evaluator(opened)
-        poses = evaluator.poses(characters)
-        memory = Memory.begin(characters, rate=60.0)
-        positions = np.empty((characters, opened.skeleton.joint_count, 3), np.float32)
-        forms = [("naive", "off"), ("none", "off"), *(("splice", posture) for posture in POSTURES)]
-        work: dict[str, Callable[[], None]] = {}
-        for method, posture in forms:
-            requests = random_requests(opened, characters, method, posture)
-            label = f"{method}, posture {posture}" if method == "splice" else method
-            work[label] = lambda requests=requests: evaluator.evaluate(requests, poses, memory)  # type: ignore[misc]
-        work["world positions"] = lambda: evaluator.world_positions(poses, positions)
-        seconds: dict[str, list[float]] = {label: [] for label in work}
-        for run in work.values():
-            run()
-        for _ in range(rounds):
-            for label, run in work.items():
-                began = time.perf_counter()
-                run()
-                seconds[label].append((time.perf_counter() - began) / characters)
-    clip = opened.clips[0].name
-    seconds["one character, by name"] = []
-    for _ in range(rounds):
-        began = time.perf_counter()
-        evaluator.pose(clip, 0.0, clip)
-        seconds["one character, by name"].append(time.perf_counter() - began)
-    table = Table(title=f"{characters} characters, {opened.skeleton.joint_count} joints, {rounds} warm rounds")
-    for column in ("", "median us", "p99 us", "ratio to naive"):
-        table.add_column(column, justify="right")
-    naive = np.median(seconds["naive"])
-    for label, samples in seconds.items():
-        median, late = np.percentile(samples, [50, 99])
-        table.add_row(label, f"{1e6 * median:.3f}", f"{1e6 * late:.3f}", f"{median / naive:.2f}")
-    Console().print(table)
+        evaluator.warm()
+        tables = {
+            "batches": batches(evaluator, characters or [1, 10, 100, 1000, 10_000], rounds),
+            "scenes": scenes(evaluator, rounds),
+            "forms": forms(evaluator, rounds),
+            "threads": on_threads(opened, min(threads, numba.config.NUMBA_NUM_THREADS), rounds),  # type: ignore[attr-defined]
+            "cold": cold(evaluator, rounds // 3),
+            "paced": in_ticks(evaluator, ticks),
+            "single": single_calls(evaluator, SINGLE_CALLS * rounds),
+        }
+        roof = roofline.measure(opened)
+        about = {
+            "joints": opened.skeleton.joint_count,
+            "clips": len(opened.clips),
+            "seconds": sum(clip.duration for clip in opened.clips),
+            "bytes": sum(table.nbytes for table in opened.tables.values()),
+        }
+    frame_tables.show(about, tables, roof)
+    if out:
+        out.write_text(json.dumps(as_json(about, tables, roof), indent=1))
+
+
+def as_json(about: Mapping[str, object], tables: Tables, roof: roofline.Roofline) -> dict[str, Any]:
+    """What is written to the file: seconds per character-frame."""
+    return {
+        "bank": dict(about),
+        "tables": {name: [asdict(one) for one in rows] for name, rows in tables.items()},
+        "roofline": asdict(roof),
+    }
+
+
+def batches(evaluator: Evaluator, sizes: list[int], rounds: int) -> list[Summary]:
+    """Warm batches of many sizes: any pair of clips at any time."""
+    twin, told = NumpyTwin(evaluator.bank), []
+    for count in sizes:
+        fewer, work = max(rounds // 5, 2), methods(evaluator, count, ANY)
+        told += summaries(interleaved(work, rounds if count < LARGE else fewer), count)
+        splices = request_sets(evaluator.bank, count, ANY, "splice", "relative")
+        work["NumPy"] = twin_evaluation(twin, evaluator, splices)  # apart, for it empties the caches of the others
+        told += [one for one in summaries(interleaved(work, fewer), count) if one.what == "NumPy"]
+    return told
+
+
+def scenes(evaluator: Evaluator, rounds: int) -> list[Summary]:
+    """Warm batches in which characters play one pair or many, at times that go on or at any."""
+    told = []
+    for scene in (Scene(many, sequential) for many in (False, True) for sequential in (True, False)):
+        for one in summaries(interleaved(methods(evaluator, BATCH, scene), rounds), BATCH):
+            if one.what == "splice":
+                told.append(Summary(**(vars(one) | {"what": scene.label})))
+    return told
+
+
+def forms(evaluator: Evaluator, rounds: int) -> list[Summary]:
+    """Warm batches of every posture, and the world positions of poses that are there."""
+    bank, joints = evaluator.bank, evaluator.bank.skeleton.joint_count
+    work: dict[str, Work] = {"naive": methods(evaluator, BATCH, ANY)["naive"]}
+    for posture in POSTURES:
+        memory = Memory.begin(BATCH, RATE)
+        work[f"posture {posture}"] = evaluation(evaluator, request_sets(bank, BATCH, ANY, "splice", posture), memory)
+    poses, positions = evaluator.poses(BATCH), np.empty((BATCH, joints, 3), np.float32)
+    evaluator.evaluate(request_sets(bank, BATCH, ANY, "splice", "relative")[0], poses)
+    work["world positions"] = lambda _: evaluator.world_positions(poses, positions)
+    return summaries(interleaved(work, rounds), BATCH, against=["naive"])
+
+
+def on_threads(bank: Bank, threads: int, rounds: int) -> list[Summary]:
+    """Warm batches on one thread, and divided among some."""
+    told = []
+    for count in (100, BATCH, LARGE):
+        sets = request_sets(bank, count, ANY, "splice", "relative")
+        work = {"one thread": evaluation(Evaluator(bank), sets)}
+        if threads > 1:
+            work[f"{threads} threads"] = evaluation(Evaluator(bank, threads=threads), sets)
+        told += summaries(interleaved(work, rounds if count < LARGE else max(rounds // 5, 2)), count, ["one thread"])
+    return told
+
+
+def cold(evaluator: Evaluator, rounds: int) -> list[Summary]:
+    """Batches whose rows, poses and code have to come from memory."""
+    told = []
+    for count in COLD:
+        told += summaries(interleaved(methods(evaluator, count, ANY), max(rounds, 2), evict_caches), count)
+    return told
+
+
+def in_ticks(evaluator: Evaluator, ticks: int) -> list[Summary]:
+    """Batches at 60 Hz: a tick is one of one size, and the next one of the next."""
+    scene = Scene(sequential=True)
+    work = {(count, name): one for count in PACED for name, one in methods(evaluator, count, scene).items()}
+    seconds = paced({f"{count} {name}": one for (count, name), one in work.items()}, ticks)
+    told = []
+    for count in PACED:
+        own = {name: seconds[f"{size} {name}"] for size, name in work if size == count}
+        told += summaries(own, count)
+    return told
+
+
+def single_calls(evaluator: Evaluator, calls: int) -> list[Summary]:
+    """One character a call, as a small game asks: by request, into room that is there, and by name."""
+    work = methods(evaluator, 1, ANY)
+    first, last = evaluator.bank.clips[0], evaluator.bank.clips[-1]
+    times = np.random.default_rng(0).random(calls) * first.duration
+    work["by name"] = lambda number: evaluator.pose(first.name, times[number], last.name)
+    return summaries(interleaved(work, calls), 1)
+
+
+def methods(evaluator: Evaluator, count: int, scene: Scene) -> dict[str, Work]:
+    """The three methods and the floor."""
+    work = {
+        method: evaluation(evaluator, request_sets(evaluator.bank, count, scene, method, "relative"))
+        for method in ("splice", "naive", "none")
+    }
+    splices = request_sets(evaluator.bank, count, scene, "splice", "relative")
+    return work | {"copy": Copy(evaluator.bank, splices).run}
 
 
 if __name__ == "__main__":

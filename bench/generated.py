@@ -75,9 +75,7 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     skeleton = skeleton_of(size.joints)
     roles = find_roles(skeleton)
     random = np.random.default_rng(seed)
-    drawn = [
-        _draw(skeleton, roles, size, random) for _ in range(max(1, min(size.clips, MOST_DRAWN // size.rows)))
-    ]
+    drawn = [_draw(skeleton, roles, size, random) for _ in range(max(1, min(size.clips, MOST_DRAWN // size.rows)))]
     motions = list(islice(cycle(drawn), size.clips))
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True)

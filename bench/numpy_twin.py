@@ -110,4 +110,4 @@ def _between(table: NDArray[np.floating], place: Places) -> Floats:
 
 
 def _mix(before: NDArray[np.float32], after: NDArray[np.float32], shares: Floats) -> Floats:
-    return before + shares[:, None] * (after - before)
+    return np.asarray(before + shares[:, None] * (after - before), np.float64)

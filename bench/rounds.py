@@ -22,7 +22,10 @@ TICK = 1.0 / 60.0  # seconds
 
 @dataclass(frozen=True)
 class Summary:
-    """What is told of a piece of work: seconds per character-frame, over its rounds; `worst` is the slowest."""
+    """What is told of a piece of work: seconds per character-frame, over its rounds; `worst` is the slowest.
+
+    ratios: to other work of the same rounds, by its name.
+    """
 
     what: str
     characters: int
@@ -31,8 +34,7 @@ class Summary:
     p95: float
     p99: float
     worst: float
-    to_naive: float | None = None
-    to_floor: float | None = None
+    ratios: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -86,20 +88,21 @@ def evict_caches() -> None:
     np.add(EVICTING, 1, out=EVICTING)
 
 
-def summaries(seconds: Mapping[str, Floats], characters: int, naive: str = "naive", floor: str = "copy") -> list[Summary]:
-    """What is told of times [rounds] that were taken in turns, each of as many characters."""
-    return [
-        Summary(
-            name, characters, len(one), *(float(value) / characters for value in np.percentile(one, [50, 95, 99, 100])),
-            to_naive=paired_ratio(one, seconds.get(naive)), to_floor=paired_ratio(one, seconds.get(floor)),
-        )
-        for name, one in seconds.items()
-    ]  # fmt: skip
+def summaries(
+    seconds: Mapping[str, Floats], characters: int, against: Sequence[str] = ("naive", "copy")
+) -> list[Summary]:
+    """What is told of times [rounds] that were taken in turns, each of as many characters; ratios are to `against`."""
+    told = []
+    for name, one in seconds.items():
+        median, p95, p99, worst = (float(value) for value in np.percentile(one, [50, 95, 99, 100]) / characters)
+        ratios = {other: paired_ratio(one, seconds[other]) for other in against}
+        told.append(Summary(name, characters, len(one), median, p95, p99, worst, ratios))
+    return told
 
 
-def paired_ratio(a: Floats, b: Floats | None) -> float | None:
-    """The median over rounds of a [rounds] over b [rounds]; None without b."""
-    return None if b is None else float(np.median(a / b))
+def paired_ratio(a: Floats, b: Floats) -> float:
+    """The median over rounds of a [rounds] over b [rounds]."""
+    return float(np.median(a / b))
 
 
 def fit_slope(x: Sequence[float] | Floats, y: Sequence[float] | Floats) -> Slope:

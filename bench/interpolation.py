@@ -42,9 +42,14 @@ class Loss:
 
 def main(
     clip: Annotated[Path | None, typer.Argument(help="A captured clip; built-in motion if not given")] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of the clip that are no motion")] = 0,
 ) -> None:
     """Prints the error of interpolation at some rates of keys."""
-    clips = [read_clip(clip).clip] if clip else [make(*names, seconds=6.0, rate=TRUE_RATE) for names in BUILT_IN]
+    clips = (
+        [read_clip(clip, skip_frames=skip_frames).clip]
+        if clip
+        else [make(*names, seconds=6.0, rate=TRUE_RATE) for names in BUILT_IN]
+    )
     table = Table(title="Slerp of keys against the frames between them", title_justify="left")
     for column in ("clip", "true at", "keys at", "mean mm", "p99 mm", "worst mm", "worst turn °"):
         table.add_column(column, justify="left" if column == "clip" else "right")

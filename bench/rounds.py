@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import linregress
 
 from motion.quaternion import Floats
 
@@ -107,5 +106,9 @@ def paired_ratio(a: Floats, b: Floats) -> float:
 
 def fit_slope(x: Sequence[float] | Floats, y: Sequence[float] | Floats) -> Slope:
     """The line through at least three points."""
-    fit, middle = linregress(x, y), float(np.median(y))
-    return Slope(float(fit.slope), float(fit.stderr), float(fit.slope) / middle, float(fit.stderr) / middle)
+    away = np.asarray(x, np.float64) - np.mean(x)
+    spread, up = float(away @ away), np.asarray(y, np.float64) - np.mean(y)
+    slope = float(away @ up) / spread
+    error = float(np.sqrt(np.sum((up - slope * away) ** 2) / (len(away) - 2) / spread))
+    middle = float(np.median(y))
+    return Slope(slope, error, slope / middle, error / middle)

@@ -7,10 +7,14 @@ from pathlib import Path
 
 from PIL import Image
 
+from bench import flatness
 from bench.charts import pair_chart, ratio_grid
 from bench.clips import bank_of
+from bench.frames import batches
+from bench.generated import Size, generate
 from bench.pair_list import grid_pairs, truth_of
 from bench.scores import Form, score_pair, splice_pair
+from bench.speed_charts import speed_chart
 from motion.procedural.library import make, truth
 from motion.roles import find_roles
 from motionsplice.command_demo import demo_command
@@ -29,6 +33,7 @@ def main() -> None:
     """Writes docs/images."""
     IMAGES.mkdir(exist_ok=True)
     draw_study()
+    draw_speed()
     with tempfile.TemporaryDirectory() as folder:
         demo_command(Path(folder) / "demo")
         for picture in ("curve+carry_cup.png", "curve+carry_cup.gif"):
@@ -60,6 +65,16 @@ def draw_study() -> None:
         file = IMAGES / f"study-{view}.png"
         draw_chart(study(walk, find_roles(walk.skeleton)), view, file)
         reduce(file)
+
+
+def draw_speed() -> None:
+    """Time per character-frame, against what it should not depend on."""
+    with tempfile.TemporaryDirectory() as folder:
+        evaluator = Evaluator(generate(Path(folder) / "bank", Size()))
+        told = batches(evaluator, [1, 3, 10, 30, 100, 300, 1000, 3000, 10_000], rounds=100)
+    series = flatness.measure(100, flatness.LENGTHS, flatness.COUNTS)
+    (IMAGES / "speed.png").write_bytes(speed_chart(series, told))
+    reduce(IMAGES / "speed.png")
 
 
 def reduce(file: Path) -> None:

@@ -4,15 +4,16 @@ What the rows are:
 
 splice, naive, none   one call of `Evaluator.evaluate` for all characters, checks included: the splice with posture
                       `relative`; plain replacement; the locomotion alone. Each into poses of its own.
-copy                  the floor: `np.take` of the very rows that the splices read, from the same mapped tables, two
+copy                  the floor: `np.take` of the rows that such splices read, from the same mapped tables, two
                       neighbouring ones of each per character, and a copy of as many bytes as the poses have. Which
                       rows is known beforehand, so this is memory traffic alone, and each byte is written too.
 NumPy                 the same splices, by arrays and without kernels (`bench.numpy_twin`), in rounds of its own.
 
-All of a table run in turns, in rounds of one process; each round has requests of its own, and ratios are taken within
-rounds. A time is a whole call by its number of characters. Batches: called again and again. Cold: before each call,
-more memory is written than the caches hold. Paced: one call per 60 Hz tick, asleep in between, so that a core slows
-down and its caches are others'. Single calls: one character each, the cost of Python included.
+All of a table run in turns, in rounds of one process; each call has requests of its own, and ratios are taken within
+rounds. A time is a whole call by its number of characters. Warm: after a call that is not timed, and small batches many
+times in a row. Cold: before each call, more memory is written than the caches hold. Paced: one call per 60 Hz tick,
+asleep in between, so that a core slows down and its caches are others'. Single calls: one character each, many times in
+a row; what it costs more than a character of a batch is Python's.
 
 Times hold for the machine and for what else it does. The slowest of some rounds is mostly somebody else's work.
 """
@@ -34,7 +35,8 @@ from bench import frame_tables, roofline
 from bench.generated import Size, generate
 from bench.numpy_twin import NumpyTwin
 from bench.rounds import Summary, Work, evict_caches, interleaved, paced, summaries
-from bench.workload import RATE, Copy, Scene, evaluation, request_sets, twin_evaluation
+from bench.workload import RATE, SETS, Copy, Scene, evaluation, request_sets, twin_evaluation
+from motion.quaternion import Floats
 from motionsplice.cli import run
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
@@ -45,7 +47,7 @@ Tables = dict[str, list[Summary]]
 ANY = Scene()
 BATCH, LARGE = 1000, 10_000  # characters; from LARGE on there are fewer rounds
 COLD, PACED = (1, 100, 1000), (1, 100, 1000)
-SINGLE_CALLS = 10  # times as many rounds as of batches
+HOT = 100  # characters that small batches of a hot loop come to
 
 
 def main(
@@ -71,7 +73,7 @@ def main(
             "threads": on_threads(opened, min(threads, numba.config.NUMBA_NUM_THREADS), rounds),  # type: ignore[attr-defined]
             "cold": cold(evaluator, rounds // 3),
             "paced": in_ticks(evaluator, ticks),
-            "single": single_calls(evaluator, SINGLE_CALLS * rounds),
+            "single": single_calls(evaluator, rounds),
         }
         roof = roofline.measure(opened)
         about = {
@@ -98,19 +100,25 @@ def batches(evaluator: Evaluator, sizes: list[int], rounds: int) -> list[Summary
     """Warm batches of many sizes: any pair of clips at any time."""
     twin, told = NumpyTwin(evaluator.bank), []
     for count in sizes:
-        fewer, work = max(rounds // 5, 2), methods(evaluator, count, ANY)
-        told += summaries(interleaved(work, rounds if count < LARGE else fewer), count)
-        splices = request_sets(evaluator.bank, count, ANY, "splice", "relative")
-        work["NumPy"] = twin_evaluation(twin, evaluator, splices)  # apart, for it empties the caches of the others
-        told += [one for one in summaries(interleaved(work, fewer), count) if one.what == "NumPy"]
+        work = methods(evaluator, count, ANY)
+        told += summaries(warm(work, count, rounds), count)
+        work["NumPy"] = twin_evaluation(twin, evaluator, request_sets(evaluator.bank, count, ANY, seed=len(work)))
+        # In rounds apart, for it empties the caches of the others.
+        told += [one for one in summaries(warm(work, count, max(rounds // 10, 2)), count) if one.what == "NumPy"]
     return told
+
+
+def warm(work: Mapping[str, Work], count: int, rounds: int) -> dict[str, Floats]:
+    """Seconds of calls in a hot loop, of small batches many, of large ones fewer."""
+    calls = max(HOT // count, 1)
+    return interleaved(work, max(rounds // (5 if count >= LARGE else 1), 2), calls)
 
 
 def scenes(evaluator: Evaluator, rounds: int) -> list[Summary]:
     """Warm batches in which characters play one pair or many, at times that go on or at any."""
     told = []
     for scene in (Scene(many, sequential) for many in (False, True) for sequential in (True, False)):
-        for one in summaries(interleaved(methods(evaluator, BATCH, scene), rounds), BATCH):
+        for one in summaries(warm(methods(evaluator, BATCH, scene), BATCH, rounds), BATCH):
             if one.what == "splice":
                 told.append(Summary(**(vars(one) | {"what": scene.label})))
     return told
@@ -120,24 +128,24 @@ def forms(evaluator: Evaluator, rounds: int) -> list[Summary]:
     """Warm batches of every posture, and the world positions of poses that are there."""
     bank, joints = evaluator.bank, evaluator.bank.skeleton.joint_count
     work: dict[str, Work] = {"naive": methods(evaluator, BATCH, ANY)["naive"]}
-    for posture in POSTURES:
-        memory = Memory.begin(BATCH, RATE)
-        work[f"posture {posture}"] = evaluation(evaluator, request_sets(bank, BATCH, ANY, "splice", posture), memory)
+    for seed, posture in enumerate(POSTURES, 1):
+        sets = request_sets(bank, BATCH, ANY, posture=posture, seed=seed)
+        work[f"posture {posture}"] = evaluation(evaluator, sets, Memory.begin(BATCH, RATE))
     poses, positions = evaluator.poses(BATCH), np.empty((BATCH, joints, 3), np.float32)
-    evaluator.evaluate(request_sets(bank, BATCH, ANY, "splice", "relative")[0], poses)
+    evaluator.evaluate(request_sets(bank, BATCH, ANY)[0], poses)
     work["world positions"] = lambda _: evaluator.world_positions(poses, positions)
-    return summaries(interleaved(work, rounds), BATCH, against=["naive"])
+    return summaries(warm(work, BATCH, rounds), BATCH, against=["naive"])
 
 
 def on_threads(bank: Bank, threads: int, rounds: int) -> list[Summary]:
     """Warm batches on one thread, and divided among some."""
     told = []
     for count in (100, BATCH, LARGE):
-        sets = request_sets(bank, count, ANY, "splice", "relative")
-        work = {"one thread": evaluation(Evaluator(bank), sets)}
+        work = {"one thread": evaluation(Evaluator(bank), request_sets(bank, count, ANY))}
         if threads > 1:
+            sets = request_sets(bank, count, ANY, seed=1)
             work[f"{threads} threads"] = evaluation(Evaluator(bank, threads=threads), sets)
-        told += summaries(interleaved(work, rounds if count < LARGE else max(rounds // 5, 2)), count, ["one thread"])
+        told += summaries(warm(work, count, rounds), count, ["one thread"])
     return told
 
 
@@ -145,7 +153,7 @@ def cold(evaluator: Evaluator, rounds: int) -> list[Summary]:
     """Batches whose rows, poses and code have to come from memory."""
     told = []
     for count in COLD:
-        told += summaries(interleaved(methods(evaluator, count, ANY), max(rounds, 2), evict_caches), count)
+        told += summaries(interleaved(methods(evaluator, count, ANY), max(rounds, 2), before=evict_caches), count)
     return told
 
 
@@ -161,23 +169,23 @@ def in_ticks(evaluator: Evaluator, ticks: int) -> list[Summary]:
     return told
 
 
-def single_calls(evaluator: Evaluator, calls: int) -> list[Summary]:
+def single_calls(evaluator: Evaluator, rounds: int) -> list[Summary]:
     """One character a call, as a small game asks: by request, into room that is there, and by name."""
     work = methods(evaluator, 1, ANY)
     first, last = evaluator.bank.clips[0], evaluator.bank.clips[-1]
-    times = np.random.default_rng(0).random(calls) * first.duration
-    work["by name"] = lambda number: evaluator.pose(first.name, times[number], last.name)
-    return summaries(interleaved(work, calls), 1)
+    times = np.random.default_rng(0).random(SETS) * first.duration
+    work["by name"] = lambda number: evaluator.pose(first.name, times[number % SETS], last.name)
+    return summaries(warm(work, 1, rounds), 1)
 
 
 def methods(evaluator: Evaluator, count: int, scene: Scene) -> dict[str, Work]:
     """The three methods and the floor."""
+    bank = evaluator.bank
     work = {
-        method: evaluation(evaluator, request_sets(evaluator.bank, count, scene, method, "relative"))
-        for method in ("splice", "naive", "none")
+        method: evaluation(evaluator, request_sets(bank, count, scene, method, seed=seed))
+        for seed, method in enumerate(("splice", "naive", "none"))
     }
-    splices = request_sets(evaluator.bank, count, scene, "splice", "relative")
-    return work | {"copy": Copy(evaluator.bank, splices).run}
+    return work | {"copy": Copy(bank, request_sets(bank, count, scene, seed=len(work))).run}
 
 
 if __name__ == "__main__":

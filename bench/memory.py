@@ -143,7 +143,7 @@ def _hold(path: Path, pipe: Connection) -> None:
     """Opens a bank, plays splices until every clip has been touched in many places, and waits."""
     bank = Bank.open(path, verify=False)
     evaluator = Evaluator(bank)
-    for requests in request_sets(bank, 20_000, Scene(), "splice", "relative"):
+    for requests in request_sets(bank, 20_000, Scene()):
         evaluator.evaluate(requests, evaluator.poses(len(requests)))
     pipe.send("ready")
     pipe.recv()

@@ -14,7 +14,7 @@ import numpy as np
 
 from motion.quaternion import Floats
 
-Work = Callable[[int], object]  # told the number of the round, so that no two rounds need ask the same
+Work = Callable[[int], object]  # told a number that goes up, so that no two calls need ask the same
 EVICTING = np.zeros(2**26, np.uint8)  # larger than the caches of most processors
 TICK = 1.0 / 60.0  # seconds
 
@@ -49,20 +49,27 @@ class Slope:
     relative_error: float
 
 
-def interleaved(work: Mapping[str, Work], rounds: int, before: Callable[[], object] | None = None) -> dict[str, Floats]:
-    """Seconds [rounds] of each piece of work; `before` runs ahead of each, untimed. A first round is not counted."""
-    seconds = {name: np.empty(rounds) for name in work}
-    names, draw = list(work), np.random.default_rng(0)
-    for run in work.values():
-        run(0)
-    for number in range(rounds):
+def interleaved(
+    work: Mapping[str, Work], rounds: int, calls: int = 1, before: Callable[[], object] | None = None
+) -> dict[str, Floats]:
+    """Seconds [rounds * calls] of each piece of work, so many calls a round.
+
+    A call before them that is not timed makes them warm; unless `before` is given, which runs ahead of each, untimed.
+    """
+    seconds = {name: np.empty(rounds * calls) for name in work}
+    names, draw, number = list(work), np.random.default_rng(0), 0
+    for round_ in range(-1, rounds):  # one round more, which is not counted
         for at in draw.permutation(len(names)):
             run = work[names[at]]
-            if before:
-                before()
-            began = time.perf_counter()
-            run(number)
-            seconds[names[at]][number] = time.perf_counter() - began
+            if before is None:
+                run(number - 1)
+            for call in range(calls):
+                if before:
+                    before()
+                began = time.perf_counter()
+                run(number + call)
+                seconds[names[at]][round_ * calls + call] = time.perf_counter() - began
+        number += calls + 1
     return seconds
 
 

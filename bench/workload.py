@@ -29,8 +29,11 @@ class Scene:
         return f"{'many pairs' if self.many else 'one pair'}, {'sequential' if self.sequential else 'random'} times"
 
 
-def request_sets(bank: Bank, count: int, scene: Scene, method: str, posture: str, seed: int = 0) -> list[Requests]:
-    """SETS sets of requests of `count` characters."""
+def request_sets(
+    bank: Bank, count: int, scene: Scene, method: str = "splice", posture: str = "relative", seed: int = 0
+) -> list[Requests]:
+    """SETS sets of requests of `count` characters; work that runs in turns needs seeds of its own, or it finds in the
+    caches what other work brought there."""
     draw = np.random.default_rng(seed)
     clips = len(bank.clips)
     locomotion, action = draw.integers(0, clips, (2, count)) if scene.many else np.array([[0], [clips - 1]])

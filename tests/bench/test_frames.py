@@ -31,7 +31,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Bank:
 def test_the_numpy_twin_agrees_with_the_kernels(of: str, request: pytest.FixtureRequest) -> None:
     bank: Bank = request.getfixturevalue(of)
     evaluator, twin = Evaluator(bank), NumpyTwin(bank)
-    for requests in request_sets(bank, 60, MANY, "splice", "relative")[:5]:
+    for requests in request_sets(bank, 60, MANY)[:5]:
         requests.start[:] = 0.4 * np.array([bank.clips[action].duration for action in requests.action])
         ours, theirs = evaluator.poses(60), evaluator.poses(60)
         evaluator.evaluate(requests, ours)
@@ -41,7 +41,7 @@ def test_the_numpy_twin_agrees_with_the_kernels(of: str, request: pytest.Fixture
 
 
 def test_the_twin_says_where_characters_are(generated: Bank) -> None:
-    requests, evaluator = request_sets(generated, 3, MANY, "splice", "relative")[0], Evaluator(generated)
+    requests, evaluator = request_sets(generated, 3, MANY)[0], Evaluator(generated)
     requests.method[:] = [METHODS[name] for name in ("splice", "naive", "none")]
     below, above = NumpyTwin(generated).places(requests)
     for k in range(3):
@@ -57,7 +57,7 @@ def test_the_twin_says_where_characters_are(generated: Bank) -> None:
 
 def test_scenes_are_what_they_say(generated: Bank) -> None:
     for scene in (Scene(many, sequential) for many in (False, True) for sequential in (False, True)):
-        sets = request_sets(generated, 50, scene, "splice", "relative")
+        sets = request_sets(generated, 50, scene)
         assert len(sets) == SETS
         assert (len({(a, b) for a, b in zip(sets[0].locomotion, sets[0].action, strict=True)}) > 1) == scene.many
         later = sets[1].time - sets[0].time
@@ -68,7 +68,7 @@ def test_scenes_are_what_they_say(generated: Bank) -> None:
 
 
 def test_the_floor_copies_the_rows_of_the_splices_and_as_much_as_the_poses(generated: Bank) -> None:
-    sets = request_sets(generated, 7, MANY, "splice", "relative")
+    sets = request_sets(generated, 7, MANY)
     copy = Copy(generated, sets)
     columns = generated.layout.lower.columns + generated.layout.upper.columns
     assert copy.bytes_per_character == 2 * 4 * columns + 4 * (3 + 4 * 22)
@@ -109,7 +109,7 @@ def test_the_roofline_counts_the_bytes_of_rows_request_and_pose(generated: Bank)
 
 
 def test_flatness_measures_every_x_and_draws_it(generated: Bank) -> None:
-    series = flatness.measure(3, lengths=(10, 60, 120), counts=(2, 3, 4))
+    series = flatness.measure(3, lengths=(10, 60, 160), counts=(2, 3, 4))
     assert [one.name for one in series] == [
         "clip length, everywhere",
         "clip length, same rows",
@@ -117,8 +117,8 @@ def test_flatness_measures_every_x_and_draws_it(generated: Bank) -> None:
         "clips in the bank, same rows",
         "time since start",
     ]
-    assert series[0].x == series[1].x == (10.0, 60.0, 120.0)
-    assert series[4].x == (25.0, 75.0)
+    assert series[0].x == series[1].x == (10.0, 60.0, 160.0)
+    assert series[4].x == (25.0, 75.0, 125.0)
     assert all(len(one.splice) == len(one.naive) == len(one.x) and min(one.splice) > 0.0 for one in series[:4])
     summary = Summary("splice", 1, 3, 1e-6, 1e-6, 1e-6, 1e-6, {})
     assert speed_chart(series, [summary, replace(summary, characters=10)]).startswith(b"\x89PNG")

@@ -42,18 +42,26 @@ def test_a_summary_is_of_one_character() -> None:
     assert splice.ratios["copy"] == pytest.approx(25.25)
 
 
-def test_every_round_runs_all_work_once_and_is_told_its_number() -> None:
+def noted(called: list[tuple[str, int]], name: str) -> Work:
+    return lambda number: called.append((name, number))
+
+
+def test_warm_work_runs_in_turns_once_untimed_and_then_as_often_as_asked() -> None:
     called: list[tuple[str, int]] = []
-    evicted: list[int] = []
+    seconds = interleaved({name: noted(called, name) for name in "abc"}, rounds=5, calls=2)
+    assert {name: one.shape for name, one in seconds.items()} == {"a": (10,), "b": (10,), "c": (10,)}
+    turns = [called[at : at + 3] for at in range(0, len(called), 3)]
+    assert all(len({name for name, _ in turn}) == 1 for turn in turns)
+    assert [{name for ((name, _), *_) in turns[at : at + 3]} for at in range(0, 18, 3)] == [{"a", "b", "c"}] * 6
+    assert [number for name, number in called if name == "a"] == list(range(-1, 17))
 
-    def work(name: str) -> Work:
-        return lambda number: called.append((name, number))
 
-    seconds = interleaved({name: work(name) for name in "abc"}, 5, before=lambda: evicted.append(len(called)))
-    assert {name: len(one) for name, one in seconds.items()} == {"a": 5, "b": 5, "c": 5}
-    assert [{name for name, _ in called[at : at + 3]} for at in range(0, 18, 3)] == [{"a", "b", "c"}] * 6
-    assert [number for _, number in called] == [0] * 3 + [number for number in range(5) for _ in range(3)]
-    assert evicted == list(range(3, 18))
+def test_cold_work_has_everything_evicted_before_each_call() -> None:
+    called: list[tuple[str, int]] = []
+    work = {name: noted(called, name) for name in "ab"}
+    interleaved(work, 3, before=lambda: called.append(("evict", 0)))
+    assert [name for name, _ in called[::2]] == ["evict"] * 8
+    assert sorted(name for name, _ in called[1::2]) == ["a"] * 4 + ["b"] * 4
 
 
 def test_paced_work_runs_in_turns_on_ticks_of_its_own() -> None:

@@ -1,8 +1,8 @@
 """That time per character-frame is constant: `python -m bench.flatness [--out flatness.json]`.
 
 Generated banks, one thing changed at a time: how long clips are, how many there are, and, in one long clip, how far in
-characters are. All run in turns, in rounds of one process, and a straight line is fitted through the medians. The first
-two come twice:
+characters are. All run in turns, in rounds of one process, and a straight line is fitted through the medians. There are
+two ways to play them, and the last is played in the second:
 
 everywhere   characters play any pair at any time: a larger bank is touched in more places, so fewer of its rows are
              still in a cache, and a splice waits for memory.
@@ -91,18 +91,19 @@ def everywhere(bank: Bank) -> list[Requests]:
 
 def same_rows(bank: Bank) -> list[Requests]:
     """POOL splices, spread over the bank, by as many characters as there are."""
-    pool, draw, sets = request_sets(bank, POOL, Scene())[0], np.random.default_rng(1), []
-    for _ in range(SETS):
-        sets.append(Requests(pool.records[draw.integers(0, POOL, CHARACTERS)]))
-    return sets
+    return _again_and_again(request_sets(bank, POOL, Scene())[0])
 
 
 def since(bank: Bank, start: float) -> list[Requests]:
-    """Any pair, at any time within SPAN from `start` on."""
-    sets, draw = everywhere(bank), np.random.default_rng(2)
-    for requests in sets:
-        requests.time[:] = start + SPAN * draw.random(CHARACTERS)
-    return sets
+    """POOL splices, at times within SPAN from `start` on, by as many characters as there are."""
+    pool = request_sets(bank, POOL, Scene())[0]
+    pool.time[:] = start + SPAN * np.random.default_rng(2).random(POOL)
+    return _again_and_again(pool)
+
+
+def _again_and_again(pool: Requests) -> list[Requests]:
+    draw = np.random.default_rng(1)
+    return [Requests(pool.records[draw.integers(0, len(pool), CHARACTERS)]) for _ in range(SETS)]
 
 
 def _since_start(bank: Bank, rounds: int) -> Series:

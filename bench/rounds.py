@@ -74,17 +74,17 @@ def interleaved(
 
 
 def paced(work: Mapping[str, Work], ticks: int) -> dict[str, Floats]:
-    """Seconds [ticks] of each piece of work, when one of them runs per 60 Hz tick and the thread sleeps in between."""
+    """Seconds [ticks] of each piece of work, when one of them, in turns, runs per 60 Hz tick, asleep in between."""
     seconds = {name: np.empty(ticks) for name in work}
     for run in work.values():
         run(0)
-    due = time.perf_counter()
+    names, draw, due = list(work), np.random.default_rng(0), time.perf_counter()
     for number in range(ticks):
-        for name, run in work.items():
+        for name in (names[at] for at in draw.permutation(len(names))):
             due = max(due + TICK, time.perf_counter())
             time.sleep(max(due - time.perf_counter(), 0.0))
             began = time.perf_counter()
-            run(number)
+            work[name](number)
             seconds[name][number] = time.perf_counter() - began
     return seconds
 

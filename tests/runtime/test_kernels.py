@@ -14,11 +14,11 @@ from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
 from runtime import arrays
 from runtime.bank import Bank
+from runtime.compiled import LANES
 from runtime.evaluator import Evaluator
 from runtime.posture_kernels import LEAST_GAP
 from runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Requests
 from runtime.rotation_kernels import horn, sample
-from runtime.rows import LANES
 from tests import naive
 
 seeds = st.integers(0, 2**32 - 1)
@@ -29,7 +29,7 @@ def horn_of(pairs: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
     """The kernel's rotations [n, 4] that lay each pair's second cloud on its first, and their gaps [n]."""
     block = np.zeros((arrays.BLOCK_ROWS, arrays.BLOCK))
     for lane, (target, source) in enumerate(pairs):
-        block[:9, lane] = (target.T @ source).ravel()
+        block[arrays.CORRELATION : arrays.BOUND, lane] = (target.T @ source).ravel()
         block[arrays.BOUND, lane] = 0.5 * (np.sum(target**2) + np.sum(source**2)) * (1.0 + 1e-12)
     flat = block.ravel()
     horn(flat)
@@ -78,7 +78,7 @@ def test_horn_of_a_torso_that_is_nearly_a_line_is_exact_or_known_to_be_undecided
 )
 def test_clouds_without_a_best_rotation_have_no_gap(correlation: Floats) -> None:
     block = np.zeros((arrays.BLOCK_ROWS, arrays.BLOCK))
-    block[:9] = correlation.reshape(9, 1)
+    block[arrays.CORRELATION : arrays.BOUND] = correlation.reshape(9, 1)
     block[arrays.BOUND] = np.linalg.norm(correlation)
     flat = block.ravel()
     horn(flat)
@@ -89,7 +89,7 @@ def sampled(a: Floats, b: Floats, t: float) -> Floats:
     """What the kernel finds between two keys, in all lanes of a row alike."""
     rows, out = np.zeros((2, 4 * LANES), np.float32), np.empty(4 * LANES, np.float32)
     rows[0], rows[1] = np.repeat(a, LANES), np.repeat(b, LANES)
-    sample(rows, np.uint64(0), np.uint64(0), np.uint64(LANES), np.float32(t), out)
+    sample(rows, np.uint64(0), np.uint64(0), np.uint64(LANES), np.float32(t), out, np.uint64(0))
     lanes = out.reshape(LANES, 4)
     np.testing.assert_array_equal(lanes, np.tile(lanes[0], (LANES, 1)))
     return lanes[0].astype(np.float64)

@@ -10,15 +10,15 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import Decimal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from motion import quaternion
 from motion.clip import Clip
 from motion.errors import FormatError
+from motion.formats.decimals import read_table
 from motion.formats.fold import Nodes, still
 from motion.quaternion import Floats
 
@@ -173,12 +173,9 @@ def _frames(lines: list[str], first: int, count: int, width: int) -> Floats:
         raise FormatError(problem, place="after 'Frame Time'", mend=CUT_SHORT)
     if count == 0:
         raise FormatError("it has no frames", mend="Export the motion, not the rig alone")
-    with warnings.catch_warnings(), suppress(ValueError):
-        warnings.simplefilter("ignore", DeprecationWarning)  # NumPy's, of text that is no number: seen just below
-        values = np.fromstring("\n".join(text for _, text in rows), sep=" ")
-        whole = all(len(text.split()) == width for _, text in rows)
-        if whole and len(values) == count * width and np.isfinite(values).all():
-            return values.reshape(count, width)
+    values = read_table("\n".join(text for _, text in rows), count, width)
+    if values is not None:
+        return values
     raise _first_bad_row(rows, width)
 
 
@@ -204,15 +201,17 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
     real, ends = [joint for joint in joints if not joint.is_end], [joint for joint in joints if joint.is_end]
     rotations = still(len(values), len(real), size)
     translations: dict[int, Floats] = {}
+    halves = np.radians(values) * 0.5
+    sines, cosines = np.sin(halves), np.cos(halves)
     column = 0
     for place, joint in enumerate(real):
         channels = joint.channels or []
         own = values[:, column : column + len(channels)]
-        column += len(channels)
         turns = [number for number, channel in enumerate(channels) if channel.endswith("rotation")]
-        if turns:
-            order = "".join(channels[number][0] for number in turns)
-            rotations[:, place] = Rotation.from_euler(order, own[:, turns], degrees=True).as_quat()
+        order = "".join(channels[number][0] for number in turns).lower()
+        columns = [column + number for number in turns]
+        rotations[:, place] = quaternion.from_euler(order, sines[:, columns], cosines[:, columns])
+        column += len(channels)
         if len(turns) < len(channels):
             translations[place] = np.tile(np.array(joint.offset), (len(values), 1))
             for number, channel in enumerate(channels):
@@ -231,6 +230,8 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
 
 def dump(clip: Clip, unit: float = 1.0) -> bytes:
     """A clip as BVH: ZXY Euler channels in degrees, lengths in `unit` metres, joints in depth-first order."""
+    from scipy.spatial.transform import Rotation  # half a second, which those who only read need not wait
+
     order, text = _write_hierarchy(clip, unit)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # in gimbal lock SciPy sets one of the angles to 0, which is right

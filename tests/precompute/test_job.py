@@ -14,7 +14,7 @@ from motion.errors import BaselineError, ClipError, MotionError, SettingsError
 from motion.formats.bvh import dump
 from motion.procedural.library import make
 from precompute.job import precompute
-from runtime.bank import Bank
+from runtime.bank import MANIFEST, TABLE_FOLDER, Bank
 from tests.conftest import CLIPS
 
 
@@ -26,7 +26,9 @@ def write(folder: Path, **clips: Clip) -> Path:
 
 
 def files_of(bank: Path) -> dict[str, bytes]:
-    return {str(file.relative_to(bank)): file.read_bytes() for file in sorted(bank.rglob("*")) if file.is_file()}
+    """The manifest and the tables, which are the bank, by name."""
+    files = [bank / MANIFEST, *sorted((bank / TABLE_FOLDER).iterdir())]
+    return {str(file.relative_to(bank)): file.read_bytes() for file in files}
 
 
 def test_same_clips_make_the_same_bytes_however_and_wherever(clip_folder: Path, bank: Bank, tmp_path: Path) -> None:
@@ -162,11 +164,17 @@ def test_a_baseline_without_a_cycle_is_refused(tmp_path: Path) -> None:
         precompute([clips], tmp_path / "bank", jobs=1)
 
 
-@pytest.mark.parametrize("baseline", [None, "walk", "broken0"])
-def test_if_no_clip_can_be_read_the_reasons_are_told(tmp_path: Path, baseline: str | None) -> None:
+@pytest.mark.parametrize(
+    ("baseline", "words"),
+    [
+        (None, r"^not one of the locomotions can be read\. broken0: .*\. broken2: .*\. And 2 more"),
+        ("broken0", r"^the baseline cannot be read: .*broken0\.bvh"),
+        ("brokn0", r"^the baseline 'brokn0' is not among the clips\. Did you mean 'broken0'"),
+    ],
+)
+def test_if_no_clip_can_be_read_the_reasons_are_told(tmp_path: Path, baseline: str | None, words: str) -> None:
     for number in range(5):
         (tmp_path / f"broken{number}.bvh").write_bytes(b"HIERARCHY\nROOT")
-    words = r"^not one of the clips can be read\. broken0: .*\. broken2: .*\. And 2 more"
     with pytest.raises(BaselineError, match=words) as told:
         precompute([tmp_path], tmp_path / "bank", baseline=baseline)
     assert "stride" not in str(told.value)

@@ -114,11 +114,13 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
     are distances, not their squares: else one run among walks draws the choice to a stride between all, like neither.
     """
 
+    twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
+    all_strides, ends = np.concatenate(twice), np.cumsum([len(clouds) for clouds in twice])
+
     def apart(candidate: Baseline) -> float:
         ring = level(candidate.clouds / candidate.leg)
         total = 0.0
-        for stride in strides:
-            distances = planar_distances(level(np.tile(stride.clouds / stride.leg, (2, 1, 1))), ring)
+        for distances in np.split(planar_distances(all_strides, ring), ends[:-1]):
             wound = wind(distances) % len(ring)
             total += float(np.sqrt(distances[np.arange(len(wound)), wound].mean()))
         return total

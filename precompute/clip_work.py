@@ -14,9 +14,11 @@ from precompute.kept import (
     Rig,
     StrideSearched,
     pack_prepared,
+    pack_reading,
     pack_rig,
     pack_stride,
     unpack_prepared,
+    unpack_reading,
     unpack_stride,
 )
 from precompute.method import method_version
@@ -96,8 +98,12 @@ class StrideSearch:
         return key_of("most typical", [(name, self.key(one)) for name, one in clips.items()])
 
     def run(self, one: Identified) -> None:
-        """Raises MotionError if the clip cannot be read; that it has no stride is a result like others."""
+        """Raises MotionError if the clip cannot be read; that it has no stride is a result like others.
+
+        What was read is kept until the bank is built, for it is needed once more.
+        """
         reading = read(one)
+        self.cache.store(one.reading_key, *pack_reading(reading))
         try:
             ring = find_baseline(reading.clip, reading.roles)
         except BaselineError:
@@ -136,7 +142,10 @@ class Preparation:
 
     def run(self, one: Identified) -> None:
         """Raises MotionError if the clip cannot be read or does not fit the bank."""
-        reading = read(one)
+        name = one.source.name
+        reading = self.cache.load(one.reading_key, lambda said, arrays: unpack_reading(name, said, arrays))
+        if reading is None:
+            reading = read(one)
         made = prepare(reading.clip, reading.roles, self.rig.skeleton, self.rig.roles, self.ring)
         made = replace(made, notes=reading.notes, file_warnings=reading.warnings)
         self.cache.store(self.key(one), *pack_prepared(made))

@@ -1,4 +1,4 @@
-"""Strides and prepared clips as entries of the cache, and back to the last bit."""
+"""Clips that were read, strides and prepared clips as entries of the cache, and back to the last bit."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from motion.clip import Clip
+from motion.formats.files import Reading
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
@@ -60,6 +61,26 @@ def unpack_stride(name: str, said: Said, arrays: Arrays) -> StrideSearched:
         return StrideSearched(rig, None)
     start, end, loop, leg = said["ring"]
     return StrideSearched(rig, Baseline(name, start, end, loop, leg, arrays["clouds"]))
+
+
+def pack_reading(reading: Reading) -> tuple[Said, Arrays]:
+    """All but the name."""
+    clip = reading.clip
+    said = {
+        "rig": pack_rig(Rig(clip.skeleton, reading.roles)),
+        "rate": float(clip.rate),
+        "unit": reading.unit,
+        "notes": reading.notes,
+        "warnings": reading.warnings,
+    }
+    return said, {"positions": clip.root_positions, "rotations": clip.rotations}
+
+
+def unpack_reading(name: str, said: Said, arrays: Arrays) -> Reading:
+    """The clip of this name as it was read. Raises KeyError, TypeError, ValueError or MotionError if it is none."""
+    rig = _rig(said["rig"])
+    clip = Clip(name, rig.skeleton, said["rate"], arrays["positions"], arrays["rotations"])
+    return Reading(clip, rig.roles, said["unit"], tuple(said["notes"]), tuple(said["warnings"]))
 
 
 def pack_rig(rig: Rig) -> Said:

@@ -201,22 +201,26 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
     real, ends = [joint for joint in joints if not joint.is_end], [joint for joint in joints if joint.is_end]
     rotations = still(len(values), len(real), size)
     translations: dict[int, Floats] = {}
-    halves = np.radians(values) * 0.5
-    sines, cosines = np.sin(halves), np.cos(halves)
+    alike: dict[str, list[tuple[int, list[int]]]] = {}  # joints and their columns by order of axes, to do at once
     column = 0
     for place, joint in enumerate(real):
         channels = joint.channels or []
-        own = values[:, column : column + len(channels)]
         turns = [number for number, channel in enumerate(channels) if channel.endswith("rotation")]
         order = "".join(channels[number][0] for number in turns).lower()
-        columns = [column + number for number in turns]
-        rotations[:, place] = quaternion.from_euler(order, sines[:, columns], cosines[:, columns])
-        column += len(channels)
+        alike.setdefault(order, []).append((place, [column + number for number in turns]))
         if len(turns) < len(channels):
             translations[place] = np.tile(np.array(joint.offset), (len(values), 1))
             for number, channel in enumerate(channels):
                 if channel.endswith("position"):
-                    translations[place][:, "XYZ".index(channel[0])] = own[:, number]
+                    translations[place][:, "XYZ".index(channel[0])] = values[:, column + number]
+        column += len(channels)
+    halves = np.radians(values) * 0.5
+    sines, cosines = np.sin(halves), np.cos(halves)
+    for order, turning in alike.items():
+        if order:
+            columns = [own for _, own in turning]
+            turned = quaternion.from_euler(order, sines[:, columns], cosines[:, columns])
+            rotations[:, [place for place, _ in turning]] = turned
     return Nodes(
         names=tuple(joint.name for joint in real),
         parents=np.array([places.get(joint.parent, -1) for joint in real]),

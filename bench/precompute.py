@@ -1,4 +1,4 @@
-"""How long the offline job takes: `python -m bench.precompute [CLIPS] [--jobs N] [--rounds 3] [--out FILE.json]`.
+"""How long the offline job takes: `python -m bench.precompute [CLIPS] [--jobs N] [--rounds 2] [--out FILE.json]`.
 
 Without CLIPS, on generated ones (31 joints at 120 frames per second): of 10 s, 1 min and 10 min, and 10, 100 and 1,000
 of 4 s. With CLIPS, on a folder of files. Each run is a process of its own, whose memory is measured; its kernels are
@@ -65,11 +65,11 @@ def main(
     clips: Annotated[Path | None, typer.Argument(help="Folder of clips; generated ones if not given")] = None,
     baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Processes of the runs that use several")] = 2,
-    rounds: Annotated[int, typer.Option(min=2)] = 3,
+    rounds: Annotated[int, typer.Option(min=2)] = 2,
     out: Annotated[Path | None, typer.Option(help="JSON file of all timings")] = None,
 ) -> None:
     """Prints times and memory, and how time grows with the length and the number of clips."""
-    console, timings = Console(), []
+    console, timings = Console(width=120), []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if clips is not None:

@@ -97,7 +97,7 @@ def tell_work(outcome: Outcome, out: Path) -> None:
     """Prints how much there was to do."""
     count = f"{len(outcome.clips)} clip{'s' * (len(outcome.clips) != 1)}"
     if outcome.unchanged:
-        said = f"{out}: nothing to do, for none of its {count} changed"
+        said = f"{out}: nothing to do, none of its {count} changed"
     else:
         said = f"{count}, {outcome.kept} unchanged"
     failed = f", {len(outcome.failed)} failed" if outcome.failed else ""

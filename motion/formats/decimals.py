@@ -10,14 +10,14 @@ from motion.quaternion import Floats
 
 MOST_DIGITS = 18  # that an int64 holds; what follows them is below a float's precision
 EXACT_POWER = 22  # the largest power of ten that a float holds exactly
-LARGEST_EXPONENT = 1000  # more is infinite or zero anyway
+LARGEST_POWER = 308  # of ten, that a float holds
 
 
 def read_table(text: str, rows: int, width: int) -> Floats | None:
     """The finite numbers [rows, width] of a text with one row on each line that is not blank.
 
-    None if it is anything else. Numbers of up to 15 digits are the very ones that `float` gives; of more, within
-    two units in the last place.
+    None if it is anything else. Numbers of up to 15 digits and 22 places are the very ones that `float` gives; others are
+    so to 14 digits.
     """
     data = np.frombuffer(text.encode(), np.uint8)
     if rows * width > len(data):  # each needs a digit: so nothing is allocated for what is not there
@@ -74,7 +74,7 @@ def fill_table(text: NDArray[np.uint8], values: Floats) -> bool:
                 i += 1
             exponent, read = 0, 0
             while i < len(text) and 48 <= text[i] <= 57:
-                if exponent < LARGEST_EXPONENT:
+                if exponent <= LARGEST_POWER:
                     exponent = exponent * 10 + int(text[i] - 48)
                 read += 1
                 i += 1
@@ -83,9 +83,11 @@ def fill_table(text: NDArray[np.uint8], values: Floats) -> bool:
             power += -exponent if down else exponent
         if i < len(text) and text[i] > 32:
             return False
+        if power > LARGEST_POWER:
+            return False
         number = float(mantissa)
         if power < -EXACT_POWER:
-            number = number / 10.0**EXACT_POWER / 10.0 ** (-power - EXACT_POWER)
+            number = number / 10.0**EXACT_POWER / 10.0 ** min(-power - EXACT_POWER, LARGEST_POWER)
         elif power < 0:
             number = number / 10.0**-power
         elif power > 0:

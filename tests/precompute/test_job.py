@@ -13,6 +13,7 @@ from motion.clip import Clip
 from motion.errors import BaselineError, ClipError, MotionError, SettingsError
 from motion.formats.bvh import dump
 from motion.procedural.library import make
+from precompute import job
 from precompute.job import precompute
 from runtime.bank import MANIFEST, TABLE_FOLDER, Bank
 from tests.conftest import CLIPS
@@ -34,7 +35,7 @@ def files_of(bank: Path) -> dict[str, bytes]:
 def test_same_clips_make_the_same_bytes_however_and_wherever(clip_folder: Path, bank: Bank, tmp_path: Path) -> None:
     elsewhere = Path(shutil.copytree(clip_folder, tmp_path / "elsewhere"))
     files = sorted(elsewhere.glob("*.bvh"), reverse=True)
-    precompute(files, tmp_path / "bank", baseline="walk", jobs=2)
+    precompute(files, tmp_path / "bank", baseline="walk")
     assert files_of(tmp_path / "bank") == files_of(bank.path)
 
 
@@ -258,7 +259,8 @@ def test_real_clips_of_several_people_and_formats_share_a_bank(real_motion: Path
         assert clip.cycles == pytest.approx(clip.duration / 1.13, rel=0.2)
 
 
-def test_errors_survive_the_way_back_from_a_process(tmp_path: Path) -> None:
+def test_errors_survive_the_way_back_from_a_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job, "WORTH_A_PROCESS", 1)
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"])
     (clips / "broken.bvh").write_bytes(b"\x00\xff" * 100)
     outcome = precompute([clips], tmp_path / "bank", baseline="walk", jobs=2)

@@ -21,10 +21,10 @@ from precompute.kept import (
     unpack_reading,
     unpack_stride,
 )
-from precompute.method import method_version
+from precompute.method import version_of
 from precompute.prepared import PreparedClip, prepare
 from precompute.sources import Source
-from runtime.bank import VERSION, content_digest
+from runtime.bank import content_digest
 
 Kept = TypeVar("Kept", covariant=True)
 
@@ -71,7 +71,7 @@ def identify(source: Source) -> Identified:
         raise error.within(str(source.file)) from None
     said = (source.settings.skip_frames, source.settings.unit, sorted(source.roles.items()))
     digests = [content_digest(data) for data in contents]
-    key = key_of(method_version(), source.file.suffix.lower(), digests, said)
+    key = key_of(version_of("motion", "precompute"), source.file.suffix.lower(), digests, said)
     return Identified(source, len(contents[0]), digests[0], key)
 
 
@@ -138,7 +138,7 @@ class Preparation:
         for name, one in clips.items():
             settings = one.source.settings
             said.append((name, self.key(one), settings.kind, settings.neutral, settings.tags, one.file_digest))
-        return key_of("bank", VERSION, ring.name, ring.start, ring.end, ring.loop, said)
+        return key_of("bank", version_of("runtime"), ring.name, ring.start, ring.end, ring.loop, said)
 
     def run(self, one: Identified) -> None:
         """Raises MotionError if the clip cannot be read or does not fit the bank."""

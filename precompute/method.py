@@ -9,18 +9,17 @@ from importlib.resources.abc import Traversable
 
 from precompute.cache import key_of
 
-PACKAGES = ("motion", "precompute")
 LIBRARIES = ("numba", "numpy", "scipy")
 
 
 @cache
-def method_version() -> str:
-    """The digest of all sources that make results, and of the versions of the libraries that they call.
+def version_of(*packages: str) -> str:
+    """The digest of all sources of our packages, and of the versions of the libraries that they call.
 
     A number to be raised by hand would be forgotten once, and a stale result is in no way to be seen. So any change of
     a source, even of a comment, costs a rebuild, and none can be forgotten.
     """
-    sources = [source for package in PACKAGES for source in _sources(files(package))]
+    sources = [source for package in packages for source in _sources(files(package))]
     return key_of(sources, [(name, version(name)) for name in LIBRARIES])
 
 

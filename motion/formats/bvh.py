@@ -24,6 +24,7 @@ from motion.quaternion import Floats
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
+BLOCK = 256  # frames whose angles stay in a core's cache while they become rotations
 CUT_SHORT = "The file may be cut short: export it again"
 
 
@@ -214,13 +215,11 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
                 if channel.endswith("position"):
                     translations[place][:, "XYZ".index(channel[0])] = values[:, column + number]
         column += len(channels)
-    halves = np.radians(values) * 0.5
-    sines, cosines = np.sin(halves), np.cos(halves)
     for order, turning in alike.items():
-        if order:
-            columns = [own for _, own in turning]
-            turned = quaternion.from_euler(order, sines[:, columns], cosines[:, columns])
-            rotations[:, [place for place, _ in turning]] = turned
+        at, columns = [place for place, _ in turning], [own for _, own in turning]
+        for first in range(0, len(values) if order else 0, BLOCK):
+            halves = np.radians(values[first : first + BLOCK, columns]) * 0.5
+            rotations[first : first + BLOCK, at] = quaternion.from_euler(order, np.sin(halves), np.cos(halves))
     return Nodes(
         names=tuple(joint.name for joint in real),
         parents=np.array([places.get(joint.parent, -1) for joint in real]),

@@ -16,8 +16,8 @@ LARGEST_POWER = 308  # of ten, that a float holds
 def read_table(text: str, rows: int, width: int) -> Floats | None:
     """The finite numbers [rows, width] of a text with one row on each line that is not blank.
 
-    None if it is anything else. Numbers of up to 15 digits and 22 places are the very ones that `float` gives; others are
-    so to 14 digits.
+    None if it is anything else. Numbers of up to 15 digits and 22 places are the very ones that `float` gives; others
+    are so to 14 digits.
     """
     data = np.frombuffer(text.encode(), np.uint8)
     if rows * width > len(data):  # each needs a digit: so nothing is allocated for what is not there

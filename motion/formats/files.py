@@ -116,7 +116,7 @@ def read_bytes(path: Path) -> bytes:
         data = path.read_bytes()
     except OSError as error:
         raise FormatError(f"it cannot be read: {error.strerror}", file=str(path)) from None
-    if not data.strip():
+    if not data or data.isspace():
         raise FormatError("the file is empty", file=str(path))
     return data
 

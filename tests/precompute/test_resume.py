@@ -135,7 +135,7 @@ def test_another_version_of_the_method_costs_all(
 ) -> None:
     build(clips)
     aligned.clear()
-    monkeypatch.setattr(clip_work, "method_version", lambda: "of another day")
+    monkeypatch.setattr(clip_work, "version_of", lambda *packages: f"{packages} of another day")
     build(clips)
     assert sorted(aligned) == list(NAMES)
 

@@ -1,4 +1,4 @@
-"""How long the offline job takes: `python -m bench.precompute [CLIPS] [--jobs N] [--rounds 2] [--out FILE.json]`.
+"""How long the offline job takes: `python -m bench.precompute [CLIPS] [--jobs N] [--rounds 3] [--out FILE.json]`.
 
 Without CLIPS, on generated ones (31 joints at 120 frames per second): of 10 s, 1 min and 10 min, and 10, 100 and 1,000
 of 4 s. With CLIPS, on a folder of files. Each run is a process of its own, whose memory is measured; its kernels are
@@ -34,6 +34,7 @@ from precompute.bank_builder import write_bank
 from precompute.baseline import find_baseline
 from precompute.job import CACHE, precompute
 from precompute.prepared import prepare
+from precompute.workers import end_with_parent
 from runtime.bank import Bank
 
 LENGTHS = (10.0, 60.0, 600.0)  # seconds
@@ -65,7 +66,7 @@ def main(
     clips: Annotated[Path | None, typer.Argument(help="Folder of clips; generated ones if not given")] = None,
     baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Processes of the runs that use several")] = 2,
-    rounds: Annotated[int, typer.Option(min=2)] = 2,
+    rounds: Annotated[int, typer.Option(min=2, help="Of the generated clips only the lengths are repeated")] = 3,
     out: Annotated[Path | None, typer.Option(help="JSON file of all timings")] = None,
 ) -> None:
     """Prints times and memory, and how time grows with the length and the number of clips."""
@@ -82,7 +83,7 @@ def main(
             counts = []
             for count in COUNTS:
                 in_process(write_generated, folder / str(count), count, SHORT)
-                counts += _folder_runs(folder / str(count), None, folder / "bank", jobs, rounds, f"{count} clips, ")
+                counts += _folder_runs(folder / str(count), None, folder / "bank", jobs, 1, f"{count} clips, ")
                 shutil.rmtree(folder / str(count))
             console.print(_table(counts, f"clips of {SHORT:g} s, from files to a bank"))
             cold = [one for one in counts if one.what.endswith("cold, 1 process")]
@@ -96,7 +97,7 @@ def main(
 
 def in_process(function: Callable[..., Any], *arguments: Any) -> Any:
     """The function's result in a process of its own, so that its memory is its own."""
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+    with ProcessPoolExecutor(1, get_context("spawn"), end_with_parent) as pool:
         return pool.submit(function, *arguments).result()
 
 
@@ -123,8 +124,8 @@ def time_lengths() -> list[Timing]:
             written = time.perf_counter()
             shutil.rmtree(bank)
             for what, taken in {
-                "parsed clip to aligned": aligned - read,
-                "parsed clip to tables": written - read,
+                "clip to aligned": aligned - read,
+                "clip to tables": written - read,
                 "BVH file to tables": written - began,
             }.items():
                 timings.append(Timing(f"{what}, {seconds:g} s", seconds, taken, _peak(resource.RUSAGE_SELF)))

@@ -28,7 +28,7 @@ def workers(count: int) -> Iterator[Executor | None]:
         yield None
         return
     # Forked children of a process with threads (a progress bar's, BLAS's) may hang, so they are spawned.
-    with ProcessPoolExecutor(count, get_context("spawn"), _end_with_parent) as pool:
+    with ProcessPoolExecutor(count, get_context("spawn"), end_with_parent) as pool:
         try:
             yield pool
         except BaseException:
@@ -68,7 +68,7 @@ def _attempt(function: Callable[[Task], Result], task: Task) -> Result | MotionE
         return MotionError(problem, mend="This is a bug in motionsplice: please report it, with the file")
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
     """A worker whose parent was killed would wait for its next task forever."""
     parent = parent_process()
     assert parent is not None

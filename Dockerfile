@@ -10,7 +10,7 @@ COPY service service
 RUN python -m venv /opt/motionsplice && /opt/motionsplice/bin/pip install --no-cache-dir .
 # Kernels are compiled for any CPU of the architecture, so that the cache fits wherever the image runs.
 ENV NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES=""
-RUN /opt/motionsplice/bin/motionsplice demo /demo && /opt/motionsplice/bin/python -c \
+RUN /opt/motionsplice/bin/motionsplice demo /demo && rm -r /demo/bank/cache && /opt/motionsplice/bin/python -c \
     "import motionsplice; motionsplice.Evaluator(motionsplice.Bank.open('/demo/bank')).warm()"
 
 FROM python:3.11-slim

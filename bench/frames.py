@@ -21,7 +21,7 @@ from bench.clips import bank_of
 from motionsplice.cli import run
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import METHODS, POSTURES, Requests, Memory
+from runtime.requests import METHODS, POSTURES, Memory, Requests
 
 
 def random_requests(bank: Bank, count: int, method: str, posture: str, seed: int = 0) -> Requests:

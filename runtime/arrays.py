@@ -72,13 +72,20 @@ def bank_arrays(bank: Bank) -> BankArrays:
     widths = (layout.lower.first_plane, layout.lower.width, layout.upper.width, layout.cloud_width)
     columns = [4 * joint for half in layout.halves.values() for joint in half.joints]
     return BankArrays(
-        lower=bank.tables["lower"],
-        upper=bank.tables["upper"],
-        phases=bank.tables["phase_of_frame"],
-        frames=bank.tables["frame_of_phase"],
+        lower=_constant(bank.tables["lower"]),
+        upper=_constant(bank.tables["upper"]),
+        phases=_constant(bank.tables["phase_of_frame"]),
+        frames=_constant(bank.tables["frame_of_phase"]),
         clips=clips,
         rig=np.array([*widths, layout.points, 4 * layout.pelvis, len(layout.lower.joints), *columns], np.uint64),
     )
+
+
+def _constant(table: Array) -> Array:
+    """A view that cannot be written: a kernel is compiled anew for arrays that can."""
+    view = table.view()
+    view.flags.writeable = False
+    return view
 
 
 def scratch(bank: BankArrays, threads: int) -> Scratch:

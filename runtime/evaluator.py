@@ -88,7 +88,7 @@ class Evaluator:
         Raises UnknownClipError, TimeRangeError or SettingsError.
         """
         out = self.poses(1)
-        self._ask(self._one, locomotion, action, time, start, method, posture)
+        self._one.records[0] = self._record(locomotion, action, time, start, method, posture)
         self._evaluate_one(self._one, out, None)
         return out
 
@@ -108,7 +108,8 @@ class Evaluator:
         With `memory`, of one character, that is carried on to the last of them.
         """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
-        self._ask(requests, locomotion, action, times, start, method, posture)
+        requests.records[:] = self._record(locomotion, action, 0.0, start, method, posture)
+        requests.time[:] = times
         self._evaluate_one(requests, out, memory)
         return out
 
@@ -141,7 +142,8 @@ class Evaluator:
         Frames past the action's last one lie in its seam (docs/bank.md). Raises as `pose` does.
         """
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        self._ask(requests, locomotion, action, times, start, "splice", "off")
+        requests.records[:] = self._record(locomotion, action, 0.0, start, "splice", "off")
+        requests.time[:] = times
         if (fault := kernels.first_at_fault(self._arrays, requests.records, False)) >= 0:
             raise self._fault(requests, fault)
         kernels.action_frames(self._arrays, requests.records, frames)
@@ -162,22 +164,14 @@ class Evaluator:
             self.evaluate(Requests.empty(2), self.poses(2))
         self.world_positions(poses, np.empty((1, joints, 3), np.float32))
 
-    def _ask(
-        self,
-        requests: Requests,
-        locomotion: str,
-        action: str | None,
-        times: NDArray[np.float64] | list[float] | float,
-        start: float,
-        method: str,
-        posture: str,
-    ) -> None:
-        """Writes what is asked by name into requests. Raises UnknownClipError or SettingsError."""
+    def _record(
+        self, locomotion: str, action: str | None, time: float, start: float, method: str, posture: str
+    ) -> tuple[int, int, float, float, int, int]:
+        """A request by name. Raises UnknownClipError or SettingsError."""
         number = self.bank.number(locomotion)
         played = number if action is None else self.bank.number(action)
         form = NONE if action is None else known(METHODS, "method", method)
-        requests.locomotion[:], requests.action[:], requests.method[:] = number, played, form
-        requests.time[:], requests.start[:], requests.posture[:] = times, start, known(POSTURES, "posture", posture)
+        return number, played, time, start, form, known(POSTURES, "posture", posture)
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """As `evaluate`, for requests about one character, whose number says nothing in an error."""

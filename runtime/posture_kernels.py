@@ -34,7 +34,7 @@ from runtime.rotation_kernels import ONE, horn, product, rotated
 from runtime.rows import CLOUD, PELVIS, POSTURE_FRAME, SIZE, TORSO_OFFSET
 
 OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
-LEAST_GAP = 1e-4  # of horn: below it, clouds of 32 bits do not tell a rotation to a thousandth of a radian
+LEAST_GAP = 1e-3  # of horn: below it, clouds of 32 bits do not tell a rotation to a ten-thousandth of a radian
 SLACK = 1.0 + 1e-6  # by as much a bound may come out too small
 
 

@@ -19,6 +19,7 @@ Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
 METHODS: Mapping[str, int] = {"none": NONE, "naive": NAIVE, "splice": SPLICE}
 POSTURES: Mapping[str, int] = {"off": OFF, "relative": RELATIVE, "absolute": ABSOLUTE, "running": RUNNING}
+FLOAT32 = np.dtype(np.float32)
 TIME_CONSTANT = 2.0  # seconds: about two strides
 
 Float32s = NDArray[np.float32]
@@ -89,7 +90,7 @@ class Poses:
 
 def check_array(array: Float32s, shape: tuple[int, ...]) -> None:
     """That results fit an array, lest they be lost in a copy, or another kernel compiled. Raises SettingsError."""
-    if array.shape != shape or array.dtype != np.float32 or not array.flags.c_contiguous:
+    if array.shape != shape or array.dtype != FLOAT32 or not array.flags.c_contiguous:
         raise SettingsError(
             f"results need float32{list(shape)}, side by side in memory, and not {array.dtype}{list(array.shape)}",
             mend="Evaluator.poses makes room for as many characters as there are requests",

@@ -17,9 +17,9 @@ from runtime.bank import Bank
 from runtime.compiled import LANES
 from runtime.evaluator import Evaluator
 from runtime.posture_kernels import LEAST_GAP
-from runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Requests
+from runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Memory, Requests
 from runtime.rotation_kernels import horn, sample
-from tests import naive
+from tests import naive, random_bank
 
 seeds = st.integers(0, 2**32 - 1)
 STATELESS = sorted(POSTURES.keys() - {"running"})
@@ -127,6 +127,22 @@ def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
     assert quaternion.angle(poses.rotations[0], rotations).max() < 5e-5
 
 
+@given(seeds, st.integers(3, 60), st.integers(3, 20), st.sampled_from(random_bank.CLOUDS))
+@settings(max_examples=60)
+def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: int, clouds: str) -> None:
+    bank, draw = random_bank.random_bank(seed, joints, 3, points, clouds), np.random.default_rng(seed)
+    evaluator = Evaluator(bank)
+    for _ in range(8):
+        locomotion, action = (bank.clips[one] for one in draw.integers(0, 3, 2))
+        time, start = draw.random() * locomotion.duration, draw.random() * action.duration * draw.integers(0, 2)
+        method, posture = draw.choice(sorted(METHODS)), draw.choice(STATELESS)
+        poses = evaluator.pose(locomotion.name, time, action.name, start=start, method=method, posture=posture)
+        root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture)
+        np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
+        assert quaternion.angle(poses.rotations[0], rotations).max() < 1e-4
+        np.testing.assert_allclose(np.linalg.norm(poses.rotations[0], axis=-1), 1.0, atol=1e-5)
+
+
 @given(st.sampled_from(["walk", "run", "turn_180"]), st.sampled_from(["carry_box", "wave"]))
 @settings(max_examples=6)
 def test_a_running_posture_is_that_of_its_twin(bank: Bank, locomotion: str, action: str) -> None:
@@ -143,6 +159,23 @@ def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
     evaluator.world_positions(poses, positions)
     expected = world_transforms(bank.skeleton, poses.root_positions, poses.rotations)[0]
     np.testing.assert_allclose(positions, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("count", [1, 31, 33, 64, 200])
+def test_threads_make_no_difference(bank: Bank, count: int) -> None:
+    draw, requests, memory = np.random.default_rng(count), Requests.empty(count), Memory.begin(count, rate=60.0)
+    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
+    requests.posture[:] = draw.integers(0, 4, count)
+    results = []
+    for threads in (1, 2):
+        evaluator, own = Evaluator(bank, threads=threads), Memory(memory.state.copy(), memory.share)
+        poses = evaluator.poses(count)
+        for frame in range(3):
+            requests.time[:] = frame / 60.0
+            evaluator.evaluate(requests, poses, own)
+        results.append((poses.rotations, poses.root_positions, own.state))
+    for one, other in zip(*results, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_a_batch_is_its_characters_one_by_one(bank: Bank) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from runtime import arrays
 from runtime.arrays import BLOCK, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
-from runtime.compiled import Array, Index, inlined
+from runtime.compiled import Array, Index, inlined, kernel
 from runtime.prefetch import prefetch
 from runtime.rotation_kernels import ONE
 from runtime.rows import LINE
@@ -20,7 +20,7 @@ NONE, NAIVE, SPLICE = 0, 1, 2  # methods
 IN_STEP = 1e-3  # cycles by which an action may begin before its start and still count as in step
 
 
-@inlined
+@kernel
 def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Array) -> None:
     """Finds the rows of `count` characters from the first, and has them fetched from memory while it goes on.
 

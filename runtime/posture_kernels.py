@@ -27,7 +27,7 @@ from runtime.arrays import (
     TURN,
     BankArrays,
 )
-from runtime.compiled import LANES, Array, Index, Real, inlined
+from runtime.compiled import LANES, Array, Index, Real, inlined, kernel
 from runtime.lanes import load, spread, total
 from runtime.lookup_kernels import SPLICE
 from runtime.rotation_kernels import ONE, horn, product, rotated
@@ -82,7 +82,7 @@ def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
     return here + t * (table[row + ONE, column] - here)
 
 
-@inlined
+@kernel
 def settle(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
     """Where no alignment is clearly the best: the last one that was, if there is a memory; else none."""
     for k in range(count):
@@ -96,7 +96,7 @@ def settle(requests: Array, memory: Array, block: Array, first: int, count: int)
                     memory[remembered, last] = block[at]
 
 
-@inlined
+@kernel
 def other_postures(
     bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
 ) -> None:

@@ -5,8 +5,6 @@ Nothing here checks, allocates or holds the GIL. Whatever a table holds, the row
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from runtime import arrays
@@ -61,10 +59,10 @@ def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: i
     clips = bank.clips
     phase, rate_u = between(bank.phases, row, t), clips[clip_u, arrays.RATE]
     row, t = locate(start * rate_u, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
-    phase += math.ceil(between(bank.phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP)
+    phase += np.ceil(between(bank.phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP)
     last, loop = clips[clip_u, arrays.LAST_PHASE], clips[clip_u, arrays.LOOP]
     if loop > 0.0 and phase > last:
-        phase -= loop * math.ceil((phase - last) / loop)
+        phase -= loop * np.ceil((phase - last) / loop)
     return phase
 
 
@@ -93,7 +91,7 @@ def locate(at: float, first: float, count: float) -> tuple[np.uint64, float]:
     """The table row before a real-valued position in a clip's `count` rows, and how far past it; held at the ends."""
     at = at if at > 0.0 else 0.0  # of NaN too
     at = at if at < count - 1.0 else count - 1.0
-    before = min(math.floor(at), count - 2.0)
+    before = min(np.floor(at), count - 2.0)
     return np.uint64(first + before), at - before
 
 
@@ -107,7 +105,7 @@ def between(table: Array, row: Index, t: float) -> float:
 @inlined
 def repeated(frame: float, last: float) -> float:
     """A frame counted on past the end, brought back into a clip whose last frame repeats its first moment."""
-    return frame if frame <= last else frame - last * math.floor(frame / last)
+    return frame if frame <= last else frame - last * np.floor(frame / last)
 
 
 @inlined

@@ -12,7 +12,7 @@ from motion import quaternion
 from motion.kinematics import world_transforms
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
-from runtime import arrays
+from runtime import arrays, lookup_kernels
 from runtime.bank import Bank
 from runtime.compiled import LANES
 from runtime.evaluator import Evaluator
@@ -141,6 +141,38 @@ def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: in
         np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
         assert quaternion.angle(poses.rotations[0], rotations).max() < 1e-4
         np.testing.assert_allclose(np.linalg.norm(poses.rotations[0], axis=-1), 1.0, atol=1e-5)
+
+
+def test_where_no_alignment_is_the_best_the_last_one_is_held() -> None:
+    clear, unclear = (random_bank.random_bank(5, 9, 1, 6, clouds) for clouds in ("torso", "line"))
+    memory, pelvis = Memory.begin(1, rate=30.0), clear.roles.pelvis
+    ask = {"locomotion": "clip 0", "times": [0.0], "action": "clip 0", "start": 0.0, "posture": "off"}
+    memory.turns[:] = held = quaternion.about([0.0, 0.0, 1.0], 0.3)
+    turned = Evaluator(unclear).sequence(**ask, memory=memory).rotations[0, pelvis]  # type: ignore[arg-type]
+    own = unclear.motion("clip 0").rotations[0, pelvis]
+    assert quaternion.angle(turned, quaternion.multiply(own, held)) < 1e-6
+    np.testing.assert_array_equal(memory.turns[0], held)
+    alone = Evaluator(unclear).sequence(**ask).rotations[0, pelvis]  # type: ignore[arg-type]
+    assert quaternion.angle(alone, own) < 1e-6
+    Evaluator(clear).sequence(**ask, memory=memory)  # type: ignore[arg-type]
+    assert quaternion.angle(memory.turns[0], quaternion.IDENTITY) < 1e-5  # its clouds are one cloud
+
+
+@given(seeds, st.sampled_from([np.nan, np.inf, -np.inf, 1e300, -1e30, 0.0]))
+@settings(max_examples=40)
+def test_no_number_in_a_table_leads_out_of_the_clip(seed: int, value: float) -> None:
+    """As plain Python a row outside a table is an error; whichever pose it is, the frame shown is one of the clip's."""
+    bank, draw = random_bank.random_bank(seed, 5, 2, 4, "torso"), np.random.default_rng(seed)
+    evaluator, (locomotion, action) = Evaluator(bank), bank.clips
+    with np.errstate(all="ignore"):
+        for name in ("phase_of_frame", "frame_of_phase", "lower", "upper"):
+            flat = bank.tables[name].reshape(-1)
+            flat[draw.integers(0, flat.size, flat.size // 4)] = value
+        for time in np.linspace(0.0, locomotion.duration, 7):
+            evaluator.pose(locomotion.name, time, action.name, start=action.duration / 2.0)
+        frames = evaluator.action_frames(locomotion.name, np.linspace(0.0, locomotion.duration, 7), action.name)
+    rows = [lookup_kernels.locate(frame, action.first_row, action.row_count) for frame in frames]
+    assert all(action.first_row <= row < action.first_row + action.row_count - 1 for row, _ in rows)
 
 
 @given(st.sampled_from(["walk", "run", "turn_180"]), st.sampled_from(["carry_box", "wave"]))

@@ -8,17 +8,20 @@ COPY runtime runtime
 COPY precompute precompute
 COPY service service
 RUN python -m venv /opt/motionsplice && /opt/motionsplice/bin/pip install --no-cache-dir .
-# Kernels are compiled for any CPU of the architecture, so that the cache fits wherever the image runs.
-ENV NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES=""
-RUN /opt/motionsplice/bin/motionsplice demo /demo && /opt/motionsplice/bin/python -c \
+# Kernels are compiled for any x86-64 with AVX2, so that the cache fits wherever the image runs; --build-arg
+# CPU=generic is for other processors.
+ARG CPU=haswell
+ENV NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=$CPU NUMBA_CPU_FEATURES=""
+RUN /opt/motionsplice/bin/motionsplice demo /demo && rm -r /demo/bank/cache && /opt/motionsplice/bin/python -c \
     "import motionsplice; motionsplice.Evaluator(motionsplice.Bank.open('/demo/bank')).warm()"
 
 FROM python:3.11-slim
+ARG CPU=haswell
 RUN useradd --system --uid 10001 --no-create-home --shell /usr/sbin/nologin motionsplice
 COPY --from=build /opt/motionsplice /opt/motionsplice
 COPY --from=build /demo/bank /bank
 ENV PATH=/opt/motionsplice/bin:$PATH \
-    NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES="" \
+    NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=$CPU NUMBA_CPU_FEATURES="" \
     MOTIONSPLICE_HOST=0.0.0.0 MOTIONSPLICE_PORT=8000
 USER 10001
 EXPOSE 8000

@@ -117,7 +117,7 @@ def state_of(bank: Bank) -> State:
     memory, poses = Memory.begin(1, RATE), Evaluator(bank).poses(1)
     return State(
         request=REQUEST.itemsize,
-        memory=memory.turns.nbytes + memory.means.nbytes,
+        memory=memory.state.nbytes,
         pose=poses.root_positions.nbytes + poses.rotations.nbytes,
     )
 

@@ -55,9 +55,10 @@ class NumpyTwin:
         lanes_u = quaternion.slerp(layout.upper.lanes(before_u), layout.upper.lanes(after_u), above.shares[:, None])
         for half, lanes in ((layout.lower, lanes_l), (layout.upper, lanes_u)):
             out.rotations[:, half.joints] = lanes[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)]
-        cloud = slice(CLOUD, CLOUD + 3 * layout.points)
-        target = _mix(before_l[:, cloud], after_l[:, cloud], below.shares).reshape(-1, layout.points, 3)
-        source = _mix(before_u[:, cloud], after_u[:, cloud], above.shares).reshape(-1, layout.points, 3)
+        cloud, planes = slice(CLOUD, CLOUD + 3 * layout.cloud_width), (-1, 3, layout.cloud_width)
+        # What fills up the vectors is points at the origin, which add nothing.
+        target = _mix(before_l[:, cloud], after_l[:, cloud], below.shares).reshape(planes).swapaxes(1, 2)
+        source = _mix(before_u[:, cloud], after_u[:, cloud], above.shares).reshape(planes).swapaxes(1, 2)
         aligned = quaternion.multiply(lanes_l[:, PELVIS], horn_rotation(target, source))
         turn = quaternion.multiply(lanes_u[:, TORSO_OFFSET], quaternion.conjugate(lanes_l[:, TORSO_OFFSET]))
         frame = lanes_l[:, POSTURE_FRAME]

@@ -13,6 +13,7 @@ from motion.quaternion import Floats
 from motion.skeleton import Skeleton
 
 FARTHEST = 1e6  # metres
+ROUNDING = 1e-14  # of a unit quaternion's length
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +43,26 @@ class Clip:
             raise ClipError(f"its rate is {self.rate} frames per second", place=where)
         if self.root_positions.shape != (frames, 3) or self.rotations.shape != (frames, joints, 4):
             raise ClipError(f"{frames} frames of {joints} joints need rotations [{frames}, {joints}, 4]", place=where)
-        for label, values in (("root position", self.root_positions), ("joint rotation", self.rotations)):
-            if not np.isfinite(values).all():
-                frame = int(np.argwhere(~np.isfinite(values))[0][0])
-                raise ClipError(f"a {label} is not a finite number", place=f"{where}, frame {frame}")
+        if not np.isfinite(self.root_positions).all():
+            raise self._not_finite("root position", self.root_positions)
+        lengths = quaternion.length(self.rotations)
+        if not (sound := np.abs(lengths - 1.0) <= 1e-3).all():  # NaN is not
+            if not np.isfinite(self.rotations).all():
+                raise self._not_finite("joint rotation", self.rotations)
+            frame = int(np.argwhere(~sound)[0][0])
+            raise ClipError("a rotation is not a unit quaternion", place=f"{where}, frame {frame}")
         if np.abs(self.root_positions).max() > FARTHEST:
             raise ClipError(
                 f"its root is farther than {FARTHEST:g} m from the origin", place=where, mend="Is the unit right?"
             )
-        lengths = np.linalg.norm(self.rotations, axis=-1)
-        if np.any(np.abs(lengths - 1.0) > 1e-3):
-            frame = int(np.argwhere(np.abs(lengths - 1.0) > 1e-3)[0][0])
-            raise ClipError("a rotation is not a unit quaternion", place=f"{where}, frame {frame}")
-        object.__setattr__(self, "rotations", quaternion.one_hemisphere(quaternion.normalise(self.rotations)))
+        # Left as they are if they are sound, so that a part of a clip shares its memory and keeps its very bits.
+        rounded = np.abs(lengths - 1.0).max() > ROUNDING
+        unit = np.asarray(self.rotations / lengths[..., None]) if rounded else self.rotations
+        object.__setattr__(self, "rotations", quaternion.one_hemisphere(unit))
+
+    def _not_finite(self, label: str, values: Floats) -> ClipError:
+        frame = int(np.argwhere(~np.isfinite(values))[0][0])
+        return ClipError(f"a {label} is not a finite number", place=f"clip {self.name!r}, frame {frame}")
 
     @property
     def frame_count(self) -> int:

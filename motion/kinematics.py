@@ -35,8 +35,12 @@ def joint_positions(clip: Clip) -> Floats:
 
 def hips_heading(positions: Floats, roles: Roles) -> Floats:
     """Which way the hips face [...]: radians about Y from +Z, from joint positions [..., J, 3] in the world."""
-    across = positions[..., roles.left_hip, :] - positions[..., roles.right_hip, :]
-    return np.arctan2(-across[..., 2], across[..., 0])
+    return heading(positions[..., roles.left_hip, :] - positions[..., roles.right_hip, :])
+
+
+def heading(hip_line: Floats) -> Floats:
+    """The same [...] from the vectors [..., 3] from right to left hip."""
+    return np.arctan2(-hip_line[..., 2], hip_line[..., 0])
 
 
 def end_positions(skeleton: Skeleton, positions: Floats, world: Floats) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -34,6 +36,26 @@ def planar_distance(a: ArrayLike, b: ArrayLike) -> Floats:
     across = np.sum(a_floor[:, :points] * b_floor[:, points:] - a_floor[:, points:] * b_floor[:, :points], axis=1)
     squares = np.sum(a_floor**2 + b_floor**2, axis=1) + np.sum((a_height - b_height) ** 2, axis=1)
     return np.maximum(squares - 2.0 * np.hypot(along, across), 0.0)
+
+
+def planar_lag_distances(clouds: ArrayLike, lags: Iterable[int]) -> dict[int, Floats]:
+    """`planar_distance` of each cloud to the one `lag` places on, by lag. [n, p, 3] -> [n - lag] square metres each."""
+    floor, height = _centred(np.asarray(clouds, np.float64))
+    points = height.shape[1]
+    turned = np.concatenate([floor[:, points:], -floor[:, :points]], axis=1)
+    squares = np.sum(floor**2, axis=1) + np.sum(height**2, axis=1)
+    distances = {}
+    for lag in lags:
+        here, there = slice(0, len(height) - lag), slice(lag, None)
+        overlap = np.hypot(_dots(floor[here], floor[there]), _dots(floor[here], turned[there]))
+        both = overlap + _dots(height[here], height[there])
+        distances[lag] = np.maximum(squares[here] + squares[there] - 2.0 * both, 0.0)
+    return distances
+
+
+def _dots(a: Floats, b: Floats) -> Floats:
+    """[n, k], [n, k] -> [n]."""
+    return np.asarray(np.einsum("nk,nk->n", a, b))
 
 
 def _centred(clouds: Floats) -> tuple[Floats, Floats]:

@@ -1,6 +1,6 @@
 """Unit-quaternion algebra on arrays. Order is xyzw; every function broadcasts over leading axes.
 
-Conversions from and to other forms of rotation are SciPy's: `scipy.spatial.transform.Rotation`.
+What is not here is SciPy's: `scipy.spatial.transform.Rotation`, which is slow to import and slow on many frames.
 """
 
 from __future__ import annotations
@@ -18,15 +18,12 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
     a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
     ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
     bx, by, bz, bw = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
-    return np.stack(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ],
-        axis=-1,
-    )
+    product = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    product[..., 0] = aw * bx + ax * bw + ay * bz - az * by
+    product[..., 1] = aw * by - ax * bz + ay * bw + az * bx
+    product[..., 2] = aw * bz + ax * by - ay * bx + az * bw
+    product[..., 3] = aw * bw - ax * bx - ay * by - az * bz
+    return product
 
 
 def conjugate(q: ArrayLike) -> Floats:
@@ -37,21 +34,32 @@ def conjugate(q: ArrayLike) -> Floats:
 def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
     """Vectors `v` turned by `q`. [..., 4], [..., 3] -> [..., 3]."""
     q, v = np.asarray(q, np.float64), np.asarray(v, np.float64)
-    axis = q[..., :3]
-    t = 2.0 * np.cross(axis, v)
-    return v + q[..., 3:] * t + np.cross(axis, t)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
+    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
+    turned = np.empty((*tx.shape, 3))  # written out, for np.cross takes several times as long
+    turned[..., 0] = vx + w * tx + y * tz - z * ty
+    turned[..., 1] = vy + w * ty + z * tx - x * tz
+    turned[..., 2] = vz + w * tz + x * ty - y * tx
+    return turned
+
+
+def length(q: ArrayLike) -> Floats:
+    """[..., n] -> [...]."""
+    q = np.asarray(q, np.float64)
+    return np.sqrt(np.einsum("...i,...i->...", q, q))
 
 
 def normalise(q: ArrayLike) -> Floats:
     """Scaled to unit length. [..., 4] -> [..., 4]."""
     q = np.asarray(q, np.float64)
-    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.asarray(q / length(q)[..., None])
 
 
 def angle(a: ArrayLike, b: ArrayLike) -> Floats:
     """The angle in radians between two rotations, in [0, pi]. [..., 4], [..., 4] -> [...]."""
     difference = multiply(conjugate(a), b)
-    return np.asarray(2.0 * np.arctan2(np.linalg.norm(difference[..., :3], axis=-1), np.abs(difference[..., 3])))
+    return np.asarray(2.0 * np.arctan2(length(difference[..., :3]), np.abs(difference[..., 3])))
 
 
 def about(axis: ArrayLike, radians: ArrayLike) -> Floats:
@@ -61,12 +69,52 @@ def about(axis: ArrayLike, radians: ArrayLike) -> Floats:
     return np.concatenate([vector, np.cos(half)[..., None]], axis=-1)
 
 
+def from_euler(order: str, sines: Floats, cosines: Floats) -> Floats:
+    """Intrinsic turns about the axes in `order`, such as "zxy", one after the other.
+
+    sines and cosines [..., n] are those of half the angles. -> [..., 4].
+    """
+    q = np.zeros((*sines.shape[:-1], 4))
+    q[..., 3] = 1.0
+    for column, name in enumerate(order):
+        i = "xyz".index(name)
+        j, k = (i + 1) % 3, (i + 2) % 3
+        s, c = sines[..., column], cosines[..., column]
+        turned = np.empty_like(q)  # q times the turn about axis i, whose other two components are zero
+        turned[..., i] = c * q[..., i] + s * q[..., 3]
+        turned[..., j] = c * q[..., j] + s * q[..., k]
+        turned[..., k] = c * q[..., k] - s * q[..., j]
+        turned[..., 3] = c * q[..., 3] - s * q[..., i]
+        q = turned
+    return q
+
+
+def log(q: ArrayLike) -> Floats:
+    """The rotation vector of the shorter turn: its axis times radians. [..., 4] -> [..., 3]."""
+    q = np.asarray(q, np.float64)
+    q = np.where(q[..., 3:] < 0.0, -q, q)
+    sine = length(q[..., :3])
+    half = np.arctan2(sine, q[..., 3])
+    small = sine < 1e-12
+    return np.asarray(q[..., :3] * np.where(small, 2.0, 2.0 * half / np.where(small, 1.0, sine))[..., None])
+
+
+def exp(v: ArrayLike) -> Floats:
+    """The rotation of a rotation vector. [..., 3] -> [..., 4]."""
+    v = np.asarray(v, np.float64)
+    half = 0.5 * length(v)
+    return np.concatenate([0.5 * v * np.sinc(half / np.pi)[..., None], np.cos(half)[..., None]], axis=-1)
+
+
 def one_hemisphere(q: ArrayLike) -> Floats:
     """The same rotations [frames, ..., 4], signed so that each frame is nearest to the one before."""
-    q = np.array(q, np.float64)
-    flips = np.where(np.sum(q[1:] * q[:-1], axis=-1) < 0.0, -1.0, 1.0)
-    q[1:] *= np.cumprod(flips, axis=0)[..., None]
-    return q
+    q = np.asarray(q, np.float64)
+    turns = np.einsum("...i,...i->...", q[1:], q[:-1]) < 0.0
+    if not turns.any():
+        return q
+    signed = q.copy()
+    signed[1:] *= np.cumprod(np.where(turns, -1.0, 1.0), axis=0)[..., None]
+    return signed
 
 
 def neighbours(count: int, frames: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
@@ -79,10 +127,10 @@ def neighbours(count: int, frames: ArrayLike) -> tuple[NDArray[np.int64], NDArra
 def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Floats:
     """Spherical linear interpolation along the shorter arc. [..., 4], [..., 4], [...] -> [..., 4]."""
     a, b, t = np.asarray(a, np.float64), np.asarray(b, np.float64), np.asarray(t, np.float64)[..., None]
-    dot = np.sum(a * b, axis=-1, keepdims=True)
+    dot = np.einsum("...i,...i->...", a, b)[..., None]
     b = np.where(dot < 0.0, -b, b)
     # The half-chord keeps full precision for nearly equal rotations, where arccos(dot) has none.
-    theta = 2.0 * np.arctan2(np.linalg.norm(b - a, axis=-1), np.linalg.norm(b + a, axis=-1))[..., None]
+    theta = 2.0 * np.arctan2(length(b - a), length(b + a))[..., None]
     small = theta < 1e-6
     sine = np.where(small, 1.0, np.sin(theta))
     weight_a = np.where(small, 1.0 - t, np.sin((1.0 - t) * theta) / sine)

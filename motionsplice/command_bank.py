@@ -10,7 +10,7 @@ import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from motion.roles import read_roles_file
@@ -54,7 +54,9 @@ def precompute_command(
         settings=ClipSettings(skip_frames=skip_frames, unit=unit),
         roles_file=roles,
     )
-    show_bank(Bank.open(out))
+    tell_work(outcome, out)
+    if not outcome.unchanged:
+        show_bank(Bank.open(out))
     for name, error in outcome.failed.items():
         console.print(f"[red]{escape(name)} failed:[/red] {escape(str(error))}", highlight=False, soft_wrap=True)
     if outcome.failed:
@@ -73,7 +75,13 @@ def run(
     """The offline job behind a progress bar."""
     columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console) as bar:
-        tasks = {stage: bar.add_task(stage, total=None) for stage in ("reading", "aligning")}
+        tasks: dict[str, TaskID] = {}
+
+        def show(stage: str, done: int, total: int) -> None:
+            if stage not in tasks:  # what has nothing to do has no bar
+                tasks[stage] = bar.add_task(stage)
+            bar.update(tasks[stage], completed=done, total=total)
+
         return precompute(
             clips,
             out,
@@ -81,8 +89,19 @@ def run(
             jobs=jobs or os.cpu_count() or 1,
             settings=settings,
             roles=read_roles_file(roles_file) if roles_file else {},
-            progress=lambda stage, done, total: bar.update(tasks[stage], completed=done, total=total),
+            progress=show,
         )
+
+
+def tell_work(outcome: Outcome, out: Path) -> None:
+    """Prints how much there was to do."""
+    count = f"{len(outcome.clips)} clip{'s' * (len(outcome.clips) != 1)}"
+    if outcome.unchanged:
+        said = f"{out}: nothing to do, none of its {count} changed"
+    else:
+        said = f"{count}, {outcome.kept} unchanged"
+    failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
+    console.print(said + failed, highlight=False, soft_wrap=True)
 
 
 def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank.")]) -> None:

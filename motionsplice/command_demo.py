@@ -34,7 +34,7 @@ def demo_command(
     """Write the built-in motions, build a bank of them, splice one, draw it, and serve the bank."""
     clips, bank_folder = folder / "clips", folder / "bank"
     write_sample_clips(clips)
-    command_bank.run([clips], bank_folder, baseline="walk")
+    command_bank.tell_work(command_bank.run([clips], bank_folder, baseline="walk"), bank_folder)
     bank = Bank.open(bank_folder)
     command_bank.show_bank(bank)
     splice = spliced(bank, LOCOMOTION, ACTION, Method.SPLICE, Posture.RELATIVE, 0.0)

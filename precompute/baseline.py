@@ -10,11 +10,12 @@ import numpy as np
 from motion import quaternion
 from motion.clip import Clip
 from motion.errors import BaselineError, ClipError
-from motion.kinematics import hips_heading, joint_positions
-from motion.pointcloud import planar_distance, planar_distances, windowed
+from motion.kinematics import heading
+from motion.pointcloud import planar_distance, planar_distances, planar_lag_distances, windowed
 from motion.quaternion import Floats
 from motion.roles import Roles
 from precompute.increasing_spline import fit_increasing
+from precompute.joint_paths import joint_paths
 from precompute.ring import wind
 
 WORKING_RATE = 30.0  # frames per second at which motions are compared
@@ -82,22 +83,28 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
     leg = roles.leg_length(clip.skeleton)
     best = (np.inf, 0, 0)
     shortest, longest = (round(seconds * WORKING_RATE) for seconds in STRIDES)
-    for length in range(shortest, min(longest, len(windows) - 1) + 1):
-        here, half, after = (windows[shift : shift + len(windows) - length] for shift in (0, length // 2, length))
-        swing = planar_distance(here, half)
+    lengths = range(shortest, min(longest, len(windows) - 1) + 1)
+    apart = planar_lag_distances(windows, {*lengths, *(length // 2 for length in lengths)})
+    for length in lengths:
+        loops = apart[length]
+        swing = apart[length // 2][: len(loops)]
         moving = swing > LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
-        loop = np.where(moving, planar_distance(here, after) / np.where(moving, swing, 1.0), np.inf)
+        loop = np.where(moving, loops / np.where(moving, swing, 1.0), np.inf)
         frame = int(np.argmin(loop))
         best = min(best, (float(loop[frame]), frame + LOOP_WINDOW // 2, length))
     loop_distance, first, length = best
     if loop_distance > WORST_LOOP:
-        raise BaselineError(
-            f"clip {clip.name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s that ends as it began",
-            mend="Name another clip with --baseline: a plain walk of a few steps is best",
-        )
+        raise no_stride(clip.name)
     step = clip.duration / (len(windows) + LOOP_WINDOW - 2)
     stride = slice(first, first + length + 1)
     return Baseline(clip.name, first * step, (first + length) * step, loop_distance, leg, _ring(clip, roles, stride))
+
+
+def no_stride(name: str) -> BaselineError:
+    return BaselineError(
+        f"clip {name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s that ends as it began",
+        mend="Name another clip with --baseline: a plain walk of a few steps is best",
+    )
 
 
 def most_typical(strides: Sequence[Baseline]) -> Baseline:
@@ -107,11 +114,13 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
     are distances, not their squares: else one run among walks draws the choice to a stride between all, like neither.
     """
 
+    twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
+    all_strides, ends = np.concatenate(twice), np.cumsum([len(clouds) for clouds in twice])
+
     def apart(candidate: Baseline) -> float:
         ring = level(candidate.clouds / candidate.leg)
         total = 0.0
-        for stride in strides:
-            distances = planar_distances(level(np.tile(stride.clouds / stride.leg, (2, 1, 1))), ring)
+        for distances in np.split(planar_distances(all_strides, ring), ends[:-1]):
             wound = wind(distances) % len(ring)
             total += float(np.sqrt(distances[np.arange(len(wound)), wound].mean()))
         return total
@@ -158,7 +167,7 @@ def level(clouds: Floats) -> Floats:
 
 def _at_working_rate(clip: Clip, joints: tuple[int, ...]) -> Floats:
     """Joints [n, p, 3] in the world, at about the working rate, from the first frame to the last."""
-    positions = joint_positions(clip)[:, list(joints)]
+    positions = joint_paths(clip, joints)
     count = max(2, round(clip.duration * WORKING_RATE) + 1)
     at = np.linspace(0.0, clip.frame_count - 1, count)
     before = np.minimum(at.astype(np.int64), clip.frame_count - 2)
@@ -168,16 +177,21 @@ def _at_working_rate(clip: Clip, joints: tuple[int, ...]) -> Floats:
 
 def _ring(clip: Clip, roles: Roles, stride: slice) -> Floats:
     """The lower clouds [cells, 3, 3] of one stride, its end drawn onto its start by an even drift."""
-    clouds = facing(_at_working_rate(clip, tuple(range(clip.skeleton.joint_count))), roles)[stride]
+    clouds = facing(_at_working_rate(clip, facing_joints(roles)))[stride]
     along = np.linspace(0.0, 1.0, len(clouds))[:, None, None]
     return np.asarray((clouds - along * (clouds[-1] - clouds[0]))[:-1])
 
 
-def facing(positions: Floats, roles: Roles) -> Floats:
+def facing_joints(roles: Roles) -> tuple[int, ...]:
+    """The joints that `facing` needs: the lower cloud's and both hips."""
+    return (*roles.lower_cloud, roles.left_hip, roles.right_hip)
+
+
+def facing(positions: Floats) -> Floats:
     """Lower clouds [n, 3, 3] over the floor's origin with the hips along x, so that they can be mixed.
 
-    positions [n, J, 3] are all joints' in the world.
+    positions [n, 5, 3] in the world are those of the `facing_joints`.
     """
-    turn = quaternion.about([0.0, 1.0, 0.0], -hips_heading(positions, roles))
-    clouds = positions[:, list(roles.lower_cloud)]
+    turn = quaternion.about([0.0, 1.0, 0.0], -heading(positions[:, 3] - positions[:, 4]))
+    clouds = positions[:, :3]
     return quaternion.rotate(turn[:, None], clouds - clouds[:, :1] * np.array([1.0, 0.0, 1.0]))

@@ -37,7 +37,7 @@ def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: 
         clip,
         skeleton=skeleton,
         root_positions=clip.root_positions * scale,
-        rotations=clip.rotations[:, match],
+        rotations=clip.rotations if match == sorted(match) else clip.rotations[:, match],
     )
 
 

@@ -52,7 +52,7 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: f
 
 def _greville_steps(knots: Floats, count: int) -> Floats:
     """Distances between the abscissae of neighbouring coefficients [count - 1]: a line has slope = step ratio."""
-    abscissae = np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(count)])
+    abscissae = np.mean([knots[first : first + count] for first in range(1, DEGREE + 1)], axis=0)
     return cast(Floats, np.diff(abscissae))
 
 

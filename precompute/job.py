@@ -1,51 +1,44 @@
-"""The offline job: files of clips -> a bank."""
+"""The offline job: files of clips -> a bank. What was worked out before is not worked out again (docs/offline.md)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
-from motion.errors import BaselineError, MotionError, SettingsError, did_you_mean
-from motion.formats.files import Reading, read_clip
-from motion.roles import Roles
-from motion.skeleton import Skeleton
+from motion.errors import BankError, BaselineError, MotionError, SettingsError, did_you_mean
 from precompute.bank_builder import write_bank
-from precompute.baseline import Baseline, find_baseline, most_typical
+from precompute.baseline import Baseline
+from precompute.baseline_choice import named_stride, typical_stride
+from precompute.cache import Cache
 from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
+from precompute.clip_work import Clips, Identified, Preparation, StrideSearch, Work, identify, kept
 from precompute.neutral import nearest_gait
-from precompute.prepared import PreparedClip, prepare
-from precompute.sources import Source, find_sources
+from precompute.prepared import PreparedClip
+from precompute.sources import find_sources
 from precompute.workers import outcomes, workers
-from runtime.manifest import content_digest
+from runtime.bank import Bank
 
 Progress = Callable[[str, int, int], None]  # what is being done, how many are done, of how many
 Failures = dict[str, MotionError]
-Made = TypeVar("Made")
-FEW = 3  # errors that a message about many clips quotes
-
-
-@dataclass(frozen=True)
-class Loaded:
-    """One clip file, read: the digest of its bytes, and the clip's own stride if it has one."""
-
-    source: Source
-    digest: str
-    reading: Reading
-    stride: Baseline | None
+CACHE = "cache"  # a folder in the bank's
+WORTH_A_PROCESS = 24_000_000  # bytes of clips: fewer are read and aligned in the time in which a process starts
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the job made: the bank's digest, its baseline and clips, and why the others failed."""
+    """What the job made: the bank's digest, its baseline and clips, and why the others failed.
+
+    kept: how many of the clips an earlier run had aligned. unchanged: the bank was there already, just so.
+    """
 
     digest: str
     baseline: Baseline
     clips: tuple[str, ...]
     failed: Mapping[str, MotionError]
+    kept: int
+    unchanged: bool
 
 
 def precompute(
@@ -61,100 +54,88 @@ def precompute(
     """Reads clips, aligns each to the baseline and writes the bank `out`.
 
     `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it, and `settings` are for
-    files of which it says nothing. Without `baseline`, it is the locomotion whose stride is the most typical. More than
-    one of `jobs` are processes of their own, which a script must start under `if __name__ == "__main__"`. Clips that
-    fail are left out and reported. Raises MotionError if there is nothing to do, the baseline is unusable, or two clips
-    have one name.
+    files of which it says nothing. Without `baseline`, it is the locomotion whose stride is the most typical. `jobs` is
+    how many processes may work at once. Clips that fail are left out and reported. All that is worked out is kept below
+    `out`, so that the next run, or one after this was killed, works only on what is new. Raises MotionError if there is
+    nothing to read, the baseline is unusable, or two clips have one name.
     """
-    sources = find_sources(paths, roles or {}, settings)
+    clips: Clips = {}
     failed: Failures = {}
-    loaded: dict[str, Loaded] = {}
-    prepared: dict[str, PreparedClip] = {}
-    with workers(min(jobs, len(sources))) as pool:
-        for done, (source, result) in enumerate(
-            outcomes(pool, partial(load, find_stride=baseline is None), sources), 1
-        ):
-            _sort(source.name, result, loaded, failed)
-            progress("reading", done, len(sources))
-        ring = choose_baseline(loaded, failed, baseline)
-        rig = loaded[ring.name].reading
-        align_one = partial(_prepare, skeleton=rig.clip.skeleton, roles=rig.roles, baseline=ring)
-        for done, (one, ready) in enumerate(outcomes(pool, align_one, list(loaded.values())), 1):
-            _sort(one.source.name, ready, prepared, failed)
-            progress("aligning", done, len(loaded))
-    _settle_neutrals(prepared, failed, rig.roles, ring.name)
-    digest = write_bank(out, rig.clip.skeleton, rig.roles, ring, list(prepared.values()))
-    return Outcome(digest, ring, tuple(sorted(prepared)), dict(sorted(failed.items())))
-
-
-def load(source: Source, find_stride: bool) -> Loaded:
-    """Reads one clip file and, if asked and it is a locomotion, looks for a stride in it. Raises MotionError."""
-    settings, stride = source.settings, None
-    reading = read_clip(source.file, skip_frames=settings.skip_frames, unit=settings.unit, roles=source.roles)
-    if find_stride and settings.kind == "locomotion":
-        with suppress(BaselineError):  # only one clip needs to serve as the baseline
-            stride = find_baseline(reading.clip, reading.roles)
-    return Loaded(source, content_digest(source.file.read_bytes()), reading, stride)
-
-
-def choose_baseline(loaded: Mapping[str, Loaded], failed: Mapping[str, MotionError], name: str | None) -> Baseline:
-    """The named clip's stride, or the most typical of all locomotions' strides. Raises BaselineError."""
-    if not loaded:
-        raise BaselineError("not one of the clips can be read", mend=_reasons(failed))
-    if name is None:
-        strides = [one.stride for one in loaded.values() if one.stride is not None]
-        if not strides:
-            problem = "none of the clips can serve as the baseline, for none of them has a stride"
-            raise BaselineError(problem, mend=_reasons(failed) or "Add a plain walk of a few steps")
-        return most_typical(strides)
-    if name in failed:
-        raise BaselineError(f"the baseline cannot be read: {failed[name]}")
-    if name not in loaded:
-        raise BaselineError(f"the baseline {name!r} is not among the clips", mend=did_you_mean(name, loaded))
-    return find_baseline(loaded[name].reading.clip, loaded[name].reading.roles)
-
-
-def _reasons(failed: Mapping[str, MotionError]) -> str:
-    """Why clips failed: the first FEW of them, and how many more."""
-    told = [f"{name}: {str(failed[name]).rstrip('.')}." for name in sorted(failed)[:FEW]]
-    return " ".join(told) + (f" And {len(failed) - FEW} more failed." if len(failed) > FEW else "")
-
-
-def _prepare(one: Loaded, skeleton: Skeleton, roles: Roles, baseline: Baseline) -> PreparedClip:
-    settings = one.source.settings
-    return replace(
-        prepare(one.reading.clip, one.reading.roles, skeleton, roles, baseline),
-        kind=settings.kind,
-        neutral=settings.neutral or "",
-        tags=settings.tags,
-        notes=one.reading.notes,
-        file_warnings=one.reading.warnings,
-        source=one.digest,
+    for source in find_sources(paths, roles or {}, settings):
+        try:
+            clips[source.name] = identify(source)
+        except MotionError as error:
+            failed[source.name] = error
+    cache = Cache(out / CACHE)
+    do = partial(_do, failed=failed, jobs=jobs, progress=progress)
+    search = StrideSearch(cache)
+    asked = {name: one for name, one in clips.items() if _may_be_baseline(one, baseline)}
+    do("reading", search, asked)
+    walks = {name: one for name, one in asked.items() if name not in failed}
+    if baseline is None:
+        stride = typical_stride(search, walks, failed)
+    else:
+        stride = named_stride(baseline, search, clips, failed)
+    work = Preparation.of(cache, stride)
+    new = do("aligning", work, {name: one for name, one in clips.items() if name not in failed})
+    _fail_without_neutral(clips, failed)
+    if work.ring.name in failed:
+        raise BaselineError(f"the baseline cannot be used: {failed[work.ring.name]}")
+    aligned = {name: one for name, one in clips.items() if name not in failed}
+    recipe = work.recipe(aligned)
+    digest = cache.load(recipe, lambda said, _: str(said["bank"]))
+    unchanged = digest is not None and _holds_bank(out, digest)
+    if digest is None or not unchanged:
+        prepared = {name: kept(work, one) for name, one in aligned.items()}
+        _choose_neutrals(prepared, work.ring.name)
+        digest = write_bank(out, stride.rig.skeleton, stride.rig.roles, work.ring, list(prepared.values()))
+        cache.store(recipe, {"bank": digest}, {})
+    used = [one_work.key(one) for one_work in (search, work) for one in clips.values()]
+    cache.keep_only({recipe, search.choice_key(walks), *used})
+    return Outcome(
+        digest, work.ring, tuple(aligned), dict(sorted(failed.items())), len(aligned.keys() - new), unchanged
     )
 
 
-def _settle_neutrals(prepared: dict[str, PreparedClip], failed: Failures, roles: Roles, baseline: str) -> None:
-    """As named; else a locomotion is its own, and an action has the locomotion nearest in gait, the baseline at last.
+def _do(stage: str, work: Work[object], clips: Clips, *, failed: Failures, jobs: int, progress: Progress) -> set[str]:
+    """Does the work on those clips of which the cache holds no result, and returns their names."""
+    new = {name: one for name, one in clips.items() if not work.cache.holds(work.key(one))}
+    size = sum(one.size for one in new.values())
+    with workers(min(jobs, len(new), size // WORTH_A_PROCESS)) as pool:
+        for done, (one, result) in enumerate(outcomes(pool, work.run, new.values()), 1):
+            if isinstance(result, MotionError):
+                failed[one.source.name] = result
+            progress(stage, done, len(new))
+    return set(new)
 
-    Clips whose neutral is not there fail. Raises BaselineError if the baseline is one of them.
-    """
-    while astray := [one for one in prepared.values() if one.neutral and one.neutral not in prepared]:
-        for one in astray:
-            name, problem = one.clip.name, f"its neutral {one.neutral!r} is not in the bank"
-            failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(one.neutral, prepared))
-            del prepared[name]
-    if baseline not in prepared:
-        raise BaselineError(f"the baseline cannot be used: {failed[baseline]}")
+
+def _may_be_baseline(one: Identified, named: str | None) -> bool:
+    return one.source.settings.kind == "locomotion" if named is None else one.source.name == named
+
+
+def _fail_without_neutral(clips: Clips, failed: Failures) -> None:
+    """Clips whose neutral is not there fail, and so do those whose neutral then is not."""
+    neutrals = {name: one.source.settings.neutral for name, one in clips.items() if name not in failed}
+    while astray := {name: neutral for name, neutral in neutrals.items() if neutral and neutral not in neutrals}:
+        for name, neutral in astray.items():
+            problem = f"its neutral {neutral!r} is not in the bank"
+            failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(neutral, neutrals))
+            del neutrals[name]
+
+
+def _choose_neutrals(prepared: dict[str, PreparedClip], baseline: str) -> None:
+    """As named; else a locomotion is its own, and an action has the locomotion nearest in gait, or the baseline."""
     locomotions = {name: one for name, one in prepared.items() if one.kind == "locomotion"}
     candidates = locomotions or {baseline: prepared[baseline]}
     for name, one in prepared.items():
         if not one.neutral:
-            neutral = name if one.kind == "locomotion" else nearest_gait(one, candidates, roles)
+            neutral = name if one.kind == "locomotion" else nearest_gait(one, candidates)
             prepared[name] = replace(one, neutral=neutral)
 
 
-def _sort(name: str, result: Made | MotionError, sound: dict[str, Made], failed: Failures) -> None:
-    if isinstance(result, MotionError):
-        failed[name] = result
-    else:
-        sound[name] = result
+def _holds_bank(path: Path, digest: str) -> bool:
+    """Whether the folder holds the bank of this digest, whole and sound."""
+    try:
+        return Bank.open(path).digest == digest
+    except BankError:
+        return False

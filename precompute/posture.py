@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from motion import quaternion
 from motion.clip import Clip
 from motion.errors import ClipError
-from motion.kinematics import world_transforms
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
 from motion.roles import Roles
+from precompute.joint_paths import joint_transforms
 
-UP = np.array([0.0, 1.0, 0.0])
+UP, FORWARD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 HIPS_APART = 1e-6  # metres over the floor: with less they show no direction
 
 
@@ -40,11 +39,11 @@ class Torso:
 
 def measure_torso(clip: Clip, roles: Roles) -> Torso:
     """The torso of every frame of a clip. Raises ClipError, naming the frame, if its hips show no posture frame."""
-    positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
-    pelvis = positions[:, roles.pelvis, None]
-    cloud = positions[:, list(roles.upper_cloud)] - pelvis
-    from_pelvis = quaternion.conjugate(world[:, roles.pelvis, None])
-    hip_line = positions[:, roles.left_hip] - positions[:, roles.right_hip]
+    pelvis_parent = int(clip.skeleton.parents[roles.pelvis])
+    positions, world = joint_transforms(
+        clip, (roles.pelvis, pelvis_parent, roles.left_hip, roles.right_hip, *roles.upper_cloud)
+    )
+    hip_line = positions[:, 2] - positions[:, 3]
     if len(steep := np.flatnonzero(np.hypot(hip_line[:, 0], hip_line[:, 2]) < HIPS_APART)):
         raise ClipError(
             "one hip is straight above the other or in its place, so they do not show which way the body faces",
@@ -52,10 +51,10 @@ def measure_torso(clip: Clip, roles: Roles) -> Torso:
             mend="Leave the frame out, or name other joints for the hips in a file and pass it as --roles",
         )
     frame = posture_frame(hip_line)
-    parent = world[:, clip.skeleton.parents[roles.pelvis]]
+    cloud = positions[:, 4:] - positions[:, :1]
     return Torso(
-        clouds=quaternion.rotate(from_pelvis, cloud),
-        frames=quaternion.one_hemisphere(quaternion.multiply(quaternion.conjugate(parent), frame)),
+        clouds=quaternion.rotate(quaternion.conjugate(world[:, :1]), cloud),
+        frames=quaternion.one_hemisphere(quaternion.multiply(quaternion.conjugate(world[:, 1]), frame)),
         upright=quaternion.rotate(quaternion.conjugate(frame)[:, None], cloud),
     )
 
@@ -66,10 +65,9 @@ def posture_frame(hip_line: Floats) -> Floats:
     x lies along the hips, z = x cross up, y = z cross x: the hips' yaw and roll are taken out, while the lean
     against gravity stays (docs/method.md). The hips must lie HIPS_APART over the floor.
     """
-    x = hip_line / np.linalg.norm(hip_line, axis=-1, keepdims=True)
-    z = np.cross(x, UP)
-    z /= np.linalg.norm(z, axis=-1, keepdims=True)
-    return np.asarray(Rotation.from_matrix(np.stack([x, np.cross(z, x), z], axis=-1)).as_quat())
+    x, y, z = hip_line[:, 0], hip_line[:, 1], hip_line[:, 2]
+    yaw = quaternion.about(UP, np.arctan2(-z, x))
+    return quaternion.multiply(yaw, quaternion.about(FORWARD, np.arctan2(y, np.hypot(x, z))))
 
 
 def posture_angle(a: Floats, b: Floats) -> float:

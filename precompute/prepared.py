@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import LEAST_SWING, Alignment, Baseline, align
 from precompute.common_skeleton import onto_skeleton
+from precompute.gait import mean_gait
 from precompute.posture import Torso, measure_torso
 from precompute.seam import Seamed, add_seam
 
@@ -22,21 +24,27 @@ FOREIGN_GAIT = 0.65  # of the cost at random phases: above it a clip does not lo
 class PreparedClip:
     """A clip on the bank's skeleton, with all that was measured of it.
 
-    `seamed` is the clip with the frames that lead back to an earlier stride, and `torso` that of all its rows. kind is
-    `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; notes and file_warnings
-    are what the reading of its file said; source is the digest of that file.
+    `seamed` is the clip with the frames that lead back to an earlier stride, and `torso` that of all its rows; `gait`
+    is its mean lower cloud by phase [bins, 3, 3]. kind is `locomotion` or `action`; neutral is the name of the clip
+    that its posture is relative to; notes and file_warnings are what the reading of its file said; source is the digest
+    of that file.
     """
 
-    clip: Clip
     alignment: Alignment
     seamed: Seamed
     torso: Torso
+    gait: Floats
     kind: str = "locomotion"
     neutral: str = ""
     tags: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     file_warnings: tuple[str, ...] = ()
     source: str = ""
+
+    @cached_property
+    def clip(self) -> Clip:
+        """The clip's own frames."""
+        return self.seamed.clip.frames(0, len(self.alignment.phase))
 
     @property
     def posture(self) -> Floats:
@@ -65,4 +73,5 @@ def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles,
     ours = onto_skeleton(clip, roles, skeleton, skeleton_roles)
     alignment = align(ours, skeleton_roles, baseline)
     seamed = add_seam(ours, alignment.phase, skeleton_roles)
-    return PreparedClip(ours, alignment, seamed, measure_torso(seamed.clip, skeleton_roles))
+    torso = measure_torso(seamed.clip, skeleton_roles)
+    return PreparedClip(alignment, seamed, torso, mean_gait(ours, alignment.phase, skeleton_roles))

@@ -10,13 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from motion import quaternion
 from motion.clip import Clip
-from motion.kinematics import hips_heading, joint_positions
+from motion.kinematics import heading
 from motion.quaternion import Floats
 from motion.roles import Roles
+from precompute.joint_paths import joint_paths
 
 SEAM = 0.3  # seconds
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
@@ -39,18 +39,16 @@ class Seamed:
 def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
     """Adds a seam to a clip whose `phase` [F] is known; root motion goes on in the direction of the last frame."""
     last, count = clip.frame_count - 1, max(2, round(SEAM * clip.rate))
-    gaps: dict[int, float] = {}
-    for strides in range(1, int(phase[-1] - phase[0]) + 1):
-        counterpart = float(np.interp(phase[-1] - strides, phase, np.arange(last + 1)))
-        if 1.0 <= counterpart <= last - count:
-            there = clip.sampled([counterpart])[1][0, 1:]
-            turns = quaternion.angle(there, clip.rotations[last, 1:])
-            if turns.max() <= WIDEST_TURN:
-                gaps[strides] = float(np.sqrt(np.mean(turns**2)))
-    if not gaps or min(gaps.values()) > WIDEST_GAP:
+    strides = np.arange(1, int(phase[-1] - phase[0]) + 1)
+    counterparts = np.interp(phase[-1] - strides, phase, np.arange(last + 1))
+    usable = (counterparts >= 1.0) & (counterparts <= last - count)
+    strides, counterparts = strides[usable], counterparts[usable]
+    turns = quaternion.angle(clip.sampled(counterparts)[1][:, 1:], clip.rotations[last, 1:])
+    gaps = np.where(turns.max(axis=1, initial=0.0) <= WIDEST_TURN, np.sqrt(np.mean(turns**2, axis=1)), np.inf)
+    if gaps.min(initial=np.inf) > WIDEST_GAP:
         return Seamed(clip, phase, 0)
-    strides = max(number for number, gap in gaps.items() if gap <= ABOUT_AS_GOOD * min(gaps.values()))
-    counterpart = float(np.interp(phase[-1] - strides, phase, np.arange(last + 1)))
+    longest = np.flatnonzero(gaps <= ABOUT_AS_GOOD * gaps.min())[-1]
+    back, counterpart = int(strides[longest]), float(counterparts[longest])
     after = counterpart + np.arange(1.0, count + 1.0)
     positions, rotations = _carried_on(clip, counterpart, after, roles)
     longer = replace(
@@ -58,7 +56,7 @@ def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
         root_positions=np.concatenate([clip.root_positions, positions]),
         rotations=np.concatenate([clip.rotations, rotations]),
     )
-    return Seamed(longer, np.concatenate([phase, np.interp(after, np.arange(last + 1), phase) + strides]), strides)
+    return Seamed(longer, np.concatenate([phase, np.interp(after, np.arange(last + 1), phase) + back]), back)
 
 
 def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> tuple[Floats, Floats]:
@@ -70,12 +68,11 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
     positions = quaternion.rotate(turn, positions - positions[1]) + ends.root_positions[1]
     positions[:, 1] += clip.sampled([counterpart])[0][0, 1] - ends.root_positions[1, 1]
     offset = quaternion.multiply(quaternion.conjugate(rotations[:2]), ends.rotations)
-    bend = Rotation.from_quat(offset.reshape(-1, 4)).as_rotvec().reshape((*offset.shape[:-1], 3))
+    bend = quaternion.log(offset)
     rise = (ends.root_positions - positions[:2])[:, 1]
     unbent, unrisen = _settled(bend, len(after)), _settled(rise, len(after))
     positions[2:, 1] += unrisen
-    back = Rotation.from_rotvec(unbent.reshape(-1, 3)).as_quat().reshape((*unbent.shape[:-1], 4))
-    return positions[2:], quaternion.multiply(rotations[2:], back)
+    return positions[2:], quaternion.multiply(rotations[2:], quaternion.exp(unbent))
 
 
 def _settled(offset: Floats, count: int) -> Floats:
@@ -92,4 +89,5 @@ def _one(clip: Clip, frame: float) -> Clip:
 
 def _heading(clip: Clip, roles: Roles) -> float:
     """The direction of the hips in a clip's last frame, radians about Y."""
-    return float(hips_heading(joint_positions(clip)[-1], roles))
+    left, right = joint_paths(clip, (roles.left_hip, roles.right_hip))[-1]
+    return float(heading(left - right))

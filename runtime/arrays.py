@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motion.skeleton import Skeleton
 from runtime.bank import Bank
-from runtime.rows import FIRST_JOINT, Half
-
-Array = NDArray[Any]
-Index = int | np.uint64
-Real = float | np.float32
+from runtime.compiled import Array
 
 BLOCK = 32  # characters that are worked on together, and lanes of what is computed across them
 LATE = 1e-6  # seconds after a clip's end that count as its end
@@ -22,9 +17,12 @@ LATE = 1e-6  # seconds after a clip's end that count as its end
 FIRST_ROW, FRAME_COUNT, ROW_COUNT, RATE, FIRST_CELL, CELL_COUNT = 0, 1, 2, 3, 4, 5
 FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, LATEST, POSTURE, CLIP_COLUMNS = 6, 7, 8, 9, 10, 11, 17
 # entries of BankArrays.rig
-FIRST_PLANE, LOWER_WIDTH, UPPER_WIDTH, POINTS, PELVIS_COLUMN, LOWER_RUNS, RIG_ENTRIES = 0, 1, 2, 3, 4, 5, 6
-# rows of Scratch.block, each BLOCK lanes: nine of a correlation, one of its bound and its gap, and quaternions
-CORRELATION, BOUND, GAP, ALIGNED, SPLICED, FRAME, OWN, THEIRS, TURN, BLOCK_ROWS = 0, 9, 10, 11, 15, 19, 23, 27, 31, 35
+FIRST_PLANE, LOWER_WIDTH, UPPER_WIDTH, CLOUD_WIDTH, POINTS, PELVIS_COLUMN, LOWER_COUNT, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7
+# columns of what is remembered of a character
+LAST_TURN, MEAN_POSTURE, MEMORY_COLUMNS = 0, 4, 10
+# rows of Scratch.block, each BLOCK lanes: where a character is, a correlation, its bound and its gap, and quaternions
+ROW_L, SHARE_L, ROW_U, SHARE_U, PHASE, CORRELATION, BOUND, GAP = 0, 1, 2, 3, 4, 5, 14, 15
+ALIGNED, SPLICED, FRAME, OWN, THEIRS, TURN, BLOCK_ROWS = 16, 20, 24, 28, 32, 36, 40
 
 
 class BankArrays(NamedTuple):
@@ -32,8 +30,7 @@ class BankArrays(NamedTuple):
 
     lower, upper: [rows, columns] its tables; phases [rows] and frames [cells]: its phase_of_frame and frame_of_phase.
     clips: [C, CLIP_COLUMNS] float64; POSTURE begins the six numbers of a posture.
-    rig:   [RIG_ENTRIES] uint64, of which LOWER_RUNS says how many of the runs are lower ones.
-    runs:  [n, 3] uint64: joints side by side in a row and in a pose: from where, to where, how many, in floats.
+    rig:   uint64; from COLUMNS on, where in a pose each joint of the lower half goes, then each of the upper half.
     """
 
     lower: Array
@@ -42,23 +39,12 @@ class BankArrays(NamedTuple):
     frames: Array
     clips: Array
     rig: Array
-    runs: Array
-
-
-class MemoryArrays(NamedTuple):
-    """`Memory` as the kernels see it: of as many characters as are evaluated, of one for all, or of none."""
-
-    means: Array  # [n, 2, 3]
-    turns: Array  # [n, 4]
-    share: float
 
 
 class Scratch(NamedTuple):
     """Room for what each of several threads computes of a block of characters."""
 
-    rows: Array  # [threads, 2, BLOCK] uint64
-    shares: Array  # [threads, 2, BLOCK] float32, how far past the rows
-    lanes: Array  # [threads, 2, 4 lanes] float32
+    lanes: Array  # [threads, 4 lower lanes + 4 upper lanes] float32
     block: Array  # [threads, BLOCK_ROWS * BLOCK] float64
 
 
@@ -83,41 +69,29 @@ def bank_arrays(bank: Bank) -> BankArrays:
             for clip, posture in zip(bank.clips, bank.tables["postures"], strict=True)
         ]
     )
-    lower, upper = _runs(layout.lower), _runs(layout.upper)
-    widths = (layout.lower.first_plane, layout.lower.width, layout.upper.width)
-    rig = np.array([*widths, layout.points, 4 * layout.pelvis, len(lower)], np.uint64)
+    widths = (layout.lower.first_plane, layout.lower.width, layout.upper.width, layout.cloud_width)
+    columns = [4 * joint for half in layout.halves.values() for joint in half.joints]
     return BankArrays(
-        lower=bank.tables["lower"],
-        upper=bank.tables["upper"],
-        phases=bank.tables["phase_of_frame"],
-        frames=bank.tables["frame_of_phase"],
+        lower=_constant(bank.tables["lower"]),
+        upper=_constant(bank.tables["upper"]),
+        phases=_constant(bank.tables["phase_of_frame"]),
+        frames=_constant(bank.tables["frame_of_phase"]),
         clips=clips,
-        rig=rig,
-        runs=np.array(lower + upper, np.uint64),
+        rig=np.array([*widths, layout.points, 4 * layout.pelvis, len(layout.lower.joints), *columns], np.uint64),
     )
 
 
-def _runs(half: Half) -> list[tuple[int, int, int]]:
-    """Neighbouring joints that are copied together."""
-    runs: list[tuple[int, int, int]] = []
-    for lane, joint in enumerate(half.joints, FIRST_JOINT):
-        if runs and joint == (runs[-1][1] + runs[-1][2]) // 4:
-            first_lane, first_joint, count = runs.pop()
-            runs.append((first_lane, first_joint, count + 4))
-        else:
-            runs.append((4 * lane, 4 * joint, 4))
-    return runs
+def _constant(table: Array) -> Array:
+    """A view that cannot be written: a kernel is compiled anew for arrays that can."""
+    view = table.view()
+    view.flags.writeable = False
+    return view
 
 
 def scratch(bank: BankArrays, threads: int) -> Scratch:
     """Room for `threads` threads on a bank."""
-    widest = int(max(bank.rig[LOWER_WIDTH], bank.rig[UPPER_WIDTH]))
-    return Scratch(
-        np.zeros((threads, 2, BLOCK), np.uint64),
-        np.zeros((threads, 2, BLOCK), np.float32),
-        np.zeros((threads, 2, 4 * widest), np.float32),
-        np.zeros((threads, BLOCK_ROWS * BLOCK)),
-    )
+    lanes = 4 * int(bank.rig[LOWER_WIDTH] + bank.rig[UPPER_WIDTH])
+    return Scratch(np.zeros((threads, lanes), np.float32), np.zeros((threads, BLOCK_ROWS * BLOCK)))
 
 
 def rig_arrays(skeleton: Skeleton) -> RigArrays:

@@ -122,5 +122,5 @@ def _map(name: str, file: Path) -> NDArray[Any]:
         return np.asarray(np.load(file, mmap_mode="r", allow_pickle=False))
     except FileNotFoundError:
         raise BankError(f"table {name!r} is missing", file=str(file), mend=REBUILD) from None
-    except (OSError, ValueError) as error:
+    except Exception as error:  # of a damaged header, whatever Python's parser raises
         raise BankError(f"table {name!r} is cut short or no table: {error}", file=str(file), mend=REBUILD) from None

@@ -6,9 +6,18 @@ that others call, remove the caches (`make clean` does).
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+Index = int | np.uint64  # signed indices may count from the end, and the compiler then guards each of them
+Real = float | np.float32
 
 FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # not what takes NaN for impossible
+LANES = 8  # float32 that are computed with at once
 
 kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)
 parallel_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)

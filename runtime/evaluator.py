@@ -13,9 +13,9 @@ from motion.errors import SettingsError, TimeRangeError
 from runtime import arrays, kernels, world_kernels
 from runtime.bank import Bank
 from runtime.lookup_kernels import NONE
-from runtime.requests import METHODS, POSTURES, Float32s, Memory, Method, Poses, Posture, Requests, known
+from runtime.requests import METHODS, POSTURES, Float32s, Memory, Method, Poses, Posture, Requests, check_array, known
 
-NO_MEMORY = arrays.MemoryArrays(np.empty((0, 2, 3)), np.empty((0, 4)), 0.0)
+NO_MEMORY = Memory(np.empty((0, arrays.MEMORY_COLUMNS)), 0.0)
 ONE_AT_A_TIME = Lock()  # not every threading layer of numba's bears two parallel calls at once
 
 
@@ -32,6 +32,7 @@ class Evaluator:
             raise SettingsError(f"{threads} threads cannot be had", mend=f"Ask for 1 to {most}")
         self.bank = bank
         self._threads = threads
+        self._joints = bank.skeleton.joint_count
         self._arrays = arrays.bank_arrays(bank)
         self._rig = arrays.rig_arrays(bank.skeleton)
         self._scratch = arrays.scratch(self._arrays, threads)
@@ -40,8 +41,7 @@ class Evaluator:
 
     def poses(self, count: int) -> Poses:
         """Room for the poses of `count` characters."""
-        joints = self.bank.skeleton.joint_count
-        return Poses(np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32))
+        return Poses.empty(count, self._joints)
 
     def evaluate(self, requests: Requests, out: Poses, memory: Memory | None = None) -> None:
         """Writes every character's pose into `out`, which has as many rows as `requests`.
@@ -51,34 +51,27 @@ class Evaluator:
         start is not a number or lies outside its clip; SettingsError if a clip, method or posture number is unknown or
         sizes differ.
         """
-        count = len(requests.records)
-        self._check_room(count, out, memory)
-        remembered = arrays.MemoryArrays(memory.means, memory.turns, memory.share) if memory else NO_MEMORY
-        rotations = out.rotations.reshape(count, 4 * self.bank.skeleton.joint_count)
-        work = (self._arrays, requests.records, remembered, self._scratch, out.root_positions, rotations)
-        if self._threads == 1 or len(remembered.means) == 1:
-            fault = kernels.evaluate(*work)
+        self._check_room(requests, out, memory)
+        remembered = memory or NO_MEMORY
+        work = (self._arrays, requests.records, remembered.state, remembered.share, self._scratch)
+        if self._threads == 1 or len(remembered.state) == 1:
+            fault = kernels.evaluate(*work, out.root_positions, out.flat)
         else:
             fault = kernels.first_at_fault(self._arrays, requests.records, memory is not None)
             if fault < 0:
                 with ONE_AT_A_TIME:
                     numba.set_num_threads(self._threads)
-                    kernels.evaluate_in_parallel(*work)
+                    kernels.evaluate_in_parallel(*work, out.root_positions, out.flat)
         if fault >= 0:
             raise self._fault(requests, fault)
 
     def world_positions(self, poses: Poses, out: Float32s) -> None:
         """Writes world positions [n, J, 3], metres, of evaluated poses into `out`. Raises SettingsError."""
-        count, joints = len(poses.root_positions), self.bank.skeleton.joint_count
-        self._check_room(count, poses, None)
-        _check_array(out, (count, joints, 3))
-        world_kernels.world_positions(
-            self._rig,
-            poses.root_positions,
-            poses.rotations.reshape(count, 4 * joints),
-            self._world,
-            out.reshape(count, 3 * joints),
-        )
+        count = len(poses.flat)
+        check_array(poses.rotations, (count, self._joints, 4))
+        check_array(out, (count, self._joints, 3))
+        flat = out.reshape(count, 3 * self._joints)
+        world_kernels.world_positions(self._rig, poses.root_positions, poses.flat, self._world, flat)
 
     def pose(
         self,
@@ -95,7 +88,7 @@ class Evaluator:
         Raises UnknownClipError, TimeRangeError or SettingsError.
         """
         out = self.poses(1)
-        self._ask(self._one, locomotion, action, time, start, method, posture)
+        self._one.records[0] = self._record(locomotion, action, time, start, method, posture)
         self._evaluate_one(self._one, out, None)
         return out
 
@@ -115,7 +108,8 @@ class Evaluator:
         With `memory`, of one character, that is carried on to the last of them.
         """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
-        self._ask(requests, locomotion, action, times, start, method, posture)
+        requests.records[:] = self._record(locomotion, action, 0.0, start, method, posture)
+        requests.time[:] = times
         self._evaluate_one(requests, out, memory)
         return out
 
@@ -148,7 +142,8 @@ class Evaluator:
         Frames past the action's last one lie in its seam (docs/bank.md). Raises as `pose` does.
         """
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        self._ask(requests, locomotion, action, times, start, "splice", "off")
+        requests.records[:] = self._record(locomotion, action, 0.0, start, "splice", "off")
+        requests.time[:] = times
         if (fault := kernels.first_at_fault(self._arrays, requests.records, False)) >= 0:
             raise self._fault(requests, fault)
         kernels.action_frames(self._arrays, requests.records, frames)
@@ -169,22 +164,14 @@ class Evaluator:
             self.evaluate(Requests.empty(2), self.poses(2))
         self.world_positions(poses, np.empty((1, joints, 3), np.float32))
 
-    def _ask(
-        self,
-        requests: Requests,
-        locomotion: str,
-        action: str | None,
-        times: NDArray[np.float64] | list[float] | float,
-        start: float,
-        method: str,
-        posture: str,
-    ) -> None:
-        """Writes what is asked by name into requests. Raises UnknownClipError or SettingsError."""
+    def _record(
+        self, locomotion: str, action: str | None, time: float, start: float, method: str, posture: str
+    ) -> tuple[int, int, float, float, int, int]:
+        """A request by name. Raises UnknownClipError or SettingsError."""
         number = self.bank.number(locomotion)
         played = number if action is None else self.bank.number(action)
         form = NONE if action is None else known(METHODS, "method", method)
-        requests.records[:] = (number, played, 0.0, start, form, known(POSTURES, "posture", posture))
-        requests.time[:] = times
+        return number, played, time, start, form, known(POSTURES, "posture", posture)
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """As `evaluate`, for requests about one character, whose number says nothing in an error."""
@@ -193,12 +180,16 @@ class Evaluator:
         except TimeRangeError as error:
             raise TimeRangeError(error.problem, mend=error.mend) from None
 
-    def _check_room(self, count: int, out: Poses, memory: Memory | None) -> None:
-        _check_array(out.root_positions, (count, 3))
-        _check_array(out.rotations, (count, self.bank.skeleton.joint_count, 4))
-        if memory is not None and len(memory.means) not in (1, count):
+    def _check_room(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
+        count = len(requests.records)
+        if out.flat.shape != (count, 4 * self._joints):
+            problem = (
+                f"there are {count} requests, and room for {len(out.flat)} poses of {out.rotations.shape[1]} joints"
+            )
+            raise SettingsError(problem, mend="Evaluator.poses makes room for as many characters as there are requests")
+        if memory is not None and len(memory.state) not in (1, count):
             raise SettingsError(
-                f"there are {count} requests, and a memory of {len(memory.means)} characters",
+                f"there are {count} requests, and a memory of {len(memory.state)} characters",
                 mend="Give a Memory of as many characters, or of the one that all requests are about",
             )
 
@@ -224,13 +215,4 @@ class Evaluator:
             "posture 'running' is a mean over the frames so far, and there is no memory of them",
             place=place,
             mend="Evaluate frame after frame with a Memory, or ask for a whole clip",
-        )
-
-
-def _check_array(array: Float32s, shape: tuple[int, ...]) -> None:
-    """That results fit an array, lest they be lost in a copy, or another kernel compiled. Raises SettingsError."""
-    if array.shape != shape or array.dtype != np.float32 or not array.flags.c_contiguous:
-        raise SettingsError(
-            f"results need float32{list(shape)}, side by side in memory, and not {array.dtype}{list(array.shape)}",
-            mend="Evaluator.poses makes room for as many characters as there are requests",
         )

@@ -10,38 +10,54 @@ import numpy as np
 from numba import prange
 
 from runtime import arrays
-from runtime.arrays import ALIGNED, BLOCK, FRAME, OWN, SPLICED, THEIRS, TURN, Array, BankArrays, MemoryArrays, Scratch
-from runtime.compiled import inlined, kernel, parallel_kernel
-from runtime.lookup_kernels import NAIVE, SPLICE, action_frame, between_rows, locate, look_up
+from runtime.arrays import (
+    ALIGNED,
+    BLOCK,
+    FRAME,
+    OWN,
+    ROW_L,
+    ROW_U,
+    SHARE_L,
+    SHARE_U,
+    SPLICED,
+    THEIRS,
+    TURN,
+    BankArrays,
+    Scratch,
+)
+from runtime.compiled import Array, Index, inlined, kernel, parallel_kernel
+from runtime.lookup_kernels import NAIVE, SPLICE, frame_at, frame_near, locate, look_up, phase_in_step
 from runtime.posture_kernels import RUNNING, correlate, other_postures, settle
-from runtime.rotation_kernels import FOUR, horn, multiply, multiply_by_inverse, normalise, sample
-from runtime.rows import ROOT
+from runtime.rotation_kernels import ONE, horn, multiply, multiply_by_inverse, normalise, sample
+from runtime.rows import FIRST_JOINT, PELVIS, ROOT
 
 
 @kernel
 def evaluate(
-    bank: BankArrays, requests: Array, memory: MemoryArrays, scratch: Scratch, roots: Array, rotations: Array
+    bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
 ) -> int:
     """Writes each character's root position [n, 3] and local rotations [n, 4 J]; returns `first_at_fault`.
 
-    If there is one at fault, nothing is written.
+    If there is one at fault, nothing is written. memory [n, MEMORY_COLUMNS] is of as many characters, of one for all,
+    or of none; share is how much of a new frame counts in a running posture.
     """
-    fault = first_at_fault(bank, requests, len(memory.means) > 0)
+    fault = first_at_fault(bank, requests, len(memory) > 0)
     if fault < 0:
-        evaluate_part(bank, requests, memory, scratch, 0, 0, len(requests), roots, rotations)
+        evaluate_part(bank, requests, memory, share, scratch, 0, 0, len(requests), roots, rotations)
     return fault
 
 
 @parallel_kernel
 def evaluate_in_parallel(
-    bank: BankArrays, requests: Array, memory: MemoryArrays, scratch: Scratch, roots: Array, rotations: Array
+    bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
 ) -> None:
     """As `evaluate`, for sound requests, with as many threads as the scratch has room for."""
-    threads = len(scratch.rows)
+    threads = len(scratch.lanes)
     blocks = (len(requests) + BLOCK - 1) // BLOCK
     for thread in prange(threads):
         first, stop = blocks * thread // threads * BLOCK, blocks * (thread + 1) // threads * BLOCK
-        evaluate_part(bank, requests, memory, scratch, thread, first, min(stop, len(requests)), roots, rotations)
+        stop = min(stop, len(requests))
+        evaluate_part(bank, requests, memory, share, scratch, thread, first, stop, roots, rotations)
 
 
 @kernel
@@ -68,7 +84,8 @@ def first_at_fault(bank: BankArrays, requests: Array, remembers: bool) -> int:
 def evaluate_part(
     bank: BankArrays,
     requests: Array,
-    memory: MemoryArrays,
+    memory: Array,
+    share: float,
     scratch: Scratch,
     thread: int,
     begin: int,
@@ -76,68 +93,81 @@ def evaluate_part(
     roots: Array,
     rotations: Array,
 ) -> None:
-    pelvis = bank.rig[arrays.PELVIS_COLUMN]
-    block = scratch.block[thread]
+    lanes, block, pelvis = scratch.lanes[thread], scratch.block[thread], bank.rig[arrays.PELVIS_COLUMN]
+    above = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]  # where in the lanes those of the upper half begin
     for first in range(begin, end, BLOCK):
         count = min(BLOCK, end - first)
-        look_up(bank, requests, first, count, scratch, thread)
+        look_up(bank, requests, first, count, block)
         splices = 0
         for k in range(count):
             method = requests[first + k]["method"]
-            sample_halves(bank, scratch, thread, k, first + k, roots, rotations)
+            sample_halves(bank, block, k, lanes, above, first + k, roots, rotations)
             if method == SPLICE:
-                correlate(bank, scratch, thread, k)
+                correlate(bank, block, k, lanes, above)
                 splices += 1
-            half = scratch.lanes[thread, 1 if method == NAIVE else 0]
-            for i in range(FOUR):
-                rotations[first + k, pelvis + i] = half[i]
+            half = np.uint64(4 * PELVIS) + (above if method == NAIVE else np.uint64(0))
+            copy_rotation(lanes, half, rotations, first + k, pelvis)
         if splices > 0:
             horn(block)
             settle(requests, memory, block, first, count)
             multiply(block, SPLICED, ALIGNED, SPLICED)
             multiply_by_inverse(block, THEIRS, OWN, TURN)
-            other_postures(bank, requests, memory, scratch, thread, first, count)
+            other_postures(bank, requests, memory, share, block, first, count)
             multiply(block, FRAME, TURN, TURN)
             multiply_by_inverse(block, TURN, FRAME, TURN)
             multiply(block, TURN, SPLICED, SPLICED)
             normalise(block, SPLICED)
             for k in range(count):
                 if requests[first + k]["method"] == SPLICE:
-                    for i in range(FOUR):
-                        rotations[first + k, pelvis + i] = block[(SPLICED + i) * BLOCK + k]
+                    for i in range(4):
+                        rotations[first + k, pelvis + np.uint64(i)] = block[(SPLICED + i) * BLOCK + k]
 
 
 @inlined
 def sample_halves(
-    bank: BankArrays, scratch: Scratch, thread: int, k: int, character: int, roots: Array, rotations: Array
+    bank: BankArrays,
+    block: Array,
+    k: int,
+    lanes: Array,
+    above: Index,
+    character: int,
+    roots: Array,
+    rotations: Array,
 ) -> None:
     """Both halves of a character between their rows: root and joints into its pose, all lanes into the scratch."""
-    lower, rig, rows, shares = bank.lower, bank.rig, scratch.rows[thread], scratch.shares[thread]
-    below, above = scratch.lanes[thread, 0], scratch.lanes[thread, 1]
-    row, t, first = rows[0, k], shares[0, k], rig[arrays.FIRST_PLANE]
-    for axis in range(3):
-        roots[character, axis] = between_rows(lower, row, np.uint64(ROOT + axis), t)
-    sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, below)
-    sample(bank.upper, rows[1, k], first, rig[arrays.UPPER_WIDTH], shares[1, k], above)
-    place(bank.runs, 0, rig[arrays.LOWER_RUNS], below, rotations, character)
-    place(bank.runs, rig[arrays.LOWER_RUNS], len(bank.runs), above, rotations, character)
+    lower, rig = bank.lower, bank.rig
+    row, t, first = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
+    for axis in range(np.uint64(ROOT), np.uint64(ROOT + 3)):
+        here = lower[row, axis]
+        roots[character, axis] = here + t * (lower[row + ONE, axis] - here)
+    sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
+    row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    sample(bank.upper, row, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
+    below, at = np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], np.uint64(4 * FIRST_JOINT)
+    for joint in range(np.uint64(arrays.COLUMNS), below):
+        copy_rotation(lanes, at, rotations, character, rig[joint])
+        at += np.uint64(4)
+    at = above + np.uint64(4 * FIRST_JOINT)
+    for joint in range(below, np.uint64(len(rig))):
+        copy_rotation(lanes, at, rotations, character, rig[joint])
+        at += np.uint64(4)
 
 
 @inlined
-def place(runs: Array, first: int, stop: int, lanes: Array, rotations: Array, character: int) -> None:
-    """Copies runs of joints into a pose."""
-    for run in range(first, stop):
-        source, target = runs[run, 0], runs[run, 1]
-        for i in range(runs[run, 2]):
-            rotations[character, target + i] = lanes[source + i]
+def copy_rotation(lanes: Array, at: Index, rotations: Array, character: int, column: Index) -> None:
+    x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
+    rotations[character, column], rotations[character, column + ONE] = x, y
+    rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = z, w
 
 
 @kernel
 def action_frames(bank: BankArrays, requests: Array, frames: Array) -> None:
     """Writes each character's real-valued action frame [n]."""
+    clips = bank.clips
     for character in range(len(requests)):
         request = requests[character]
-        clip = request["locomotion"]
-        at = request["time"] * bank.clips[clip, arrays.RATE]
-        row, t = locate(at, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.FRAME_COUNT])
-        frames[character] = action_frame(bank, clip, row, t, request["action"], request["start"])
+        locomotion, action = request["locomotion"], request["action"]
+        at = request["time"] * clips[locomotion, arrays.RATE]
+        row, t = locate(at, clips[locomotion, arrays.FIRST_ROW], clips[locomotion, arrays.FRAME_COUNT])
+        phase = phase_in_step(bank, locomotion, row, t, action, request["start"])
+        frames[character] = frame_at(bank, action, phase, frame_near(bank, action, phase))

@@ -5,13 +5,11 @@ Nothing here checks, allocates or holds the GIL. Whatever a table holds, the row
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from runtime import arrays
-from runtime.arrays import Array, BankArrays, Index, Real, Scratch
-from runtime.compiled import inlined
+from runtime.arrays import BLOCK, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
+from runtime.compiled import Array, Index, inlined, kernel
 from runtime.prefetch import prefetch
 from runtime.rotation_kernels import ONE
 from runtime.rows import LINE
@@ -20,50 +18,72 @@ NONE, NAIVE, SPLICE = 0, 1, 2  # methods
 IN_STEP = 1e-3  # cycles by which an action may begin before its start and still count as in step
 
 
-@inlined
-def look_up(bank: BankArrays, requests: Array, first: int, count: int, scratch: Scratch, thread: int) -> None:
-    """Finds the rows of `count` characters from the first, and has them fetched from memory while it goes on."""
-    rows, shares, clips = scratch.rows[thread], scratch.shares[thread], bank.clips
+@kernel
+def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Array) -> None:
+    """Finds the rows of `count` characters from the first, and has them fetched from memory while it goes on.
+
+    What must wait for memory waits for all characters at once: one step for all, then the next.
+    """
+    clips = bank.clips
     for k in range(count):
         request = requests[first + k]
         clip_l, clip_u = request["locomotion"], request["action"]
-        first_u, rate_u = clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.RATE]
-        frame_l = request["time"] * clips[clip_l, arrays.RATE]
-        row_l, t_l = locate(frame_l, clips[clip_l, arrays.FIRST_ROW], clips[clip_l, arrays.FRAME_COUNT])
-        fetch_ahead(bank.lower, row_l)
+        first_l, count_l = clips[clip_l, arrays.FIRST_ROW], clips[clip_l, arrays.FRAME_COUNT]
+        row, t = locate(request["time"] * clips[clip_l, arrays.RATE], first_l, count_l)
+        fetch_ahead(bank.lower, row)
+        block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
         if request["method"] == SPLICE:
-            frame_u = action_frame(bank, clip_l, row_l, t_l, clip_u, request["start"])
-            row_u, t_u = locate(frame_u, first_u, clips[clip_u, arrays.ROW_COUNT])
-        elif request["method"] == NAIVE:
-            count_u = clips[clip_u, arrays.FRAME_COUNT]
-            frame_u = repeated((request["start"] + request["time"]) * rate_u, count_u - 1.0)
-            row_u, t_u = locate(frame_u, first_u, count_u)
+            block[PHASE * BLOCK + k] = phase_in_step(bank, clip_l, row, t, clip_u, request["start"])
         else:
-            row_u, t_u = row_l, t_l
-        fetch_ahead(bank.upper, row_u)
-        rows[0, k], rows[1, k] = row_l, row_u
-        shares[0, k], shares[1, k] = t_l, t_u
+            if request["method"] == NAIVE:
+                count_u = clips[clip_u, arrays.FRAME_COUNT]
+                frame = repeated((request["start"] + request["time"]) * clips[clip_u, arrays.RATE], count_u - 1.0)
+                row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], count_u)
+            fetch_ahead(bank.upper, row)
+            block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
+    for k in range(count):
+        if requests[first + k]["method"] == SPLICE:
+            block[ROW_U * BLOCK + k] = frame_near(bank, requests[first + k]["action"], block[PHASE * BLOCK + k])
+    for k in range(count):
+        if requests[first + k]["method"] == SPLICE:
+            clip_u = requests[first + k]["action"]
+            frame = frame_at(bank, clip_u, block[PHASE * BLOCK + k], block[ROW_U * BLOCK + k])
+            row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
+            fetch_ahead(bank.upper, row)
+            block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
 
 
 @inlined
-def action_frame(bank: BankArrays, clip_l: int, row_l: Index, t_l: float, clip_u: int, start: float) -> float:
-    """The action's frame in step with the locomotion's: frame_of_phase_U(phase_of_frame_L + shift) (docs/bank.md)."""
-    phases, clips = bank.phases, bank.clips
-    first_u = clips[clip_u, arrays.FIRST_ROW]
-    phase = between(phases, row_l, t_l)
-    row, t = locate(start * clips[clip_u, arrays.RATE], first_u, clips[clip_u, arrays.FRAME_COUNT])
-    phase += math.ceil(between(phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP)
+def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: int, start: float) -> float:
+    """The action's phase: the locomotion's, and as many cycles more as bring it to the start or after it."""
+    clips = bank.clips
+    phase, rate_u = between(bank.phases, row, t), clips[clip_u, arrays.RATE]
+    row, t = locate(start * rate_u, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
+    phase += np.ceil(between(bank.phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP)
     last, loop = clips[clip_u, arrays.LAST_PHASE], clips[clip_u, arrays.LOOP]
     if loop > 0.0 and phase > last:
-        phase -= loop * math.ceil((phase - last) / loop)
-    at = (phase - clips[clip_u, arrays.FIRST_PHASE]) * clips[clip_u, arrays.CELLS_PER_CYCLE]
-    cell, t = locate(at, clips[clip_u, arrays.FIRST_CELL], clips[clip_u, arrays.CELL_COUNT])
-    frame = between(bank.frames, cell, t)
-    for _ in range(2):  # the table is as fine as its cells; from so near, the curve itself leads to the very frame
-        row, t = locate(frame, first_u, clips[clip_u, arrays.ROW_COUNT])
-        here = phases[row]
-        frame = row - first_u + (phase - here) / (phases[row + ONE] - here)
-    return frame
+        phase -= loop * np.ceil((phase - last) / loop)
+    return phase
+
+
+@inlined
+def frame_near(bank: BankArrays, clip: int, phase: float) -> float:
+    """A clip's frame at a phase, to within what the cells of frame_of_phase are apart."""
+    clips = bank.clips
+    at = (phase - clips[clip, arrays.FIRST_PHASE]) * clips[clip, arrays.CELLS_PER_CYCLE]
+    cell, t = locate(at, clips[clip, arrays.FIRST_CELL], clips[clip, arrays.CELL_COUNT])
+    return between(bank.frames, cell, t)
+
+
+@inlined
+def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
+    """The very frame at a phase, from one that is near: the curve itself leads to it."""
+    first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
+    for _ in range(2):
+        row, _ = locate(near, first, count)
+        here = bank.phases[row]
+        near = row - first + (phase - here) / (bank.phases[row + ONE] - here)
+    return near
 
 
 @inlined
@@ -71,7 +91,7 @@ def locate(at: float, first: float, count: float) -> tuple[np.uint64, float]:
     """The table row before a real-valued position in a clip's `count` rows, and how far past it; held at the ends."""
     at = at if at > 0.0 else 0.0  # of NaN too
     at = at if at < count - 1.0 else count - 1.0
-    before = min(math.floor(at), count - 2.0)
+    before = min(np.floor(at), count - 2.0)
     return np.uint64(first + before), at - before
 
 
@@ -83,16 +103,9 @@ def between(table: Array, row: Index, t: float) -> float:
 
 
 @inlined
-def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
-    """A column's value `t` of the way from a row to the next."""
-    here = table[row, column]
-    return here + t * (table[row + ONE, column] - here)
-
-
-@inlined
 def repeated(frame: float, last: float) -> float:
     """A frame counted on past the end, brought back into a clip whose last frame repeats its first moment."""
-    return frame if frame <= last else frame - last * math.floor(frame / last)
+    return frame if frame <= last else frame - last * np.floor(frame / last)
 
 
 @inlined

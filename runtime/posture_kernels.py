@@ -18,118 +18,129 @@ from runtime.arrays import (
     FRAME,
     GAP,
     OWN,
+    ROW_L,
+    ROW_U,
+    SHARE_L,
+    SHARE_U,
     SPLICED,
     THEIRS,
     TURN,
-    Array,
     BankArrays,
-    MemoryArrays,
-    Scratch,
 )
-from runtime.compiled import inlined
-from runtime.lookup_kernels import SPLICE, between_rows
+from runtime.compiled import LANES, Array, Index, Real, inlined, kernel
+from runtime.lanes import load, spread, total
+from runtime.lookup_kernels import SPLICE
 from runtime.rotation_kernels import ONE, horn, product, rotated
-from runtime.rows import CLOUD, PELVIS, POSTURE_FRAME, TORSO_OFFSET
+from runtime.rows import CLOUD, PELVIS, POSTURE_FRAME, SIZE, TORSO_OFFSET
 
 OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
-LEAST_GAP = 1e-4  # of horn: below it, clouds of 32 bits do not tell a rotation to a thousandth of a radian
-BOUND_SHARE = 0.5 * (1.0 + 1e-6)  # a bound by as much too large as 32 bits may make it too small
+LEAST_GAP = 1e-3  # of horn: below it, clouds of 32 bits do not tell a rotation to a ten-thousandth of a radian
+SLACK = 1.0 + 1e-6  # by as much a bound may come out too small
 
 
 @inlined
-def correlate(bank: BankArrays, scratch: Scratch, thread: int, k: int) -> None:
-    """What a block needs of a splice: how its clouds go together, its bound, and five of its rotations."""
-    block, lower, upper = scratch.block[thread], bank.lower, bank.upper
-    row_l, row_u = scratch.rows[thread, 0, k], scratch.rows[thread, 1, k]
-    t_l, t_u = scratch.shares[thread, 0, k], scratch.shares[thread, 1, k]
-    xx = xy = xz = yx = yy = yz = zx = zy = zz = squares = np.float32(0.0)
-    for point in range(bank.rig[arrays.POINTS]):
-        x = np.uint64(CLOUD) + point + point + point
-        y, z = x + ONE, x + ONE + ONE
-        lx, ux = between_rows(lower, row_l, x, t_l), between_rows(upper, row_u, x, t_u)
-        ly, uy = between_rows(lower, row_l, y, t_l), between_rows(upper, row_u, y, t_u)
-        lz, uz = between_rows(lower, row_l, z, t_l), between_rows(upper, row_u, z, t_u)
+def correlate(bank: BankArrays, block: Array, k: int, lanes: Array, above: Index) -> None:
+    """What a block needs of a splice: how its clouds go together, a bound on that, and five of its rotations."""
+    lower, upper, width = bank.lower, bank.upper, bank.rig[arrays.CLOUD_WIDTH]
+    row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
+    row_u, t_u = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    xx = xy = xz = yx = yy = yz = zx = zy = zz = spread(np.float32(0.0))
+    for x in range(np.uint64(CLOUD), np.uint64(CLOUD) + width, np.uint64(LANES)):
+        y, z = x + width, x + width + width
+        lx, ux = mixed(lower, row_l, x, t_l), mixed(upper, row_u, x, t_u)
+        ly, uy = mixed(lower, row_l, y, t_l), mixed(upper, row_u, y, t_u)
+        lz, uz = mixed(lower, row_l, z, t_l), mixed(upper, row_u, z, t_u)
         xx, xy, xz = xx + lx * ux, xy + lx * uy, xz + lx * uz
         yx, yy, yz = yx + ly * ux, yy + ly * uy, yz + ly * uz
         zx, zy, zz = zx + lz * ux, zy + lz * uy, zz + lz * uz
-        squares += lx * lx + ly * ly + lz * lz + ux * ux + uy * uy + uz * uz
-    block[k], block[BLOCK + k], block[2 * BLOCK + k] = xx, xy, xz
-    block[3 * BLOCK + k], block[4 * BLOCK + k], block[5 * BLOCK + k] = yx, yy, yz
-    block[6 * BLOCK + k], block[7 * BLOCK + k], block[8 * BLOCK + k] = zx, zy, zz
-    block[BOUND * BLOCK + k] = BOUND_SHARE * squares
-    lanes_l, lanes_u = scratch.lanes[thread, 0], scratch.lanes[thread, 1]
+    at = CORRELATION * BLOCK + k
+    block[at], block[at + BLOCK], block[at + 2 * BLOCK] = total(xx), total(xy), total(xz)
+    block[at + 3 * BLOCK], block[at + 4 * BLOCK], block[at + 5 * BLOCK] = total(yx), total(yy), total(yz)
+    block[at + 6 * BLOCK], block[at + 7 * BLOCK], block[at + 8 * BLOCK] = total(zx), total(zy), total(zz)
+    # the square of a mean is at most the mean of squares
+    size_l, size_u = between_rows(lower, row_l, np.uint64(SIZE), t_l), between_rows(upper, row_u, np.uint64(SIZE), t_u)
+    block[BOUND * BLOCK + k] = SLACK * (size_l + size_u)
     for i in range(4):
-        block[(SPLICED + i) * BLOCK + k] = lanes_l[4 * PELVIS + i]
-        block[(FRAME + i) * BLOCK + k] = lanes_l[4 * POSTURE_FRAME + i]
-        block[(OWN + i) * BLOCK + k] = lanes_l[4 * TORSO_OFFSET + i]
-        block[(THEIRS + i) * BLOCK + k] = lanes_u[4 * TORSO_OFFSET + i]
+        column = np.uint64(i)
+        block[(SPLICED + i) * BLOCK + k] = lanes[np.uint64(4 * PELVIS) + column]
+        block[(FRAME + i) * BLOCK + k] = lanes[np.uint64(4 * POSTURE_FRAME) + column]
+        block[(OWN + i) * BLOCK + k] = lanes[np.uint64(4 * TORSO_OFFSET) + column]
+        block[(THEIRS + i) * BLOCK + k] = lanes[above + np.uint64(4 * TORSO_OFFSET) + column]
 
 
 @inlined
-def settle(requests: Array, memory: MemoryArrays, block: Array, first: int, count: int) -> None:
+def mixed(table: Array, row: Index, column: Index, t: Real) -> Array:
+    """Eight neighbours of a row, `t` of the way to the next row."""
+    here, there = load(table, row, column), load(table, row + ONE, column)
+    return here + spread(t) * (there - here)
+
+
+@inlined
+def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
+    """A column's value `t` of the way from a row to the next."""
+    here = table[row, column]
+    return here + t * (table[row + ONE, column] - here)
+
+
+@kernel
+def settle(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
     """Where no alignment is clearly the best: the last one that was, if there is a memory; else none."""
     for k in range(count):
         if requests[first + k]["method"] == SPLICE:
-            clear, remembered = block[GAP * BLOCK + k] >= LEAST_GAP, min(first + k, len(memory.turns) - 1)
+            clear, remembered = block[GAP * BLOCK + k] >= LEAST_GAP, min(first + k, len(memory) - 1)
             for i in range(4):
-                at = (ALIGNED + i) * BLOCK + k
+                at, last = (ALIGNED + i) * BLOCK + k, arrays.LAST_TURN + i
                 if not clear:
-                    block[at] = memory.turns[remembered, i] if remembered >= 0 else i // 3
+                    block[at] = memory[remembered, last] if remembered >= 0 else i // 3
                 elif remembered >= 0:
-                    memory.turns[remembered, i] = block[at]
+                    memory[remembered, last] = block[at]
 
 
-@inlined
+@kernel
 def other_postures(
-    bank: BankArrays, requests: Array, memory: MemoryArrays, scratch: Scratch, thread: int, first: int, count: int
+    bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
 ) -> None:
     """The turns of those splices whose posture is not relative."""
-    block, turned = scratch.block[thread], 0
+    turned = 0
     for k in range(count):
         request = requests[first + k]
-        if request["method"] != SPLICE or request["posture"] == RELATIVE:
-            continue
-        for i in range(4):
-            block[(TURN + i) * BLOCK + k] = i // 3
-        if request["posture"] != OFF:
-            turned += 1
-            remembered = min(first + k, len(memory.means) - 1)
-            if request["posture"] == RUNNING:
-                follow_posture(bank, memory.means[remembered], memory.share, request["locomotion"], scratch, thread, k)
-            squares = 0.0
-            for i in range(9):
-                block[(CORRELATION + i) * BLOCK + k] = 0.0
-            for point in range(2):
-                for i in range(3):
-                    wanted = bank.clips[request["action"], arrays.POSTURE + 3 * point + i]
-                    squares += wanted * wanted
-                    for j in range(3):
-                        given = bank.clips[request["locomotion"], arrays.POSTURE + 3 * point + j]
-                        if request["posture"] == RUNNING:
-                            given = memory.means[remembered, point, j]
-                        block[(CORRELATION + 3 * i + j) * BLOCK + k] += wanted * given
-                        squares += given * given / 3.0
-            block[BOUND * BLOCK + k] = BOUND_SHARE * squares
+        if request["method"] == SPLICE and request["posture"] != RELATIVE:
+            for i in range(4):
+                block[(TURN + i) * BLOCK + k] = i // 3
+            if request["posture"] != OFF:
+                turned += 1
+                given, remembered = bank.clips[request["locomotion"], arrays.POSTURE :], first + k
+                if request["posture"] == RUNNING:
+                    remembered = min(first + k, len(memory) - 1)
+                    follow_posture(bank, memory[remembered, arrays.MEAN_POSTURE :], share, given, block, k)
+                    given = memory[remembered, arrays.MEAN_POSTURE :]
+                correlate_postures(bank.clips[request["action"], arrays.POSTURE :], given, block, k)
     if turned > 0:
         horn(block)
         for k in range(count):
             request = requests[first + k]
-            clear = block[GAP * BLOCK + k] >= LEAST_GAP
-            if (
-                request["method"] == SPLICE
-                and (request["posture"] == ABSOLUTE or request["posture"] == RUNNING)
-                and clear
-            ):
+            clear, asked = block[GAP * BLOCK + k] >= LEAST_GAP, request["posture"] >= ABSOLUTE
+            if request["method"] == SPLICE and asked and clear:
                 for i in range(4):
                     block[(TURN + i) * BLOCK + k] = block[(ALIGNED + i) * BLOCK + k]
 
 
 @inlined
-def follow_posture(
-    bank: BankArrays, mean: Array, share: float, clip_l: int, scratch: Scratch, thread: int, k: int
-) -> None:
-    """Takes the shoulders of the splice so far, as seen in the posture frame, into a running mean [2, 3]."""
-    block, row, t = scratch.block[thread], scratch.rows[thread, 1, k], scratch.shares[thread, 1, k]
+def correlate_postures(wanted: Array, given: Array, block: Array, k: int) -> None:
+    """How two postures, six numbers each, go together, and a bound on that."""
+    at, size = CORRELATION * BLOCK + k, 0.0
+    for i in range(3):
+        for j in range(3):
+            block[at + (3 * i + j) * BLOCK] = wanted[i] * given[j] + wanted[3 + i] * given[3 + j]
+    for i in range(6):
+        size += 0.5 * (wanted[i] * wanted[i] + given[i] * given[i])
+    block[BOUND * BLOCK + k] = SLACK * size
+
+
+@inlined
+def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, block: Array, k: int) -> None:
+    """Takes the shoulders of the splice so far, as seen in the posture frame, into a running mean of six numbers."""
+    row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     frame, spliced = FRAME * BLOCK + k, SPLICED * BLOCK + k
     seen = product(
         -block[frame],
@@ -141,13 +152,14 @@ def follow_posture(
         block[spliced + 2 * BLOCK],
         block[spliced + 3 * BLOCK],
     )
-    first = np.uint64(CLOUD) + (ONE + ONE + ONE) * (bank.rig[arrays.POINTS] - ONE - ONE)
+    width = bank.rig[arrays.CLOUD_WIDTH]
+    column = np.uint64(CLOUD) + bank.rig[arrays.POINTS] - ONE - ONE  # the shoulders are the last of the cloud
     for point in range(2):
-        column = first + np.uint64(3 * point)
         x = between_rows(bank.upper, row, column, t)
-        y = between_rows(bank.upper, row, column + ONE, t)
-        z = between_rows(bank.upper, row, column + ONE + ONE, t)
+        y = between_rows(bank.upper, row, column + width, t)
+        z = between_rows(bank.upper, row, column + width + width, t)
+        column += ONE
         for i, value in enumerate(rotated(seen[0], seen[1], seen[2], seen[3], x, y, z)):
-            if math.isnan(mean[point, i]):
-                mean[point, i] = bank.clips[clip_l, arrays.POSTURE + 3 * point + i]
-            mean[point, i] += share * (value - mean[point, i])
+            if math.isnan(mean[3 * point + i]):
+                mean[3 * point + i] = stored[3 * point + i]
+            mean[3 * point + i] += share * (value - mean[3 * point + i])

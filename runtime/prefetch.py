@@ -6,7 +6,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload
 
-from runtime.arrays import Array, Index
+from runtime.compiled import Array, Index
 
 READ, KEEP, DATA = 0, 3, 1  # as LLVM numbers them
 
@@ -32,4 +32,4 @@ def _prefetch(_, table, row, column):
 
 @overload(prefetch, inline="always")
 def _compiled_prefetch(table, row, column):
-    return lambda table, row, column: _prefetch(table, row, column)  # type: ignore[call-arg]
+    return lambda table, row, column: _prefetch(table, row, column)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from motion.errors import SettingsError, did_you_mean
 from motion.quaternion import IDENTITY
+from runtime.arrays import LAST_TURN, MEAN_POSTURE, MEMORY_COLUMNS
 from runtime.lookup_kernels import NAIVE, NONE, SPLICE
 from runtime.posture_kernels import ABSOLUTE, OFF, RELATIVE, RUNNING
 
@@ -19,6 +19,7 @@ Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
 METHODS: Mapping[str, int] = {"none": NONE, "naive": NAIVE, "splice": SPLICE}
 POSTURES: Mapping[str, int] = {"off": OFF, "relative": RELATIVE, "absolute": ABSOLUTE, "running": RUNNING}
+FLOAT32 = np.dtype(np.float32)
 TIME_CONSTANT = 2.0  # seconds: about two strides
 
 Float32s = NDArray[np.float32]
@@ -37,63 +38,65 @@ REQUEST = np.dtype(
 )
 
 
-@dataclass(frozen=True, eq=False)
 class Requests:
-    """What n characters play at one moment, a record each [n] of REQUEST; fill it in place, frame by frame.
+    """What n characters play at one moment; fill the columns in place, frame by frame.
 
-    locomotion, action: clip numbers (`Bank.number`).
-    time:   seconds into the locomotion.
-    start:  seconds into the action before which it does not begin; the first frame at or after it that is in step with
-            the locomotion's first frame goes with that.
-    method, posture: values of METHODS and POSTURES.
+    locomotion, action: [n] int32 clip numbers (`Bank.number`).
+    time:   [n] float64 seconds into the locomotion.
+    start:  [n] float64 seconds into the action before which it does not begin; the first frame at or after it
+            that is in step with the locomotion's first frame goes with that.
+    method, posture: [n] uint8, values of METHODS and POSTURES.
+    records: [n] REQUEST, the same memory, a record for each character.
     """
 
-    records: NDArray[np.void]
+    def __init__(self, records: NDArray[np.void]) -> None:
+        self.records = records
+        self.locomotion: NDArray[np.int32] = records["locomotion"]
+        self.action: NDArray[np.int32] = records["action"]
+        self.time: NDArray[np.float64] = records["time"]
+        self.start: NDArray[np.float64] = records["start"]
+        self.method: NDArray[np.uint8] = records["method"]
+        self.posture: NDArray[np.uint8] = records["posture"]
 
     @classmethod
     def empty(cls, count: int) -> Requests:
         """Room for `count` characters: clip 0 from its start, `splice`, `relative`."""
-        records = np.zeros(count, REQUEST)
-        records["method"], records["posture"] = SPLICE, RELATIVE
-        return cls(records)
+        requests = cls(np.zeros(count, REQUEST))
+        requests.method[:], requests.posture[:] = SPLICE, RELATIVE
+        return requests
 
     def __len__(self) -> int:
         return len(self.records)
 
-    @property
-    def locomotion(self) -> NDArray[np.int32]:
-        return self.records["locomotion"]
 
-    @property
-    def action(self) -> NDArray[np.int32]:
-        return self.records["action"]
-
-    @property
-    def time(self) -> NDArray[np.float64]:
-        return self.records["time"]
-
-    @property
-    def start(self) -> NDArray[np.float64]:
-        return self.records["start"]
-
-    @property
-    def method(self) -> NDArray[np.uint8]:
-        return self.records["method"]
-
-    @property
-    def posture(self) -> NDArray[np.uint8]:
-        return self.records["posture"]
-
-
-@dataclass(frozen=True, eq=False)
 class Poses:
-    """Room for the poses of n characters: root_positions [n, 3] metres, rotations [n, J, 4] xyzw, both float32."""
+    """Room for the poses of n characters: root_positions [n, 3] metres, rotations [n, J, 4] xyzw, both float32.
 
-    root_positions: Float32s
-    rotations: Float32s
+    Raises SettingsError if an array is of another shape or type, or not side by side in memory.
+    """
+
+    def __init__(self, root_positions: Float32s, rotations: Float32s) -> None:
+        count, joints = rotations.shape[:2]
+        check_array(root_positions, (count, 3))
+        check_array(rotations, (count, joints, 4))
+        self.root_positions = root_positions
+        self.rotations = rotations
+        self.flat: Float32s = rotations.reshape(count, 4 * joints)
+
+    @classmethod
+    def empty(cls, count: int, joints: int) -> Poses:
+        return cls(np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32))
 
 
-@dataclass(frozen=True, eq=False)
+def check_array(array: Float32s, shape: tuple[int, ...]) -> None:
+    """That results fit an array, lest they be lost in a copy, or another kernel compiled. Raises SettingsError."""
+    if array.shape != shape or array.dtype != FLOAT32 or not array.flags.c_contiguous:
+        raise SettingsError(
+            f"results need float32{list(shape)}, side by side in memory, and not {array.dtype}{list(array.shape)}",
+            mend="Evaluator.poses makes room for as many characters as there are requests",
+        )
+
+
 class Memory:
     """What the evaluator remembers from frame to frame of n characters, or of the one that all requests are about.
 
@@ -101,23 +104,26 @@ class Memory:
     is the mean posture of the splice so far, which starts from the locomotion's stored posture and follows new frames
     with a time constant (Heck's thesis, 4.3).
 
-    turns: [n, 4] the last alignments. means: [n, 2, 3] metres; NaN: not begun. share: how much of a new frame goes
-    into the mean.
+    state: [n, 10] float64, to be saved and restored at will. turns [n, 4], the last alignments, and means [n, 6]
+    metres, NaN until they begin, are parts of it. share: how much of a new frame goes into the mean.
     """
 
-    turns: NDArray[np.float64]
-    means: NDArray[np.float64]
-    share: float
+    def __init__(self, state: NDArray[np.float64], share: float) -> None:
+        self.state = state
+        self.share = share
+        self.turns = state[:, LAST_TURN : LAST_TURN + 4]
+        self.means = state[:, MEAN_POSTURE : MEAN_POSTURE + 6]
 
     @classmethod
     def begin(cls, count: int, rate: float, time_constant: float = TIME_CONSTANT) -> Memory:
         """For `count` characters that are evaluated `rate` times per second of motion; time_constant in seconds."""
-        turns = np.tile(IDENTITY, (count, 1))
-        return cls(turns, np.full((count, 2, 3), np.nan), 1.0 - math.exp(-1.0 / (rate * time_constant)))
+        memory = cls(np.empty((count, MEMORY_COLUMNS)), 1.0 - math.exp(-1.0 / (rate * time_constant)))
+        memory.forget(slice(None))
+        return memory
 
-    def forget(self, character: int) -> None:
-        """For a character that starts anew."""
-        self.turns[character], self.means[character] = IDENTITY, np.nan
+    def forget(self, characters: int | slice) -> None:
+        """For characters that start anew."""
+        self.turns[characters], self.means[characters] = IDENTITY, np.nan
 
 
 def known(constants: Mapping[str, int], label: str, name: str) -> int:

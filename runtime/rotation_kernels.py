@@ -7,13 +7,17 @@ with offsets that the compiler knows, loops over lanes become vector instruction
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
-from runtime.arrays import ALIGNED, BLOCK, BOUND, GAP, Array, Index, Real
-from runtime.compiled import inlined, kernel
+from runtime.arrays import ALIGNED, BLOCK, BOUND, CORRELATION, GAP
+from runtime.compiled import LANES, Array, Index, Real, inlined, kernel
+from runtime.lanes import interleave, load, spread
 
-ONE, FOUR, HALF, THREE_HALVES = np.uint64(1), np.uint64(4), np.float32(0.5), np.float32(1.5)
+Number = Any  # a float, or lanes
+ONE = np.uint64(1)
+TINY = 1e-300
 # Eberly 2011: sin(t angle) / sin(angle) as a series in cos(angle) - 1, cut after four terms
 SERIES = [(np.float32(1.0 / (i * (2 * i + 1))), np.float32(i / (2 * i + 1))) for i in range(1, 5)]
 (P1, Q1), (P2, Q2), (P3, Q3), (P4, Q4) = SERIES
@@ -21,42 +25,47 @@ HALLEY_STEPS = 8
 
 
 @inlined
-def sample(table: Array, row: Index, first: Index, width: Index, t: Real, out: Array) -> None:
-    """All rotations of a row's lanes, `t` of the way to the next row, into `out`, one after the other.
+def sample(table: Array, row: Index, first: Index, width: Index, t: Real, out: Array, at: Index) -> None:
+    """All rotations of a row's lanes, `t` of the way to the next row, into `out` from `at` on, one after the other.
 
-    `row`, `first` (the column of the first plane) and `width` are unsigned: signed indices may count from the end, and
-    the compiler then guards each of them. Keys lie in one hemisphere, so slerp is Eberly's series (2011). Its remainder
-    grows with their angle: 2e-7 rad at 60 degrees, 1e-5 at 90, 1e-3 (0.05 degrees) at 150, and 0.0051 (0.3 degrees) at
-    180, which is as far apart as keys can be. The sum is nearly of unit length, so one step of Newton's makes it so.
+    first is the column of the first plane. Keys lie in one hemisphere, so slerp is Eberly's series (2011). Its
+    remainder grows with their angle: 2e-7 rad at 60 degrees, 1e-5 at 90, 1e-3 (0.05 degrees) at 150, and 0.0051 (0.3
+    degrees) at 180, which is as far apart as keys can be. The sum is nearly of unit length: one step of Newton's
+    makes it so.
     """
-    one = np.float32(1.0)
-    square, s = t * t, one - t
-    other = s * s
-    u1, u2, u3, u4 = P1 * square - Q1, P2 * square - Q2, P3 * square - Q3, P4 * square - Q4
-    v1, v2, v3, v4 = P1 * other - Q1, P2 * other - Q2, P3 * other - Q3, P4 * other - Q4
+    s = np.float32(1.0) - t
+    t0, t1, t2, t3, t4 = series(t)
+    s0, s1, s2, s3, s4 = series(s)
+    one, half, three_halves = spread(np.float32(1.0)), spread(np.float32(0.5)), spread(np.float32(1.5))
     after, y, z, w = row + ONE, first + width, first + width + width, first + width + width + width
-    for lane in range(width):
-        ax, ay, az, aw = table[row, first + lane], table[row, y + lane], table[row, z + lane], table[row, w + lane]
-        bx, by, bz, bw = (
-            table[after, first + lane],
-            table[after, y + lane],
-            table[after, z + lane],
-            table[after, w + lane],
-        )
-        below = ax * bx + ay * by + az * bz + aw * bw - one
-        to = t * (one + u1 * below * (one + u2 * below * (one + u3 * below * (one + u4 * below))))
-        back = s * (one + v1 * below * (one + v2 * below * (one + v3 * below * (one + v4 * below))))
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        ax, bx = load(table, row, first + lane), load(table, after, first + lane)
+        ay, by = load(table, row, y + lane), load(table, after, y + lane)
+        az, bz = load(table, row, z + lane), load(table, after, z + lane)
+        aw, bw = load(table, row, w + lane), load(table, after, w + lane)
+        below = (ax * bx + ay * by) + (az * bz + (aw * bw - one))
+        square = below * below
+        to = (t0 + t1 * below) + square * ((t2 + t3 * below) + t4 * square)
+        back = (s0 + s1 * below) + square * ((s2 + s3 * below) + s4 * square)
         qx, qy, qz, qw = back * ax + to * bx, back * ay + to * by, back * az + to * bz, back * aw + to * bw
-        scale = THREE_HALVES - HALF * (qx * qx + qy * qy + qz * qz + qw * qw)
-        column = FOUR * lane
-        out[column], out[column + ONE] = qx * scale, qy * scale
-        out[column + ONE + ONE], out[column + ONE + ONE + ONE] = qz * scale, qw * scale
+        scale = three_halves - half * ((qx * qx + qy * qy) + (qz * qz + qw * qw))
+        interleave(out, at + lane + lane + lane + lane, qx * scale, qy * scale, qz * scale, qw * scale)
+
+
+@inlined
+def series(t: Real) -> tuple[Array, Array, Array, Array, Array]:
+    """The coefficients of a key's weight at `t`, as a polynomial in cos(angle) - 1, each in all lanes."""
+    square = t * t
+    t1 = t * (P1 * square - Q1)
+    t2 = t1 * (P2 * square - Q2)
+    t3 = t2 * (P3 * square - Q3)
+    return spread(t), spread(t1), spread(t2), spread(t3), spread(t3 * (P4 * square - Q4))
 
 
 @inlined
 def product(
-    ax: float, ay: float, az: float, aw: float, bx: float, by: float, bz: float, bw: float
-) -> tuple[float, float, float, float]:
+    ax: Number, ay: Number, az: Number, aw: Number, bx: Number, by: Number, bz: Number, bw: Number
+) -> tuple[Number, Number, Number, Number]:
     """The rotation that turns by b, then by a."""
     return (
         aw * bx + ax * bw + ay * bz - az * by,
@@ -67,7 +76,9 @@ def product(
 
 
 @inlined
-def rotated(qx: float, qy: float, qz: float, qw: float, x: Real, y: Real, z: Real) -> tuple[Real, Real, Real]:
+def rotated(
+    qx: Number, qy: Number, qz: Number, qw: Number, x: Number, y: Number, z: Number
+) -> tuple[Number, Number, Number]:
     """A vector turned by q."""
     tx, ty, tz = qy * z - qz * y, qz * x - qx * z, qx * y - qy * x
     tx, ty, tz = tx + tx, ty + ty, tz + tz
@@ -100,10 +111,11 @@ def multiply_by_inverse(block: Array, a: int, b: int, out: int) -> None:
 
 @inlined
 def normalise(block: Array, q: int) -> None:
+    """Scales a quaternion to unit length; what stands in a lane without a character may be zero."""
     q = q * BLOCK
     for k in range(BLOCK):
         x, y, z, w = block[q + k], block[q + BLOCK + k], block[q + 2 * BLOCK + k], block[q + 3 * BLOCK + k]
-        scale = 1.0 / math.sqrt(x * x + y * y + z * z + w * w)
+        scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
         block[q + k], block[q + BLOCK + k] = x * scale, y * scale
         block[q + 2 * BLOCK + k], block[q + 3 * BLOCK + k] = z * scale, w * scale
 
@@ -140,9 +152,10 @@ def horn(block: Array) -> None:
     part of it: where it is small, no rotation is clearly better than all others.
     """
     for k in range(BLOCK):
-        xx, yx, zx = block[k], block[BLOCK + k], block[2 * BLOCK + k]
-        xy, yy, zy = block[3 * BLOCK + k], block[4 * BLOCK + k], block[5 * BLOCK + k]
-        xz, yz, zz = block[6 * BLOCK + k], block[7 * BLOCK + k], block[8 * BLOCK + k]
+        at = CORRELATION * BLOCK + k
+        xx, yx, zx = block[at], block[at + BLOCK], block[at + 2 * BLOCK]
+        xy, yy, zy = block[at + 3 * BLOCK], block[at + 4 * BLOCK], block[at + 5 * BLOCK]
+        xz, yz, zz = block[at + 6 * BLOCK], block[at + 7 * BLOCK], block[at + 8 * BLOCK]
         a, b, c, d = xx - yy - zz, yy - xx - zz, zz - xx - yy, xx + yy + zz
         ab, ac, ad, bc, bd, cd = xy + yx, zx + xz, yz - zy, yz + zy, zx - xz, xy - yx
         squares = xx * xx + xy * xy + xz * xz + yx * yx + yy * yy + yz * yz + zx * zx + zy * zy + zz * zz
@@ -174,7 +187,7 @@ def horn(block: Array) -> None:
         larger = abs(n33) > most
         x, y = n03 if larger else x, n13 if larger else y
         z, w, most = n23 if larger else z, n33 if larger else w, abs(n33) if larger else most
-        scale = (1.0 if w >= 0.0 else -1.0) / math.sqrt(x * x + y * y + z * z + w * w)
+        scale = (1.0 if w >= 0.0 else -1.0) / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
         block[ALIGNED * BLOCK + k], block[(ALIGNED + 1) * BLOCK + k] = x * scale, y * scale
         block[(ALIGNED + 2) * BLOCK + k], block[(ALIGNED + 3) * BLOCK + k] = z * scale, w * scale
         block[GAP * BLOCK + k] = slope / cube if cube > 0.0 else 0.0

@@ -1,7 +1,7 @@
 """The rows of a bank: all that one frame of a clip gives to a splice, side by side in memory.
 
 A splice reads the lower half of one clip and the upper half of another, so each half has a table. A row is root
-position, upper cloud, and then rotations, component by component over a whole number of vector lanes (docs/bank.md).
+position, upper cloud and rotations, the latter two component by component over whole vectors (docs/bank.md).
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from motion import quaternion
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
+from runtime.compiled import LANES
 
 Float32s = NDArray[np.float32]
 
-ROOT, CLOUD = 0, 4  # first columns
+ROOT, SIZE, CLOUD = 0, 3, 4  # first columns
 PELVIS, POSTURE_FRAME, TORSO_OFFSET, FIRST_JOINT = 0, 1, 2, 3  # lanes
-LANES = 8  # joints that are sampled at once
 LINE = 16  # floats of a cache line
 
 
@@ -73,9 +73,14 @@ class Layout:
     def of(cls, skeleton: Skeleton, roles: Roles) -> Layout:
         above, points = skeleton.subtree(roles.pelvis), len(roles.upper_cloud)
         below = tuple(joint for joint in range(skeleton.joint_count) if joint not in above)
-        first_plane = _whole(CLOUD + 3 * points, LANES)
+        first_plane = _whole(CLOUD + 3 * _whole(points, LANES), LANES)
         upper = tuple(joint for joint in above if joint != roles.pelvis)
         return cls(Half(below, first_plane), Half(upper, first_plane), roles.pelvis, points)
+
+    @property
+    def cloud_width(self) -> int:
+        """Lanes of a component of the cloud."""
+        return _whole(self.points, LANES)
 
     @property
     def halves(self) -> dict[str, Half]:
@@ -88,7 +93,8 @@ class Layout:
         for name, half in self.halves.items():
             rows = np.zeros((len(roots), half.columns), np.float32)
             rows[:, ROOT : ROOT + 3] = roots
-            rows[:, CLOUD : CLOUD + 3 * self.points] = torso.clouds.reshape(len(roots), -1)
+            rows[:, SIZE] = 0.5 * np.sum(torso.clouds**2, axis=(1, 2))
+            self._clouds(rows)[:] = torso.clouds
             lanes = half.lanes(rows)
             lanes[:] = quaternion.IDENTITY
             lanes[:, PELVIS], lanes[:, POSTURE_FRAME] = rotations[:, self.pelvis], torso.frames
@@ -108,8 +114,12 @@ class Layout:
     def torso(self, lower: Float32s) -> TorsoRows:
         """What rows of the lower table hold of the torso."""
         lanes = self.lower.lanes(lower).astype(np.float64)
-        clouds = lower[:, CLOUD : CLOUD + 3 * self.points].reshape(len(lower), self.points, 3)
-        return TorsoRows(clouds.astype(np.float64), lanes[:, POSTURE_FRAME], lanes[:, TORSO_OFFSET])
+        return TorsoRows(self._clouds(lower).astype(np.float64), lanes[:, POSTURE_FRAME], lanes[:, TORSO_OFFSET])
+
+    def _clouds(self, rows: Float32s) -> Float32s:
+        """The clouds [n, points, 3] in rows of either table, in the same memory."""
+        planes = rows[:, CLOUD : CLOUD + 3 * self.cloud_width].reshape(len(rows), 3, self.cloud_width)
+        return np.moveaxis(planes, 1, 2)[:, : self.points]
 
 
 def _whole(count: int, of: int) -> int:

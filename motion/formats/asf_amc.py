@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from motion import quaternion
 from motion.errors import FormatError, did_you_mean
+from motion.formats.decimals import read_table
 from motion.formats.fold import Nodes, still
 from motion.quaternion import Floats
 
@@ -25,10 +25,10 @@ CUT_SHORT = "The file may be cut short: fetch it again"
 
 @dataclass
 class Bone:
-    """One bone: where it points from its joint in the bind pose [3], in the file's unit, its axes C, and its dof."""
+    """One bone: from its joint to its tip in the bind pose [3], in the file's unit, its axes C [4], and its dof."""
 
     tip: Floats
-    axes: Rotation
+    axes: Floats
     dof: tuple[str, ...]
     children: list[str] = field(default_factory=list)
 
@@ -89,9 +89,11 @@ def parse_skeleton(data: bytes) -> AcclaimSkeleton:
 
 def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> tuple[Nodes, float]:
     """Reads an AMC file for a skeleton: its nodes in the skeleton's unit, and frames per second. Raises FormatError."""
-    degrees, rate, frames, seen, number = True, RATE, -1, 0, 0  # seen: bones in the frame at hand
+    lines = _text(data).splitlines()
     rows: dict[str, list[str]] = {name: [] for name, bone in skeleton.bones.items() if bone.dof}
-    for number, text in enumerate(_text(data).splitlines(), 1):
+    header = _take_even_frames(lines, rows)
+    degrees, rate, frames, seen, number = True, RATE, -1, 0, 0  # seen: bones in the frame at hand
+    for number, text in enumerate(lines[:header], 1):
         key, *values = text.split(None, 1) or ["#"]
         if key in rows and values and len(rows[key]) == frames:
             rows[key].append(values[0])
@@ -109,12 +111,36 @@ def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> tuple[Nodes, float]:
             known = did_you_mean(key, rows)
             raise FormatError(f"the skeleton has no moving bone {key!r}", place=f"line {number}", mend=known)
     _check_complete(rows, seen, frames, number)
-    if frames < 0:
+    if not rows["root"]:
         raise FormatError("it has no frames", mend=CUT_SHORT)
     if not 0.5 <= rate <= 1e4:
         raise FormatError(f"its rate is {rate} frames per second")
     values_of = {name: _values(name, texts, len(skeleton.bones[name].dof)) for name, texts in rows.items()}
     return _nodes(skeleton, values_of, degrees, len(data)), rate
+
+
+def _take_even_frames(lines: list[str], rows: dict[str, list[str]]) -> int:
+    """Fills in `rows` if every frame names the bones in one order, and returns how many lines come before the frames.
+
+    Nearly all files do, and this takes a third of the time of going through them line by line, which is what is left
+    to do for the others: all lines are returned.
+    """
+    starts = (number for number, text in enumerate(lines) if text.strip().isdigit())
+    first, second = next(starts, len(lines)), next(starts, len(lines))
+    frame, period = lines[first + 1 : second], second - first
+    keys = [text.split(None, 1)[0] if text.strip() else "" for text in frame]
+    if sorted(keys) != sorted(rows) or (len(lines) - first) % period:
+        return len(lines)
+    if not all(text.strip().isdigit() for text in lines[first::period]):
+        return len(lines)
+    taken = {}
+    for place, key in enumerate(keys, 1):
+        start, column = key + " ", lines[first + place :: period]
+        if not all(text.startswith(start) for text in column):
+            return len(lines)
+        taken[key] = [text[len(start) :] for text in column]
+    rows |= taken
+    return first
 
 
 def _text(data: bytes) -> str:
@@ -140,11 +166,17 @@ def _numbers(words: list[str], count: int, line: int) -> list[float]:
     return values
 
 
-def _axes(words: list[str], degrees: bool, line: int) -> Rotation:
+def _axes(words: list[str], degrees: bool, line: int) -> Floats:
     order = "".join(words[3:4]).lower() or "xyz"
     if sorted(order) != ["x", "y", "z"]:
         raise FormatError(f"{order!r} is no order of axes", place=f"line {line}")
-    return Rotation.from_euler(order, _numbers(words, 3, line), degrees=degrees)
+    return _turns(order, np.array(_numbers(words, 3, line)), degrees)
+
+
+def _turns(order: str, angles: Floats, degrees: bool) -> Floats:
+    """Turns about fixed axes, the first in `order` first, by angles [..., n] -> [..., 4]."""
+    halves = 0.5 * (np.radians(angles) if degrees else angles)[..., ::-1]
+    return quaternion.from_euler(order[::-1], np.sin(halves), np.cos(halves))
 
 
 def _bone_blocks(lines: list[tuple[int, list[str]]]) -> Iterator[dict[str, tuple[int, list[str]]]]:
@@ -202,10 +234,9 @@ def _check_complete(rows: dict[str, list[str]], seen: int, frame: int, line: int
 
 def _values(name: str, texts: list[str], width: int) -> Floats:
     """One bone's values [F, width]."""
-    with suppress(ValueError):
-        values = np.array([text.split() for text in texts], np.float64)
-        if values.shape == (len(texts), width) and np.isfinite(values).all():
-            return values
+    values = read_table("\n".join(texts), len(texts), width)
+    if values is not None:
+        return values
     for frame, text in enumerate(texts):
         place, words = f"frame {frame}, bone {name!r}", text.split()
         if len(words) != width:
@@ -231,8 +262,9 @@ def _nodes(skeleton: AcclaimSkeleton, values: dict[str, Floats], degrees: bool, 
         turns = [(column, channel[1]) for column, channel in enumerate(bones[name].dof) if channel[0] == "r"]
         if turns:
             order = "".join(axis for _, axis in turns)
-            own = Rotation.from_euler(order, values[name][:, [column for column, _ in turns]], degrees=degrees)
-            rotations[:, place] = (bones[name].axes * own * bones[name].axes.inv()).as_quat()
+            own = _turns(order, values[name][:, [column for column, _ in turns]], degrees)
+            axes = bones[name].axes
+            rotations[:, place] = quaternion.multiply(quaternion.multiply(axes, own), quaternion.conjugate(axes))
     columns = [skeleton.order.index(channel) for channel in ("tx", "ty", "tz")]
     tips = [place for place, (name, _) in enumerate(ordered) if not bones[name].children]
     return Nodes(

@@ -10,20 +10,21 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
 from decimal import Decimal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from motion import quaternion
 from motion.clip import Clip
 from motion.errors import FormatError
+from motion.formats.decimals import read_table
 from motion.formats.fold import Nodes, still
 from motion.quaternion import Floats
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
+BLOCK = 256  # frames whose angles stay in a core's cache while they become rotations
 CUT_SHORT = "The file may be cut short: export it again"
 
 
@@ -173,12 +174,9 @@ def _frames(lines: list[str], first: int, count: int, width: int) -> Floats:
         raise FormatError(problem, place="after 'Frame Time'", mend=CUT_SHORT)
     if count == 0:
         raise FormatError("it has no frames", mend="Export the motion, not the rig alone")
-    with warnings.catch_warnings(), suppress(ValueError):
-        warnings.simplefilter("ignore", DeprecationWarning)  # NumPy's, of text that is no number: seen just below
-        values = np.fromstring("\n".join(text for _, text in rows), sep=" ")
-        whole = all(len(text.split()) == width for _, text in rows)
-        if whole and len(values) == count * width and np.isfinite(values).all():
-            return values.reshape(count, width)
+    values = read_table("\n".join(text for _, text in rows), count, width)
+    if values is not None:
+        return values
     raise _first_bad_row(rows, width)
 
 
@@ -204,20 +202,24 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
     real, ends = [joint for joint in joints if not joint.is_end], [joint for joint in joints if joint.is_end]
     rotations = still(len(values), len(real), size)
     translations: dict[int, Floats] = {}
+    alike: dict[str, list[tuple[int, list[int]]]] = {}  # joints and their columns by order of axes, to do at once
     column = 0
     for place, joint in enumerate(real):
         channels = joint.channels or []
-        own = values[:, column : column + len(channels)]
-        column += len(channels)
         turns = [number for number, channel in enumerate(channels) if channel.endswith("rotation")]
-        if turns:
-            order = "".join(channels[number][0] for number in turns)
-            rotations[:, place] = Rotation.from_euler(order, own[:, turns], degrees=True).as_quat()
+        order = "".join(channels[number][0] for number in turns).lower()
+        alike.setdefault(order, []).append((place, [column + number for number in turns]))
         if len(turns) < len(channels):
             translations[place] = np.tile(np.array(joint.offset), (len(values), 1))
             for number, channel in enumerate(channels):
                 if channel.endswith("position"):
-                    translations[place][:, "XYZ".index(channel[0])] = own[:, number]
+                    translations[place][:, "XYZ".index(channel[0])] = values[:, column + number]
+        column += len(channels)
+    for order, turning in alike.items():
+        at, columns = [place for place, _ in turning], [own for _, own in turning]
+        for first in range(0, len(values) if order else 0, BLOCK):
+            halves = np.radians(values[first : first + BLOCK, columns]) * 0.5
+            rotations[first : first + BLOCK, at] = quaternion.from_euler(order, np.sin(halves), np.cos(halves))
     return Nodes(
         names=tuple(joint.name for joint in real),
         parents=np.array([places.get(joint.parent, -1) for joint in real]),
@@ -231,6 +233,8 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
 
 def dump(clip: Clip, unit: float = 1.0) -> bytes:
     """A clip as BVH: ZXY Euler channels in degrees, lengths in `unit` metres, joints in depth-first order."""
+    from scipy.spatial.transform import Rotation  # half a second, which those who only read need not wait
+
     order, text = _write_hierarchy(clip, unit)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # in gimbal lock SciPy sets one of the angles to 0, which is right

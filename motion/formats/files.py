@@ -14,7 +14,7 @@ from motion.errors import FormatError, MotionError
 from motion.formats import asf_amc, bvh
 from motion.formats.fold import Folded, Nodes, fold
 from motion.formats.units import guess_unit, metres_per_unit
-from motion.kinematics import joint_positions
+from motion.kinematics import world_transforms
 from motion.quaternion import Floats
 from motion.roles import (
     ENDS,
@@ -29,6 +29,8 @@ from motion.roles import (
 
 SUFFIXES = (".amc", ".bvh")
 JUMP = 0.1  # radians, mean over joints: more after the first frame, and twice as much as elsewhere, is no motion
+
+CHECKED_RATE = 10.0  # frames per second that show how a body is held
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,11 @@ def read_clip(
         raise error.within(str(path)) from None
 
 
+def files_behind(path: Path) -> tuple[Path, ...]:
+    """All files that `read_clip` reads for one. Raises FormatError if a skeleton is missing."""
+    return (path, _skeleton_file(path)) if path.suffix.lower() == ".amc" and path.exists() else (path,)
+
+
 def _read(path: Path, skip_frames: int, unit: str | None, given: Mapping[str, GivenRole]) -> Reading:
     nodes, rate, own_unit = _parse(path)
     if not 0 <= skip_frames < len(nodes.rotations):
@@ -80,7 +87,8 @@ def _read(path: Path, skip_frames: int, unit: str | None, given: Mapping[str, Gi
     posed = skip_frames == 0 and _starts_with_a_pose(clip.rotations)
     warnings = ("its first frame looks like a bind pose; --skip-frames 1 leaves it out",) if posed else ()
     if not given:
-        check_shape(joint_positions(clip), roles)
+        some = slice(None, None, max(1, int(clip.rate / CHECKED_RATE)))
+        check_shape(world_transforms(clip.skeleton, clip.root_positions[some], clip.rotations[some])[0], roles)
     return Reading(clip, roles, metres, tuple(notes), warnings)
 
 
@@ -89,25 +97,26 @@ def _parse(path: Path) -> tuple[Nodes, float, float | None]:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise FormatError(f"files of kind {suffix!r} cannot be read", mend=f"Give one of {', '.join(SUFFIXES)}")
-    data = _bytes(path)
+    data = read_bytes(path)
     if suffix == ".bvh":
         return *bvh.parse(data), None
     asf = _skeleton_file(path)
     try:
-        skeleton = asf_amc.parse_skeleton(_bytes(asf))
+        skeleton = asf_amc.parse_skeleton(read_bytes(asf))
     except MotionError as error:
         raise error.within(str(asf)) from None
     return *asf_amc.parse_motion(data, skeleton), skeleton.unit
 
 
-def _bytes(path: Path) -> bytes:
+def read_bytes(path: Path) -> bytes:
+    """What is in a file. Raises FormatError if that is nothing."""
     if not path.exists():
         raise FormatError("there is no such file", file=str(path))
     try:
         data = path.read_bytes()
     except OSError as error:
         raise FormatError(f"it cannot be read: {error.strerror}", file=str(path)) from None
-    if not data.strip():
+    if not data or data.isspace():
         raise FormatError("the file is empty", file=str(path))
     return data
 
@@ -137,5 +146,7 @@ def _clip(name: str, folded: Folded, rate: float, metres: float, skip: int) -> C
 def _starts_with_a_pose(rotations: Floats) -> bool:
     if len(rotations) < 4:
         return False
-    jumps = quaternion.angle(rotations[:-1], rotations[1:]).mean(axis=1)
-    return bool(jumps[0] > JUMP and jumps[0] > 2.0 * np.max(jumps[1:]))
+    first = quaternion.angle(rotations[0], rotations[1]).mean()
+    if first <= JUMP:  # nearly always, and the rest need not be looked at
+        return False
+    return bool(first > 2.0 * np.max(quaternion.angle(rotations[1:-1], rotations[2:]).mean(axis=1)))

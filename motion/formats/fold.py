@@ -87,7 +87,7 @@ def fold(nodes: Nodes, root: int) -> Folded:
         end_parents=np.array([places[int(nodes.end_parents[end])] for end in ends], np.int64),
         end_offsets=nodes.end_offsets[ends].reshape(-1, 3),
     )
-    rotations = nodes.rotations[:, kept].copy()
+    rotations = nodes.rotations[:, kept]
     rotations[:, 0] = rotation
     return Folded(skeleton, position, rotations, tuple(notes))
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from motion import quaternion
-from motion.pointcloud import horn_rotation, planar_distance, planar_distances
+from motion.pointcloud import horn_rotation, planar_distance, planar_distances, planar_lag_distances
 from motion.quaternion import Floats
 from tests import naive
 
@@ -59,3 +59,12 @@ def test_horn_is_scipys_least_squares(seed: int) -> None:
     target, source = clouds(seed, 2)
     expected = Rotation.align_vectors(target, source)[0].as_quat()
     assert quaternion.angle(horn_rotation(target, source), expected) < 1e-5
+
+
+@given(seeds, st.lists(st.integers(0, 9), max_size=4))
+def test_distance_at_a_lag_is_that_of_pairs(seed: int, lags: list[int]) -> None:
+    a = clouds(seed, 10)
+    found = planar_lag_distances(a, lags)
+    assert set(found) == set(lags)
+    for lag, distances in found.items():
+        np.testing.assert_allclose(distances, planar_distance(a[: 10 - lag], a[lag:]), atol=1e-9)

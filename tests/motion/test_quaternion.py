@@ -53,3 +53,32 @@ def test_one_hemisphere_keeps_rotations_and_makes_neighbours_near() -> None:
     mended = quaternion.one_hemisphere((turns * signs[:, None])[:, None])[:, 0]
     assert np.all(np.sum(mended[1:] * mended[:-1], axis=1) > 0.0)
     assert np.all(np.isclose(np.abs(np.sum(mended * turns, axis=1)), 1.0))
+
+
+@given(st.permutations("xyz"), st.integers(0, 3), vectors)
+def test_euler_angles_are_scipys_intrinsic_ones(order: list[str], count: int, angles: Floats) -> None:
+    axes, halves = "".join(order)[:count], 0.5 * angles[:count]
+    found = quaternion.from_euler(axes, np.sin(halves), np.cos(halves))
+    expected = Rotation.from_euler(axes.upper(), angles[:count]).as_quat() if count else quaternion.IDENTITY
+    np.testing.assert_allclose(quaternion.angle(found, expected), 0.0, atol=1e-7)
+
+
+@given(rotations)
+def test_log_and_exp_are_scipys(q: Floats) -> None:
+    vector = Rotation.from_quat(q).as_rotvec()
+    if np.linalg.norm(vector) < np.pi - 1e-6:  # else its sign is open
+        np.testing.assert_allclose(quaternion.log(q), vector, atol=1e-9)
+    np.testing.assert_allclose(quaternion.exp(vector), Rotation.from_rotvec(vector).as_quat(), atol=1e-9)
+
+
+@given(st.sampled_from([0.0, 1e-300, 1e-13, 1e-9]))
+def test_log_and_exp_are_exact_for_hardly_any_turn(angle: float) -> None:
+    np.testing.assert_allclose(quaternion.log(quaternion.exp([0.0, angle, 0.0])), [0.0, angle, 0.0], rtol=1e-12)
+
+
+def test_one_hemisphere_joins_neighbours() -> None:
+    q = quaternion.about([0.0, 1.0, 0.0], np.linspace(0.0, 5.0, 20))
+    signs = np.random.default_rng(1).choice([-1.0, 1.0], (20, 1))
+    joined = quaternion.one_hemisphere(q * signs)
+    np.testing.assert_array_equal(joined, q * signs[0])
+    np.testing.assert_array_equal(quaternion.one_hemisphere(q), q)

@@ -47,6 +47,17 @@ def test_precompute_shows_what_it_made(clip_folder: Path, tmp_path: Path) -> Non
         assert clip.name in shown
 
 
+def test_precompute_says_how_much_there_was_to_do(clip_folder: Path, tmp_path: Path) -> None:
+    arguments = ["precompute", clip_folder, "--out", tmp_path / "bank", "--jobs", 1]
+    assert "7 clips, 0 unchanged\n" in run(*arguments).output
+    again = run(*arguments).output
+    assert again.replace("\n", "").endswith("bank: nothing to do, none of its 7 clips changed")
+    assert "reading" not in again
+    longer = tmp_path / "longer.bvh"
+    longer.write_bytes((clip_folder / "walk.bvh").read_bytes() + b"\n")
+    assert "8 clips, 7 unchanged\n" in run(*arguments, longer).output
+
+
 def test_the_automatic_baseline_may_be_asked_for_by_name(clip_folder: Path, tmp_path: Path) -> None:
     run("precompute", clip_folder, "--out", tmp_path / "asked", "--baseline", "auto", "--jobs", 1)
     run("precompute", clip_folder, "--out", tmp_path / "unsaid", "--jobs", 1)

@@ -13,8 +13,10 @@ from motion.clip import Clip
 from motion.errors import BaselineError, ClipError, MotionError, SettingsError
 from motion.formats.bvh import dump
 from motion.procedural.library import make
+from precompute import job
 from precompute.job import precompute
-from runtime.bank import Bank
+from runtime.bank import TABLE_FOLDER, Bank
+from runtime.manifest import MANIFEST
 from tests.conftest import CLIPS
 
 
@@ -26,13 +28,15 @@ def write(folder: Path, **clips: Clip) -> Path:
 
 
 def files_of(bank: Path) -> dict[str, bytes]:
-    return {str(file.relative_to(bank)): file.read_bytes() for file in sorted(bank.rglob("*")) if file.is_file()}
+    """The manifest and the tables, which are the bank, by name."""
+    files = [bank / MANIFEST, *sorted((bank / TABLE_FOLDER).iterdir())]
+    return {str(file.relative_to(bank)): file.read_bytes() for file in files}
 
 
 def test_same_clips_make_the_same_bytes_however_and_wherever(clip_folder: Path, bank: Bank, tmp_path: Path) -> None:
     elsewhere = Path(shutil.copytree(clip_folder, tmp_path / "elsewhere"))
     files = sorted(elsewhere.glob("*.bvh"), reverse=True)
-    precompute(files, tmp_path / "bank", baseline="walk", jobs=2)
+    precompute(files, tmp_path / "bank", baseline="walk")
     assert files_of(tmp_path / "bank") == files_of(bank.path)
 
 
@@ -162,11 +166,17 @@ def test_a_baseline_without_a_cycle_is_refused(tmp_path: Path) -> None:
         precompute([clips], tmp_path / "bank", jobs=1)
 
 
-@pytest.mark.parametrize("baseline", [None, "walk", "broken0"])
-def test_if_no_clip_can_be_read_the_reasons_are_told(tmp_path: Path, baseline: str | None) -> None:
+@pytest.mark.parametrize(
+    ("baseline", "words"),
+    [
+        (None, r"^not one of the locomotions can be read\. broken0: .*\. broken2: .*\. And 2 more"),
+        ("broken0", r"^the baseline cannot be read: .*broken0\.bvh"),
+        ("brokn0", r"^the baseline 'brokn0' is not among the clips\. Did you mean 'broken0'"),
+    ],
+)
+def test_if_no_clip_can_be_read_the_reasons_are_told(tmp_path: Path, baseline: str | None, words: str) -> None:
     for number in range(5):
         (tmp_path / f"broken{number}.bvh").write_bytes(b"HIERARCHY\nROOT")
-    words = r"^not one of the clips can be read\. broken0: .*\. broken2: .*\. And 2 more"
     with pytest.raises(BaselineError, match=words) as told:
         precompute([tmp_path], tmp_path / "bank", baseline=baseline)
     assert "stride" not in str(told.value)
@@ -250,7 +260,8 @@ def test_real_clips_of_several_people_and_formats_share_a_bank(real_motion: Path
         assert clip.cycles == pytest.approx(clip.duration / 1.13, rel=0.2)
 
 
-def test_errors_survive_the_way_back_from_a_process(tmp_path: Path) -> None:
+def test_errors_survive_the_way_back_from_a_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job, "WORTH_A_PROCESS", 1)
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"])
     (clips / "broken.bvh").write_bytes(b"\x00\xff" * 100)
     outcome = precompute([clips], tmp_path / "bank", baseline="walk", jobs=2)

@@ -99,7 +99,7 @@ def test_an_unknown_name_is_answered_with_the_near_ones(
 
 def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    with pytest.raises(SettingsError, match="results need float32"):
+    with pytest.raises(SettingsError, match="room for 3 poses"):
         evaluator.evaluate(Requests.empty(2), evaluator.poses(3))
     for name in ("locomotion", "action", "method", "posture"):
         requests = Requests.empty(2)

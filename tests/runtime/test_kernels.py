@@ -12,14 +12,14 @@ from motion import quaternion
 from motion.kinematics import world_transforms
 from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
-from runtime import arrays
+from runtime import arrays, lookup_kernels
 from runtime.bank import Bank
+from runtime.compiled import LANES
 from runtime.evaluator import Evaluator
 from runtime.posture_kernels import LEAST_GAP
-from runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Requests
+from runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Memory, Requests
 from runtime.rotation_kernels import horn, sample
-from runtime.rows import LANES
-from tests import naive
+from tests import naive, random_bank
 
 seeds = st.integers(0, 2**32 - 1)
 STATELESS = sorted(POSTURES.keys() - {"running"})
@@ -29,7 +29,7 @@ def horn_of(pairs: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
     """The kernel's rotations [n, 4] that lay each pair's second cloud on its first, and their gaps [n]."""
     block = np.zeros((arrays.BLOCK_ROWS, arrays.BLOCK))
     for lane, (target, source) in enumerate(pairs):
-        block[:9, lane] = (target.T @ source).ravel()
+        block[arrays.CORRELATION : arrays.BOUND, lane] = (target.T @ source).ravel()
         block[arrays.BOUND, lane] = 0.5 * (np.sum(target**2) + np.sum(source**2)) * (1.0 + 1e-12)
     flat = block.ravel()
     horn(flat)
@@ -78,7 +78,7 @@ def test_horn_of_a_torso_that_is_nearly_a_line_is_exact_or_known_to_be_undecided
 )
 def test_clouds_without_a_best_rotation_have_no_gap(correlation: Floats) -> None:
     block = np.zeros((arrays.BLOCK_ROWS, arrays.BLOCK))
-    block[:9] = correlation.reshape(9, 1)
+    block[arrays.CORRELATION : arrays.BOUND] = correlation.reshape(9, 1)
     block[arrays.BOUND] = np.linalg.norm(correlation)
     flat = block.ravel()
     horn(flat)
@@ -89,7 +89,7 @@ def sampled(a: Floats, b: Floats, t: float) -> Floats:
     """What the kernel finds between two keys, in all lanes of a row alike."""
     rows, out = np.zeros((2, 4 * LANES), np.float32), np.empty(4 * LANES, np.float32)
     rows[0], rows[1] = np.repeat(a, LANES), np.repeat(b, LANES)
-    sample(rows, np.uint64(0), np.uint64(0), np.uint64(LANES), np.float32(t), out)
+    sample(rows, np.uint64(0), np.uint64(0), np.uint64(LANES), np.float32(t), out, np.uint64(0))
     lanes = out.reshape(LANES, 4)
     np.testing.assert_array_equal(lanes, np.tile(lanes[0], (LANES, 1)))
     return lanes[0].astype(np.float64)
@@ -127,6 +127,54 @@ def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
     assert quaternion.angle(poses.rotations[0], rotations).max() < 5e-5
 
 
+@given(seeds, st.integers(3, 60), st.integers(3, 20), st.sampled_from(random_bank.CLOUDS))
+@settings(max_examples=60)
+def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: int, clouds: str) -> None:
+    bank, draw = random_bank.random_bank(seed, joints, 3, points, clouds), np.random.default_rng(seed)
+    evaluator = Evaluator(bank)
+    for _ in range(8):
+        locomotion, action = (bank.clips[one] for one in draw.integers(0, 3, 2))
+        time, start = draw.random() * locomotion.duration, draw.random() * action.duration * draw.integers(0, 2)
+        method, posture = draw.choice(sorted(METHODS)), draw.choice(STATELESS)
+        poses = evaluator.pose(locomotion.name, time, action.name, start=start, method=method, posture=posture)
+        root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture)
+        np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
+        assert quaternion.angle(poses.rotations[0], rotations).max() < 1e-4
+        np.testing.assert_allclose(np.linalg.norm(poses.rotations[0], axis=-1), 1.0, atol=1e-5)
+
+
+def test_where_no_alignment_is_the_best_the_last_one_is_held() -> None:
+    clear, unclear = (random_bank.random_bank(5, 9, 1, 6, clouds) for clouds in ("torso", "line"))
+    memory, pelvis = Memory.begin(1, rate=30.0), clear.roles.pelvis
+    ask = {"locomotion": "clip 0", "times": [0.0], "action": "clip 0", "start": 0.0, "posture": "off"}
+    memory.turns[:] = held = quaternion.about([0.0, 0.0, 1.0], 0.3)
+    turned = Evaluator(unclear).sequence(**ask, memory=memory).rotations[0, pelvis]  # type: ignore[arg-type]
+    own = unclear.motion("clip 0").rotations[0, pelvis]
+    assert quaternion.angle(turned, quaternion.multiply(own, held)) < 1e-6
+    np.testing.assert_array_equal(memory.turns[0], held)
+    alone = Evaluator(unclear).sequence(**ask).rotations[0, pelvis]  # type: ignore[arg-type]
+    assert quaternion.angle(alone, own) < 1e-6
+    Evaluator(clear).sequence(**ask, memory=memory)  # type: ignore[arg-type]
+    assert quaternion.angle(memory.turns[0], quaternion.IDENTITY) < 1e-5  # its clouds are one cloud
+
+
+@given(seeds, st.sampled_from([np.nan, np.inf, -np.inf, 1e300, -1e30, 0.0]))
+@settings(max_examples=40)
+def test_no_number_in_a_table_leads_out_of_the_clip(seed: int, value: float) -> None:
+    """As plain Python a row outside a table is an error; whichever pose it is, the frame shown is one of the clip's."""
+    bank, draw = random_bank.random_bank(seed, 5, 2, 4, "torso"), np.random.default_rng(seed)
+    evaluator, (locomotion, action) = Evaluator(bank), bank.clips
+    with np.errstate(all="ignore"):
+        for name in ("phase_of_frame", "frame_of_phase", "lower", "upper"):
+            flat = bank.tables[name].reshape(-1)
+            flat[draw.integers(0, flat.size, flat.size // 4)] = value
+        for time in np.linspace(0.0, locomotion.duration, 7):
+            evaluator.pose(locomotion.name, time, action.name, start=action.duration / 2.0)
+        frames = evaluator.action_frames(locomotion.name, np.linspace(0.0, locomotion.duration, 7), action.name)
+    rows = [lookup_kernels.locate(frame, action.first_row, action.row_count) for frame in frames]
+    assert all(action.first_row <= row < action.first_row + action.row_count - 1 for row, _ in rows)
+
+
 @given(st.sampled_from(["walk", "run", "turn_180"]), st.sampled_from(["carry_box", "wave"]))
 @settings(max_examples=6)
 def test_a_running_posture_is_that_of_its_twin(bank: Bank, locomotion: str, action: str) -> None:
@@ -143,6 +191,23 @@ def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
     evaluator.world_positions(poses, positions)
     expected = world_transforms(bank.skeleton, poses.root_positions, poses.rotations)[0]
     np.testing.assert_allclose(positions, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("count", [1, 31, 33, 64, 200])
+def test_threads_make_no_difference(bank: Bank, count: int) -> None:
+    draw, requests, memory = np.random.default_rng(count), Requests.empty(count), Memory.begin(count, rate=60.0)
+    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
+    requests.posture[:] = draw.integers(0, 4, count)
+    results = []
+    for threads in (1, 2):
+        evaluator, own = Evaluator(bank, threads=threads), Memory(memory.state.copy(), memory.share)
+        poses = evaluator.poses(count)
+        for frame in range(3):
+            requests.time[:] = frame / 60.0
+            evaluator.evaluate(requests, poses, own)
+        results.append((poses.rotations, poses.root_positions, own.state))
+    for one, other in zip(*results, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_a_batch_is_its_characters_one_by_one(bank: Bank) -> None:

@@ -1,0 +1,99 @@
+"""Tables of decimal numbers as text -> arrays, some ten times as fast as `float` word by word."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from motion.quaternion import Floats
+
+MOST_DIGITS = 18  # that an int64 holds; what follows them is below a float's precision
+EXACT_POWER = 22  # the largest power of ten that a float holds exactly
+LARGEST_POWER = 308  # of ten, that a float holds
+
+
+def read_table(text: str, rows: int, width: int) -> Floats | None:
+    """The finite numbers [rows, width] of a text with one row on each line that is not blank.
+
+    None if it is anything else. Numbers of up to 15 digits and 22 places are the very ones that `float` gives; others
+    are so to 14 digits.
+    """
+    data = np.frombuffer(text.encode(), np.uint8)
+    if rows * width > len(data):  # each needs a digit: so nothing is allocated for what is not there
+        return None
+    values = np.empty((rows, width))
+    return values if fill_table(data, values) and np.isfinite(values).all() else None
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_table(text: NDArray[np.uint8], values: Floats) -> bool:
+    """Whether a text is as many rows of as many numbers as `values` takes, which are then in it."""
+    rows, width = values.shape
+    row = column = i = 0
+    while i < len(text):
+        mark = text[i]
+        if mark == 10:  # the line ends
+            if column == width:
+                row, column = row + 1, 0
+            elif column > 0:
+                return False
+            i += 1
+            continue
+        if mark == 32 or mark == 9 or mark == 13:
+            i += 1
+            continue
+        if row == rows or column == width:
+            return False
+        negative = mark == 45
+        if negative or mark == 43:
+            i += 1
+        mantissa, digits, power, read = np.int64(0), 0, 0, 0
+        after_point = False
+        while i < len(text):
+            mark = text[i]
+            if 48 <= mark <= 57:
+                read += 1
+                if digits < MOST_DIGITS:
+                    mantissa = mantissa * 10 + int(mark - 48)
+                    digits += 1 if mantissa > 0 else 0
+                    power -= 1 if after_point else 0
+                else:
+                    power += 0 if after_point else 1
+            elif mark == 46 and not after_point:
+                after_point = True
+            else:
+                break
+            i += 1
+        if read == 0:
+            return False
+        if i < len(text) and (text[i] == 101 or text[i] == 69):
+            i += 1
+            down = i < len(text) and text[i] == 45
+            if down or (i < len(text) and text[i] == 43):
+                i += 1
+            exponent, read = 0, 0
+            while i < len(text) and 48 <= text[i] <= 57:
+                if exponent <= LARGEST_POWER:
+                    exponent = exponent * 10 + int(text[i] - 48)
+                read += 1
+                i += 1
+            if read == 0:
+                return False
+            power += -exponent if down else exponent
+        if i < len(text) and text[i] > 32:
+            return False
+        if power > LARGEST_POWER:
+            return False
+        number = float(mantissa)
+        if power < -EXACT_POWER:
+            number = number / 10.0**EXACT_POWER / 10.0 ** min(-power - EXACT_POWER, LARGEST_POWER)
+        elif power < 0:
+            number = number / 10.0**-power
+        elif power > 0:
+            number = number * 10.0**power
+        values[row, column] = -number if negative else number
+        column += 1
+    if column == width:
+        row, column = row + 1, 0
+    return row == rows and column == 0

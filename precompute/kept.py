@@ -1,0 +1,159 @@
+"""Clips that were read, strides and prepared clips as entries of the cache, and back to the last bit."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from motion.clip import Clip
+from motion.formats.files import Reading
+from motion.quaternion import Floats
+from motion.roles import Roles
+from motion.skeleton import Skeleton
+from precompute.baseline import Alignment, Baseline
+from precompute.cache import Arrays, Said
+from precompute.posture import Torso
+from precompute.prepared import PreparedClip
+from precompute.seam import Seamed
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """A skeleton and its roles: a bank's are those of its baseline's file."""
+
+    skeleton: Skeleton
+    roles: Roles
+
+
+@dataclass(frozen=True, eq=False)
+class FoundStride:
+    """A stride that a bank can be aligned to, and the rig of its clip."""
+
+    rig: Rig
+    ring: Baseline
+
+
+@dataclass(frozen=True, eq=False)
+class StrideSearched:
+    """A clip's rig, and the stride that was found in it, if any was."""
+
+    rig: Rig
+    ring: Baseline | None
+
+    def found(self) -> FoundStride | None:
+        return FoundStride(self.rig, self.ring) if self.ring is not None else None
+
+
+def pack_stride(stride: StrideSearched) -> tuple[Said, Arrays]:
+    ring = stride.ring
+    said = {"rig": pack_rig(stride.rig), "ring": None}
+    if ring is None:
+        return said, {}
+    return said | {"ring": [ring.start, ring.end, ring.loop, ring.leg]}, {"clouds": ring.clouds}
+
+
+def unpack_stride(name: str, said: Said, arrays: Arrays) -> StrideSearched:
+    """The stride of the clip of this name. Raises KeyError, TypeError, ValueError or MotionError if it is none."""
+    rig = _rig(said["rig"])
+    if said["ring"] is None:
+        return StrideSearched(rig, None)
+    start, end, loop, leg = said["ring"]
+    return StrideSearched(rig, Baseline(name, start, end, loop, leg, arrays["clouds"]))
+
+
+def pack_reading(reading: Reading) -> tuple[Said, Arrays]:
+    """All but the name."""
+    clip = reading.clip
+    said = {
+        "rig": pack_rig(Rig(clip.skeleton, reading.roles)),
+        "rate": float(clip.rate),
+        "unit": reading.unit,
+        "notes": reading.notes,
+        "warnings": reading.warnings,
+    }
+    return said, {"positions": clip.root_positions, "rotations": clip.rotations}
+
+
+def unpack_reading(name: str, said: Said, arrays: Arrays) -> Reading:
+    """The clip of this name as it was read. Raises KeyError, TypeError, ValueError or MotionError if it is none."""
+    rig = _rig(said["rig"])
+    clip = Clip(name, rig.skeleton, said["rate"], arrays["positions"], arrays["rotations"])
+    return Reading(clip, rig.roles, said["unit"], tuple(said["notes"]), tuple(said["warnings"]))
+
+
+def pack_rig(rig: Rig) -> Said:
+    skeleton = rig.skeleton
+    return {
+        "names": skeleton.names,
+        "parents": skeleton.parents.tolist(),
+        "offsets": skeleton.offsets.tolist(),
+        "end_parents": skeleton.end_parents.tolist(),
+        "end_offsets": skeleton.end_offsets.tolist(),
+        "roles": asdict(rig.roles),
+    }
+
+
+def _rig(said: Any) -> Rig:
+    skeleton = Skeleton(
+        names=tuple(said["names"]),
+        parents=np.array(said["parents"], np.int64),
+        offsets=np.array(said["offsets"], np.float64),
+        end_parents=np.array(said["end_parents"], np.int64),
+        end_offsets=np.array(said["end_offsets"], np.float64).reshape(-1, 3),
+    )
+    return Rig(skeleton, Roles(**said["roles"] | {"spine": tuple(said["roles"]["spine"])}))
+
+
+def pack_prepared(one: PreparedClip) -> tuple[Said, Arrays]:
+    """All but the name and the settings, on which nothing of it depends."""
+    clip, alignment = one.seamed.clip, one.alignment
+    said = {
+        "rate": float(clip.rate),
+        "strides": one.seamed.strides,
+        "chance": alignment.chance,
+        "swing": alignment.swing,
+        "notes": one.notes,
+        "warnings": one.file_warnings,
+    }
+    arrays = {
+        "positions": clip.root_positions,
+        "rotations": clip.rotations,
+        "phase": alignment.phase,
+        "seamed_phase": one.seamed.phase,
+        "cost": alignment.cost,
+        "clouds": one.torso.clouds,
+        "frames": one.torso.frames,
+        "upright": one.torso.upright,
+        "gait": one.gait,
+    }
+    return said, arrays
+
+
+def unpack_prepared(name: str, skeleton: Skeleton, points: int, said: Said, arrays: Arrays) -> PreparedClip:
+    """The clip by this name on the bank's skeleton, whose upper clouds have so many points.
+
+    Raises KeyError, TypeError, ValueError or MotionError if it is none.
+    """
+    clip = Clip(name, skeleton, said["rate"], arrays["positions"], arrays["rotations"])
+    rows = clip.frame_count
+    _check_shape(arrays["seamed_phase"], rows)
+    _check_shape(arrays["clouds"], rows, points, 3)
+    _check_shape(arrays["upright"], rows, points, 3)
+    _check_shape(arrays["frames"], rows, 4)
+    if not 2 <= len(arrays["phase"]) <= rows:
+        raise ValueError("a clip has more frames than rows")
+    return PreparedClip(
+        alignment=Alignment(arrays["phase"], arrays["cost"], said["chance"], said["swing"]),
+        seamed=Seamed(clip, arrays["seamed_phase"], said["strides"]),
+        torso=Torso(arrays["clouds"], arrays["frames"], arrays["upright"]),
+        gait=arrays["gait"],
+        notes=tuple(said["notes"]),
+        file_warnings=tuple(said["warnings"]),
+    )
+
+
+def _check_shape(values: Floats, *shape: int) -> None:
+    if values.shape != shape:
+        raise ValueError(f"{values.shape} instead of {shape}")

@@ -1,0 +1,86 @@
+"""Banks of random numbers, for what must hold whatever a bank is about: any tree, any row, any cloud."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from motion import quaternion
+from motion.quaternion import Floats
+from motion.roles import Roles
+from motion.skeleton import Skeleton
+from precompute.bank_builder import frame_of_phase
+from runtime.bank import Bank
+from runtime.manifest import TABLES, BaselineEntry, ClipEntry, Manifest
+from runtime.rows import Layout, TorsoRows
+
+CLOUDS = ("torso", "line", "point")
+RATE = 30.0
+
+
+def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) -> Bank:
+    """A bank in memory alone. `points` of the upper cloud lie as in a torso, on one line, or in one point."""
+    draw = np.random.default_rng(seed)
+    skeleton = Skeleton(
+        names=tuple(f"joint {number}" for number in range(joints)),
+        parents=np.array([-1, *(draw.integers(0, child) for child in range(1, joints))]),
+        offsets=draw.normal(size=(joints, 3)),
+        end_parents=np.zeros(0, np.int64),
+        end_offsets=np.zeros((0, 3)),
+    )
+    named = {field: int(draw.integers(1, joints)) for field in Roles.__annotations__ if field != "spine"}
+    roles = Roles(**named, spine=tuple(draw.integers(1, joints, points - 2).tolist()))
+    layout = Layout.of(skeleton, roles)
+    tables: dict[str, list[Floats]] = {name: [] for name in TABLES}
+    entries, row = [], 0
+    for number in range(clips):
+        frames, seam = int(draw.integers(2, 12)), int(draw.integers(0, 5))
+        rows = frames + seam
+        phase = draw.uniform(0.0, 1.0) + np.cumsum(draw.uniform(0.05, 0.4, rows))
+        torso = TorsoRows(_cloud(draw, clouds, rows, points), *(_rotations(draw, rows, 1)[:, 0] for _ in range(2)))
+        packed = layout.pack(draw.normal(size=(rows, 3)), _rotations(draw, rows, joints), torso)
+        for name, values in packed.items():
+            tables[name].append(np.asarray(values))
+        tables["phase_of_frame"].append(phase)
+        tables["frame_of_phase"].append(frame_of_phase(phase))
+        tables["postures"].append(draw.normal(size=(1, 2, 3)))
+        tables["neutral"].append(np.array([number]))
+        strides = int(phase[-1] - phase[0]) if seam and draw.random() < 0.7 else 0
+        span = (float(phase[0]), float(phase[-1]), float(phase[frames - 1] - phase[0]))
+        place = (row, frames, rows, 4 * row, 4 * rows)
+        entries.append(
+            ClipEntry(f"clip {number}", "action", (), RATE, *place, *span, strides, 0.0, 0.0, 0.0, (), (), "")
+        )
+        row += rows
+    baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
+    manifest = Manifest("", skeleton, roles, baseline, tuple(entries), dict.fromkeys(TABLES, ""))
+    arrays: dict[str, NDArray[Any]] = {
+        name: np.ascontiguousarray(np.concatenate(tables[name]), kind) for name, (kind, _) in TABLES.items()
+    }
+    return Bank(Path(), manifest, arrays)
+
+
+def _rotations(draw: np.random.Generator, rows: int, joints: int) -> Floats:
+    """Rotations [rows, joints, 4] that change by up to a radian from row to row."""
+    steps = Rotation.from_rotvec(draw.uniform(-0.5, 0.5, (rows * joints, 3))).as_quat().reshape(rows, joints, 4)
+    steps[0] = Rotation.random(joints, random_state=draw).as_quat()
+    for row in range(1, rows):
+        steps[row] = quaternion.multiply(steps[row - 1], steps[row])
+    return quaternion.one_hemisphere(steps)
+
+
+def _cloud(draw: np.random.Generator, kind: str, rows: int, points: int) -> Floats:
+    """Clouds [rows, points, 3], metres."""
+    along = draw.uniform(0.05, 0.5, points)
+    if kind == "point":
+        return np.zeros((rows, points, 3))
+    cloud = np.multiply.outer(along, [0.0, 1.0, 0.0])
+    if kind == "torso":
+        cloud[-2:, 0] += [0.2, -0.2]
+        cloud = cloud + 0.03 * draw.normal(size=(rows, points, 3))
+    turn = Rotation.random(random_state=draw).as_quat()
+    return quaternion.rotate(turn, np.broadcast_to(cloud, (rows, points, 3)))

@@ -1,0 +1,25 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+
+FOREIGN = {"fastapi", "uvicorn", "pydantic", "matplotlib", "rich", "typer", "precompute", "service", "motionsplice"}
+HEAVY = {"scipy.spatial", "scipy.interpolate", "scipy.optimize", "scipy.sparse", "scipy.linalg", "scipy.ndimage"}
+
+
+def test_the_runtime_imports_neither_scipy_nor_the_service() -> None:
+    listed = subprocess.run(
+        [sys.executable, "-c", "import runtime.evaluator, sys; print('\\n'.join(sys.modules))"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    modules = set(listed.stdout.split())
+    assert "runtime.kernels" in modules
+    assert not modules & (FOREIGN | HEAVY)  # Numba itself asks SciPy for its version
+
+
+def test_importing_the_runtime_compiles_nothing() -> None:
+    code = "from runtime import kernels, world_kernels; print(kernels.evaluate.signatures, world_kernels.world_positions.signatures)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["[]", "[]"]

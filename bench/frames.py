@@ -6,7 +6,8 @@ splice, naive, none   one call of `Evaluator.evaluate` for all characters, check
                       `relative`; plain replacement; the locomotion alone. Each into poses of its own.
 copy                  the floor: `np.take` of the rows that such splices read, from the same mapped tables, two
                       neighbouring ones of each per character, and a copy of as many bytes as the poses have. Which
-                      rows is known beforehand, so this is memory traffic alone, and each byte is written too.
+                      rows is known beforehand, so this is memory traffic alone. But rows are written too, and none is
+                      fetched ahead: from memory, kernels can be faster.
 NumPy                 the same splices, by arrays and without kernels (`bench.numpy_twin`), in rounds of its own.
 
 All of a table run in turns, in rounds of one process; each call has requests of its own, and ratios are taken within

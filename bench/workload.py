@@ -1,4 +1,4 @@
-"""What characters play in the speed benchmarks, and the copy that no evaluator can be faster than."""
+"""What characters play in the speed benchmarks, and a copy of the bytes that they touch."""
 
 from __future__ import annotations
 
@@ -65,7 +65,8 @@ class Copy:
     """The floor: copies what a set of requests reads and writes, and computes nothing.
 
     The very rows of both tables, two neighbours of each per character, as whole items into an array that is there, and
-    as many bytes of poses from one array to another. Which rows these are is worked out beforehand.
+    as many bytes of poses from one array to another. Which rows these are is worked out beforehand. An evaluator that has
+    its rows fetched ahead, and need not write them, can be faster where they come from memory.
     """
 
     def __init__(self, bank: Bank, sets: Sequence[Requests]) -> None:

@@ -65,8 +65,8 @@ class Copy:
     """The floor: copies what a set of requests reads and writes, and computes nothing.
 
     The very rows of both tables, two neighbours of each per character, as whole items into an array that is there, and
-    as many bytes of poses from one array to another. Which rows these are is worked out beforehand. An evaluator that has
-    its rows fetched ahead, and need not write them, can be faster where they come from memory.
+    as many bytes of poses from one array to another. Which rows these are is worked out beforehand. An evaluator
+    that has its rows fetched ahead, and need not write them, can be faster where they come from memory.
     """
 
     def __init__(self, bank: Bank, sets: Sequence[Requests]) -> None:

@@ -10,12 +10,12 @@ from motion.skeleton import Skeleton
 from runtime.bank import Bank
 from runtime.compiled import Array
 
-BLOCK = 32  # characters that are worked on together, and lanes of what is computed across them
+BLOCK = 16  # characters that are worked on together, and lanes of what is computed across them
 LATE = 1e-6  # seconds after a clip's end that count as its end
 
 # columns of BankArrays.clips
 FIRST_ROW, FRAME_COUNT, ROW_COUNT, RATE, FIRST_CELL, CELL_COUNT = 0, 1, 2, 3, 4, 5
-FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, LATEST, POSTURE, CLIP_COLUMNS = 6, 7, 8, 9, 10, 11, 17
+FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, CLIP_COLUMNS = 6, 7, 8, 9, 10, 16
 # entries of BankArrays.rig
 FIRST_PLANE, LOWER_WIDTH, UPPER_WIDTH, CLOUD_WIDTH, POINTS, PELVIS_COLUMN, LOWER_COUNT, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7
 # columns of what is remembered of a character
@@ -63,7 +63,6 @@ def bank_arrays(bank: Bank) -> BankArrays:
                 *(clip.first_row, clip.frame_count, clip.row_count, clip.rate, clip.first_cell, clip.cell_count),
                 *(clip.first_phase, clip.last_phase, clip.loop),
                 (clip.cell_count - 1) / (clip.last_phase - clip.first_phase),
-                clip.duration + LATE,
                 *posture.ravel(),
             )
             for clip, posture in zip(bank.clips, bank.tables["postures"], strict=True)

@@ -206,10 +206,9 @@ class Evaluator:
             if not 0 <= number < top:
                 return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
-            if not 0.0 <= request[label] <= clip.duration + arrays.LATE:
-                problem = (
-                    f"{label} {request[label]} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
-                )
+            seconds = request[label]
+            if not (seconds >= 0.0 and (seconds - arrays.LATE) * clip.rate <= clip.frame_count - 1.0):
+                problem = f"{label} {seconds} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
                 return TimeRangeError(problem, place=place, mend=f"Give a {label} from 0 to {clip.duration:.3f}")
         return SettingsError(
             "posture 'running' is a mean over the frames so far, and there is no memory of them",

@@ -73,11 +73,17 @@ def first_at_fault(bank: BankArrays, requests: Array, remembers: bool) -> int:
             return character
         if request["method"] == SPLICE and request["posture"] == RUNNING and not remembers:
             return character
-        if not (0.0 <= request["time"] <= clips[locomotion, arrays.LATEST]):  # false for NaN
-            return character
-        if not (0.0 <= request["start"] <= clips[action, arrays.LATEST]):
+        if not (within(clips, locomotion, request["time"]) and within(clips, action, request["start"])):
             return character
     return -1
+
+
+@inlined
+def within(clips: Array, clip: int, seconds: float) -> bool:
+    """Whether a clip lasts so long; false for NaN."""
+    return (
+        seconds >= 0.0 and (seconds - arrays.LATE) * clips[clip, arrays.RATE] <= clips[clip, arrays.FRAME_COUNT] - 1.0
+    )
 
 
 @kernel

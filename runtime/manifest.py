@@ -146,7 +146,7 @@ def _read_body(folder: Path) -> tuple[str, dict[str, Any]]:
 def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, BaselineEntry, tuple[ClipEntry, ...]]:
     rig = body["skeleton"]
     names = tuple(rig["names"])
-    if not _fits(names, tuple[str, ...]):
+    if not _fits(names, tuple, str):
         raise BankError("the manifest names a joint by what is not text", mend=REBUILD)
     skeleton = Skeleton(
         names=names,
@@ -161,20 +161,23 @@ def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, BaselineEntry, tup
 
 def _entries(kind: type[Entry], said: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:
     """Maps of the manifest as `kind`, a dataclass. Raises BankError, naming the field, if a type is another."""
-    types, entries = get_type_hints(kind), []
+    types = {
+        name: (get_origin(wanted) or wanted, *get_args(wanted)[:1]) for name, wanted in get_type_hints(kind).items()
+    }
+    entries = []
     for one in said:
-        values: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in one.items()}
+        values: dict[str, Any] = {key: tuple(value) if type(value) is list else value for key, value in one.items()}
         entry = kind(**values)
         for name, wanted in types.items():
-            if not _fits(value := getattr(entry, name), wanted):
+            if not _fits(value := getattr(entry, name), *wanted):
                 problem = f"the manifest gives {name} = {value!r:.40}, which is no {kind.__annotations__[name]}"
                 raise BankError(problem, mend=REBUILD)
         entries.append(entry)
     return tuple(entries)
 
 
-def _fits(value: object, wanted: Any) -> bool:
-    """Whether a value is of a type as annotated: a bool is no int, and no float is infinite or NaN."""
-    if get_origin(wanted) is tuple:
-        return isinstance(value, tuple) and all(_fits(one, get_args(wanted)[0]) for one in value)
-    return type(value) is wanted and (not isinstance(value, float) or math.isfinite(value))
+def _fits(value: object, wanted: type, item: type | None = None) -> bool:
+    """Whether a value is of a type, and a tuple's of the item's: a bool is no int, and no float is infinite or NaN."""
+    if item is not None:
+        return type(value) is tuple and all(type(one) is item for one in value)
+    return type(value) is wanted and (wanted is not float or math.isfinite(value))  # type: ignore[arg-type]

@@ -6,8 +6,7 @@ as `MOST_DRAWN` rows hold, and its clips repeat them, each in rows of its own.
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import cycle, islice
 from pathlib import Path
@@ -22,7 +21,7 @@ from motion.errors import SettingsError
 from motion.quaternion import Floats
 from motion.roles import Roles, find_roles
 from motion.skeleton import Skeleton
-from precompute.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest
+from precompute.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
 from precompute.posture import measure_torso
 from runtime.bank import TABLE_FOLDER, Bank
 from runtime.manifest import TABLES, BaselineEntry, ClipEntry
@@ -79,12 +78,10 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     motions = list(islice(cycle(drawn), size.clips))
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True)
-    digests = {
-        name: _write_table(folder, np.dtype(TABLES[name][0]), (one.tables[name] for one in motions), size.clips)
-        for name in TABLES
-        if name != "neutral"
-    }
-    digests["neutral"] = _write_table(folder, np.dtype(np.int32), [np.arange(size.clips)], 1)
+    digests = {"neutral": write_table(folder, TABLES["neutral"][0], size.clips, [np.arange(size.clips)])}
+    for name in TABLES.keys() - {"neutral"}:
+        length = size.clips * len(motions[0].tables[name])
+        digests[name] = write_table(folder, TABLES[name][0], length, (one.tables[name] for one in motions))
     entries = [_entry(number, one.phase, size) for number, one in enumerate(motions)]
     baseline = BaselineEntry(entries[0].name, 0.0, STRIDE, 0.0, 32)
     write_manifest(path, skeleton, roles, baseline, entries, digests)
@@ -170,23 +167,3 @@ def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:
         notes=(),
         source="generated",
     )
-
-
-def _write_table(folder: Path, kind: np.dtype[Any], parts: Iterable[NDArray[Any]], count: int) -> str:
-    """Writes `count` parts of one shape end to end as a table, and returns its digest, after which it is named.
-
-    No more than a part is held at once.
-    """
-    digest, partial = hashlib.blake2b(digest_size=16), folder / "partial"
-    with partial.open("wb") as sink:
-        for number, part in enumerate(parts):
-            data = np.ascontiguousarray(part, kind)
-            if number == 0:
-                header = np.lib.format.header_data_from_array_1_0(data)
-                np.lib.format.write_array_header_1_0(sink, header | {"shape": (count * len(data), *data.shape[1:])})
-                sink.flush()
-                digest.update(partial.read_bytes())
-            sink.write(data.data)
-            digest.update(data.data)
-    partial.rename(folder / f"{digest.hexdigest()}.npy")
-    return digest.hexdigest()

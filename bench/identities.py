@@ -87,7 +87,7 @@ def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
     ring = find_baseline(baseline, like.roles)
     names = {clip.name: clip for clip in (baseline, *clips)}
     prepared = [prepare(clip, like.roles, baseline.skeleton, like.roles, ring) for clip in names.values()]
-    settled = [replace(one, neutral=one.clip.name) for one in prepared]
+    settled = [replace(one, neutral=one.name) for one in prepared]
     write_bank(folder, baseline.skeleton, like.roles, ring, settled)
     return Bank.open(folder)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import os
 import re
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,19 +16,18 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
-from motion import quaternion
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import Baseline
 from precompute.prepared import PreparedClip
-from precompute.torso_offset import MeanStride, shoulder_motion, torso_offsets
+from precompute.torso_offset import shoulder_motion, torso_offsets
 from runtime.bank import TABLE_FOLDER
 from runtime.manifest import FORMAT, MANIFEST, TABLES, VERSION, BaselineEntry, ClipEntry, content_digest
-from runtime.rows import Layout, TorsoRows
+from runtime.rows import Layout
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
-OUR_PARTIAL = re.compile(rf"\.([0-9a-f]{{32}}\.npy|{re.escape(MANIFEST)})\.\d+")
+OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})\.\d+")
 ABANDONED = 3600.0  # seconds after which no job is still writing a file
 CELLS_PER_FRAME = 4  # of the inverse table: phase passes at least a quarter as fast as on average
 
@@ -40,19 +40,19 @@ def write_bank(
     Tables are written and synced first; renaming the manifest makes the new bank current, so a reader sees the
     old bank or the new one. Tables that only the bank before the last one used are removed.
     """
-    clips = sorted(prepared, key=lambda one: one.clip.name)
-    offsets = _torso_offsets(clips)
-    tables = _tables(clips, offsets, Layout.of(skeleton, roles))
-    folder = path / TABLE_FOLDER
+    clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(skeleton, roles)
+    folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips)
     folder.mkdir(parents=True, exist_ok=True)
-    digests = {}
-    for name, (kind, _) in TABLES.items():
-        data = io.BytesIO()
-        np.save(data, np.ascontiguousarray(tables[name], kind), allow_pickle=False)
-        digests[name] = content_digest(data.getvalue())
-        file = folder / f"{digests[name]}.npy"
-        if not (file.exists() and content_digest(file.read_bytes()) == digests[name]):
-            _write_synced(file, data.getvalue())
+    rows, numbers = sum(len(one.phase) for one in clips), {one.name: number for number, one in enumerate(clips)}
+    parts: dict[str, tuple[int, Iterable[NDArray[Any]]]] = {
+        "lower": (rows, _rows("lower", layout, clips, offsets)),
+        "upper": (rows, _rows("upper", layout, clips, offsets)),
+        "phase_of_frame": (rows, (one.phase for one in clips)),
+        "frame_of_phase": (CELLS_PER_FRAME * rows, (frame_of_phase(one.phase) for one in clips)),
+        "postures": (len(clips), (one.posture[None] for one in clips)),
+        "neutral": (len(clips), (np.array([numbers[one.neutral]]) for one in clips)),
+    }
+    digests = {name: write_table(folder, TABLES[name][0], *parts[name]) for name in TABLES}
     stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
     before = _tables_in_use(path / MANIFEST)
     digest = write_manifest(path, skeleton, roles, stride, _entries(clips, offsets), digests)
@@ -94,28 +94,62 @@ def write_manifest(
     return digest
 
 
-def _entries(clips: Sequence[PreparedClip], offsets: Sequence[Floats]) -> list[ClipEntry]:
+def write_table(folder: Path, kind: type, length: int, parts: Iterable[NDArray[Any]]) -> str:
+    """Writes parts, of `length` in all, end to end as a table, and returns its digest, after which it is named.
+
+    No more than a part is held at once.
+    """
+    digest, partial = hashlib.blake2b(digest_size=16), folder / f".table.{os.getpid()}"
+    with partial.open("wb") as sink:
+        for number, part in enumerate(parts):
+            data: NDArray[Any] = np.ascontiguousarray(part, kind)
+            if number == 0:
+                head, header = io.BytesIO(), np.lib.format.header_data_from_array_1_0(data)
+                np.lib.format.write_array_header_1_0(head, header | {"shape": (length, *data.shape[1:])})
+                sink.write(head.getvalue())
+                digest.update(head.getvalue())
+            sink.write(data.data)
+            digest.update(data.data)
+        sink.flush()
+        os.fsync(sink.fileno())
+    _put(partial, folder / f"{digest.hexdigest()}.npy")
+    return digest.hexdigest()
+
+
+def _rows(
+    half: str, layout: Layout, clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]
+) -> Iterator[NDArray[np.float32]]:
+    """Each clip's rows in a table."""
+    for one in clips:
+        rows = one.fetch(half)
+        if one.name in offsets:
+            rows = rows.copy()
+            layout.set_torso_offsets(half, rows, offsets[one.name])
+        yield rows
+
+
+def _entries(clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]) -> list[ClipEntry]:
     entries, row = [], 0
-    for one, turns in zip(clips, offsets, strict=True):
-        phase, rows = one.seamed.phase, one.seamed.clip.frame_count
+    for one in clips:
+        rows, moved = len(one.phase), offsets.get(one.name)
         entries.append(
             ClipEntry(
-                name=one.clip.name,
+                name=one.name,
                 kind=one.kind,
                 tags=one.tags,
-                rate=float(one.clip.rate),
+                rate=one.rate,
                 first_row=row,
-                frame_count=one.clip.frame_count,
+                frame_count=one.frame_count,
                 row_count=rows,
                 first_cell=CELLS_PER_FRAME * row,
                 cell_count=CELLS_PER_FRAME * rows,
-                first_phase=float(phase[0]),
-                last_phase=float(phase[-1]),
+                first_phase=float(one.phase[0]),
+                last_phase=float(one.phase[-1]),
                 cycles=one.alignment.cycles,
-                loop=one.seamed.strides,
+                loop=one.strides,
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
-                shoulder_motion=shoulder_motion(turns[: one.clip.frame_count]),
+                shoulder_motion=0.0 if moved is None else shoulder_motion(moved[: one.frame_count]),
                 warnings=one.warnings,
                 notes=one.notes,
                 source=one.source,
@@ -125,39 +159,14 @@ def _entries(clips: Sequence[PreparedClip], offsets: Sequence[Floats]) -> list[C
     return entries
 
 
-def _tables(clips: Sequence[PreparedClip], offsets: Sequence[Floats], layout: Layout) -> dict[str, NDArray[Any]]:
-    numbers = {one.clip.name: number for number, one in enumerate(clips)}
-    rows = [
-        layout.pack(
-            one.seamed.clip.root_positions,
-            one.seamed.clip.rotations,
-            TorsoRows(one.torso.clouds, one.torso.frames, turns),
-        )
-        for one, turns in zip(clips, offsets, strict=True)
-    ]
+def _torso_offsets(clips: Sequence[PreparedClip]) -> dict[str, Floats]:
+    """The torso offsets [rows, 4] to its neutral of each clip that is not its own."""
+    strides = {one.name: one.stride for one in clips}
     return {
-        **{half: np.concatenate([one[half] for one in rows]) for half in ("lower", "upper")},
-        "phase_of_frame": np.concatenate([one.seamed.phase for one in clips]),
-        "frame_of_phase": np.concatenate([frame_of_phase(one.seamed.phase) for one in clips]),
-        "postures": np.stack([one.posture for one in clips]),
-        "neutral": np.array([numbers[one.neutral] for one in clips]),
-    }
-
-
-def _torso_offsets(clips: Sequence[PreparedClip]) -> list[Floats]:
-    """Each clip's torso offsets [rows, 4] to its neutral; identities for one that is its own."""
-    neutrals = {one.neutral for one in clips if one.neutral != one.clip.name}
-    strides = {
-        one.clip.name: MeanStride.of(one.torso.upright[: one.clip.frame_count], one.alignment.phase)
+        one.name: torso_offsets(one.fetch("upright"), one.phase, one.rate, strides[one.neutral])
         for one in clips
-        if one.clip.name in neutrals
+        if one.neutral != one.name
     }
-    return [
-        np.tile(quaternion.IDENTITY, (one.seamed.clip.frame_count, 1))
-        if one.neutral == one.clip.name
-        else torso_offsets(one.torso.upright, one.seamed.phase, one.clip.rate, strides[one.neutral])
-        for one in clips
-    ]
 
 
 def frame_of_phase(phase: Floats) -> Floats:
@@ -180,6 +189,11 @@ def _write_synced(file: Path, data: bytes) -> None:
         sink.write(data)
         sink.flush()
         os.fsync(sink.fileno())
+    _put(partial, file)
+
+
+def _put(partial: Path, file: Path) -> None:
+    """Gives a file its name, so that it is there even after a power cut."""
     partial.replace(file)
     folder = os.open(file.parent, os.O_RDONLY)
     os.fsync(folder)

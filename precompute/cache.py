@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 
 import msgpack
 import numpy as np
+from numpy.typing import NDArray
 
 from motion.errors import MotionError
 from motion.quaternion import Floats
@@ -27,7 +28,7 @@ OUR_PARTIAL = re.compile(r"\.[0-9a-f]{32}\.npz\.\d+")
 ABANDONED = 3600.0  # seconds after which no job is still writing a file
 
 Said = dict[str, Any]
-Arrays = dict[str, Floats]
+Arrays = Mapping[str, NDArray[Any]]
 Made = TypeVar("Made")
 
 
@@ -50,11 +51,13 @@ class Cache:
         return self._file(key).exists()
 
     def load(self, key: str, unpack: Callable[[Said, Arrays], Made]) -> Made | None:
-        """What `unpack` makes of an entry; None if there is none, or if it is damaged or another's."""
+        """What `unpack` makes of an entry, of which it reads what it asks for.
+
+        None if there is none, or if it is damaged or another's.
+        """
         try:
             with np.load(self._file(key), allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in archive.files}
-            return unpack(msgpack.unpackb(arrays.pop("said").tobytes()), arrays)
+                return unpack(msgpack.unpackb(archive["said"].tobytes()), archive)
         except Exception:  # whatever is wrong with it, it can be made again
             return None
 

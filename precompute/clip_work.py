@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from functools import partial
+from typing import Any, Protocol, TypeVar
+
+from numpy.typing import NDArray
 
 from motion.errors import BaselineError, ClipError, MotionError
 from motion.formats.files import Reading, files_behind, read_bytes, read_clip
@@ -151,11 +154,19 @@ class Preparation:
         self.cache.store(self.key(one), *pack_prepared(made))
 
     def load(self, one: Identified) -> PreparedClip | None:
-        name, settings, points = one.source.name, one.source.settings, len(self.rig.roles.upper_cloud)
-        found = self.cache.load(
-            self.key(one), lambda said, arrays: unpack_prepared(name, self.rig.skeleton, points, said, arrays)
-        )
+        name, settings = one.source.name, one.source.settings
+        fetch = partial(self._fetch, one)
+        found = self.cache.load(self.key(one), lambda said, arrays: unpack_prepared(name, fetch, said, arrays))
         if found is None:
             return None
         neutral = settings.neutral or ""
         return replace(found, kind=settings.kind, neutral=neutral, tags=settings.tags, source=one.file_digest)
+
+    def _fetch(self, one: Identified, name: str) -> NDArray[Any]:
+        """What is large of a result, made again if the entry is damaged. Raises MotionError."""
+        for _ in range(2):
+            found = self.cache.load(self.key(one), lambda _, arrays: arrays[name])
+            if found is not None:
+                return found
+            self.run(one)
+        raise MotionError("results do not stay as they were written", file=str(self.cache.folder))

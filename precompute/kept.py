@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motion.clip import Clip
 from motion.formats.files import Reading
-from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import Alignment, Baseline
 from precompute.cache import Arrays, Said
-from precompute.posture import Torso
 from precompute.prepared import PreparedClip
-from precompute.seam import Seamed
+from precompute.torso_offset import MeanStride
+
+LARGE = ("lower", "upper", "upright")
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,52 +110,43 @@ def _rig(said: Any) -> Rig:
 
 def pack_prepared(one: PreparedClip) -> tuple[Said, Arrays]:
     """All but the name and the settings, on which nothing of it depends."""
-    clip, alignment = one.seamed.clip, one.alignment
+    alignment = one.alignment
     said = {
-        "rate": float(clip.rate),
-        "strides": one.seamed.strides,
+        "rate": one.rate,
+        "frame_count": one.frame_count,
+        "strides": one.strides,
         "chance": alignment.chance,
         "swing": alignment.swing,
         "notes": one.notes,
         "warnings": one.file_warnings,
     }
-    arrays = {
-        "positions": clip.root_positions,
-        "rotations": clip.rotations,
-        "phase": alignment.phase,
-        "seamed_phase": one.seamed.phase,
+    small = {
+        "aligned": alignment.phase,
         "cost": alignment.cost,
-        "clouds": one.torso.clouds,
-        "frames": one.torso.frames,
-        "upright": one.torso.upright,
+        "phase": one.phase,
+        "posture": one.posture,
         "gait": one.gait,
+        "stride": one.stride.coefficients,
     }
-    return said, arrays
+    return said, small | {name: one.fetch(name) for name in LARGE}
 
 
-def unpack_prepared(name: str, skeleton: Skeleton, points: int, said: Said, arrays: Arrays) -> PreparedClip:
-    """The clip by this name on the bank's skeleton, whose upper clouds have so many points.
-
-    Raises KeyError, TypeError, ValueError or MotionError if it is none.
-    """
-    clip = Clip(name, skeleton, said["rate"], arrays["positions"], arrays["rotations"])
-    rows = clip.frame_count
-    _check_shape(arrays["seamed_phase"], rows)
-    _check_shape(arrays["clouds"], rows, points, 3)
-    _check_shape(arrays["upright"], rows, points, 3)
-    _check_shape(arrays["frames"], rows, 4)
-    if not 2 <= len(arrays["phase"]) <= rows:
+def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], said: Said, arrays: Arrays) -> PreparedClip:
+    """The clip by this name, of which `fetch` gets what is large. Raises KeyError, TypeError or ValueError."""
+    phase, aligned = arrays["phase"], arrays["aligned"]
+    if not 2 <= len(aligned) == said["frame_count"] <= len(phase):
         raise ValueError("a clip has more frames than rows")
     return PreparedClip(
-        alignment=Alignment(arrays["phase"], arrays["cost"], said["chance"], said["swing"]),
-        seamed=Seamed(clip, arrays["seamed_phase"], said["strides"]),
-        torso=Torso(arrays["clouds"], arrays["frames"], arrays["upright"]),
+        name=name,
+        rate=said["rate"],
+        frame_count=said["frame_count"],
+        strides=said["strides"],
+        alignment=Alignment(aligned, arrays["cost"], said["chance"], said["swing"]),
+        phase=phase,
+        posture=arrays["posture"],
         gait=arrays["gait"],
+        stride=MeanStride(arrays["stride"]),
+        fetch=fetch,
         notes=tuple(said["notes"]),
         file_warnings=tuple(said["warnings"]),
     )
-
-
-def _check_shape(values: Floats, *shape: int) -> None:
-    if values.shape != shape:
-        raise ValueError(f"{values.shape} instead of {shape}")

@@ -28,4 +28,4 @@ def nearest_gait(action: PreparedClip, locomotions: Mapping[str, PreparedClip]) 
 
 def _tempo(one: PreparedClip) -> float:
     """Cycles per second."""
-    return one.alignment.cycles / one.clip.duration
+    return one.alignment.cycles * one.rate / (one.frame_count - 1)

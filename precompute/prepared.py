@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from motion import quaternion
 from motion.clip import Clip
 from motion.quaternion import Floats
 from motion.roles import Roles
@@ -14,42 +17,42 @@ from motion.skeleton import Skeleton
 from precompute.baseline import LEAST_SWING, Alignment, Baseline, align
 from precompute.common_skeleton import onto_skeleton
 from precompute.gait import mean_gait
-from precompute.posture import Torso, measure_torso
-from precompute.seam import Seamed, add_seam
+from precompute.posture import measure_torso
+from precompute.seam import add_seam
+from precompute.torso_offset import MeanStride
+from runtime.rows import Layout, TorsoRows
 
 FOREIGN_GAIT = 0.65  # of the cost at random phases: above it a clip does not look like locomotion
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedClip:
-    """A clip on the bank's skeleton, with all that was measured of it.
+    """A clip as a bank holds it, but for its torso offsets, which depend on another clip.
 
-    `seamed` is the clip with the frames that lead back to an earlier stride, and `torso` that of all its rows; `gait`
-    is its mean lower cloud by phase [bins, 3, 3]. kind is `locomotion` or `action`; neutral is the name of the clip
-    that its posture is relative to; notes and file_warnings are what the reading of its file said; source is the digest
-    of that file.
+    Its frame_count frames at `rate`, and then those that lead back by `strides`, are at `phase` [rows]; `posture` is
+    [2, 3], `gait` its mean lower cloud by phase [bins, 3, 3], and `stride` its mean torso. What is large is fetched by
+    name: its rows in each table (`lower`, `upper`), and `upright`, its torso clouds [rows, P, 3].
+
+    kind is `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; notes and
+    file_warnings are what the reading of its file said; source is the digest of that file.
     """
 
+    name: str
+    rate: float
+    frame_count: int
+    strides: int
     alignment: Alignment
-    seamed: Seamed
-    torso: Torso
+    phase: Floats
+    posture: Floats
     gait: Floats
+    stride: MeanStride
+    fetch: Callable[[str], NDArray[Any]]
     kind: str = "locomotion"
     neutral: str = ""
     tags: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     file_warnings: tuple[str, ...] = ()
     source: str = ""
-
-    @cached_property
-    def clip(self) -> Clip:
-        """The clip's own frames."""
-        return self.seamed.clip.frames(0, len(self.alignment.phase))
-
-    @property
-    def posture(self) -> Floats:
-        """The clip's posture [2, 3]: the mean of both shoulders over its own frames."""
-        return np.asarray(self.torso.upright[: self.clip.frame_count, -2:].mean(axis=0))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -60,7 +63,7 @@ class PreparedClip:
         elif self.alignment.cost.mean() > FOREIGN_GAIT * self.alignment.chance:
             far = f"{100.0 * self.alignment.mean_mismatch:.0f} cm off the baseline's"
             said.append(f"does not look like locomotion: its legs are {far}, hardly nearer than at random phases")
-        if self.kind == "action" and self.seamed.strides == 0:
+        if self.kind == "action" and self.strides == 0:
             said.append("has no two strides alike enough to go on from its end: as an action it is played once")
         return tuple(said)
 
@@ -73,5 +76,23 @@ def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles,
     ours = onto_skeleton(clip, roles, skeleton, skeleton_roles)
     alignment = align(ours, skeleton_roles, baseline)
     seamed = add_seam(ours, alignment.phase, skeleton_roles)
-    torso = measure_torso(seamed.clip, skeleton_roles)
-    return PreparedClip(alignment, seamed, torso, mean_gait(ours, alignment.phase, skeleton_roles))
+    torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
+    no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
+    large: dict[str, NDArray[Any]] = {
+        **Layout.of(skeleton, skeleton_roles).pack(
+            seamed.clip.root_positions, seamed.clip.rotations, TorsoRows(torso.clouds, torso.frames, no_offsets)
+        ),
+        "upright": torso.upright,
+    }
+    return PreparedClip(
+        name=clip.name,
+        rate=float(clip.rate),
+        frame_count=count,
+        strides=seamed.strides,
+        alignment=alignment,
+        phase=seamed.phase,
+        posture=torso.upright[:count, -2:].mean(axis=0),
+        gait=mean_gait(ours, alignment.phase, skeleton_roles),
+        stride=MeanStride.of(torso.upright[:count], alignment.phase),
+        fetch=large.__getitem__,
+    )

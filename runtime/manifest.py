@@ -161,15 +161,16 @@ def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, BaselineEntry, tup
 
 def _entries(kind: type[Entry], said: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:
     """Maps of the manifest as `kind`, a dataclass. Raises BankError, naming the field, if a type is another."""
-    types = {
-        name: (get_origin(wanted) or wanted, *get_args(wanted)[:1]) for name, wanted in get_type_hints(kind).items()
-    }
+    types: dict[str, tuple[type, type | None]] = {}
+    for name, hint in get_type_hints(kind).items():
+        of = get_args(hint)
+        types[name] = (get_origin(hint) or hint, of[0] if of else None)
     entries = []
     for one in said:
         values: dict[str, Any] = {key: tuple(value) if type(value) is list else value for key, value in one.items()}
         entry = kind(**values)
-        for name, wanted in types.items():
-            if not _fits(value := getattr(entry, name), *wanted):
+        for name, (wanted, item) in types.items():
+            if not _fits(value := getattr(entry, name), wanted, item):
                 problem = f"the manifest gives {name} = {value!r:.40}, which is no {kind.__annotations__[name]}"
                 raise BankError(problem, mend=REBUILD)
         entries.append(entry)

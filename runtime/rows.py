@@ -103,6 +103,10 @@ class Layout:
             packed[name] = rows
         return packed
 
+    def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
+        """Writes torso offsets [n, 4] into rows [n, columns] of a table."""
+        self.halves[half].lanes(rows)[:, TORSO_OFFSET] = offsets
+
     def motion(self, lower: Float32s, upper: Float32s) -> tuple[Floats, Floats]:
         """Root positions [n, 3] and rotations [n, J, 4] from the same frames' rows in both tables."""
         rotations = np.empty((len(lower), len(self.lower.joints) + len(self.upper.joints) + 1, 4))

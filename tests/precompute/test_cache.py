@@ -13,7 +13,7 @@ KEY, OTHER = key_of("one"), key_of("other")
 
 
 def as_stored(said: Said, arrays: Arrays) -> tuple[Said, Arrays]:
-    return said, arrays
+    return said, dict(arrays)
 
 
 @pytest.fixture

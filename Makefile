@@ -10,7 +10,7 @@ demo: $(VENV)/ready            ## set up, splice the built-in motions, show the 
 
 test: $(VENV)/ready            ## set up and run every test; kernels also as plain Python, which checks bounds
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_kernels.py tests/precompute/test_timewarp.py \
-		tests/precompute/test_joint_paths.py tests/motion/test_decimals.py
+		tests/precompute/test_joint_paths.py tests/precompute/test_best_rotations.py tests/motion/test_decimals.py
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from motion import quaternion
-from motion.pointcloud import horn_rotation
 from motion.quaternion import Floats
+from precompute.best_rotations import best_rotations
 
 HARMONICS = 4  # of the stride: what a gait repeats; more would learn one take's own wobble
 SMOOTHING = 0.1  # seconds: what the phases' own unsteadiness adds is faster than shoulders move
@@ -50,7 +50,7 @@ def torso_offsets(clouds: Floats, phase: Floats, rate: float, neutral: MeanStrid
     clouds [F, P, 3] metres are the clip's in the posture frame; phase [F] in cycles of the neutral's ring; rate in
     frames per second. Neighbours lie in one hemisphere.
     """
-    turns = quaternion.one_hemisphere(horn_rotation(clouds, neutral.at(phase)))
+    turns = quaternion.one_hemisphere(best_rotations(clouds, neutral.at(phase)))
     return quaternion.normalise(gaussian_filter1d(turns, SMOOTHING * rate, axis=0, mode="nearest"))
 
 

@@ -37,7 +37,7 @@ from runtime.requests import METHODS, Requests
 CHARACTERS = 1000
 POOL = 50  # splices that are played again and again
 LENGTHS = (10, 20, 40, 80, 160, 320, 600)  # seconds, of LONG_CLIPS clips
-COUNTS = (10, 30, 100, 300, 1000, 3000, 10_000)  # clips of SHORT seconds
+COUNTS = (10, 40, 100, 400, 1000, 4000, 10_000)
 LONG_CLIPS, SHORT = 8, 3.0
 STARTS = tuple(range(0, 600, 50))  # seconds, in a clip of the longest
 SPAN = 50.0  # seconds from a start on in which characters are

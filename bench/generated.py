@@ -40,7 +40,7 @@ class Size:
     """
 
     joints: int = 31
-    clips: int = 100
+    clips: int = 40
     seconds: float = 10.0
     rate: float = 30.0
 

@@ -57,11 +57,9 @@ class Evaluator:
         if self._threads == 1 or len(remembered.state) == 1:
             fault = kernels.evaluate(*work, out.root_positions, out.flat)
         else:
-            fault = kernels.first_at_fault(self._arrays, requests.records, memory is not None)
-            if fault < 0:
-                with ONE_AT_A_TIME:
-                    numba.set_num_threads(self._threads)
-                    kernels.evaluate_in_parallel(*work, out.root_positions, out.flat)
+            with ONE_AT_A_TIME:
+                numba.set_num_threads(self._threads)
+                fault = kernels.evaluate_in_parallel(*work, out.root_positions, out.flat)
         if fault >= 0:
             raise self._fault(requests, fault)
 

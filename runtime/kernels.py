@@ -50,14 +50,16 @@ def evaluate(
 @parallel_kernel
 def evaluate_in_parallel(
     bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
-) -> None:
-    """As `evaluate`, for sound requests, with as many threads as the scratch has room for."""
-    threads = len(scratch.lanes)
-    blocks = (len(requests) + BLOCK - 1) // BLOCK
-    for thread in prange(threads):
-        first, stop = blocks * thread // threads * BLOCK, blocks * (thread + 1) // threads * BLOCK
-        stop = min(stop, len(requests))
-        evaluate_part(bank, requests, memory, share, scratch, thread, first, stop, roots, rotations)
+) -> int:
+    """As `evaluate`, with as many threads as the scratch has room for; memory is not of one for all."""
+    fault = first_at_fault(bank, requests, len(memory) > 0)
+    if fault < 0:
+        threads, blocks = len(scratch.lanes), (len(requests) + BLOCK - 1) // BLOCK
+        for thread in prange(threads):
+            first, stop = blocks * thread // threads * BLOCK, blocks * (thread + 1) // threads * BLOCK
+            stop = min(stop, len(requests))
+            evaluate_part(bank, requests, memory, share, scratch, thread, first, stop, roots, rotations)
+    return fault
 
 
 @kernel

@@ -10,12 +10,13 @@ from precompute.job import precompute
 from precompute.splice import splice_exact, splice_naive
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import Poses, Requests
+from runtime.requests import Memory, Poses, Requests
 
 __all__ = [
     "Bank",
     "Clip",
     "Evaluator",
+    "Memory",
     "MotionError",
     "Poses",
     "Requests",

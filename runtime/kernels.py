@@ -28,7 +28,7 @@ from runtime.arrays import (
 from runtime.compiled import Array, Index, inlined, kernel, parallel_kernel
 from runtime.lookup_kernels import NAIVE, SPLICE, frame_at, frame_near, locate, look_up, phase_in_step
 from runtime.posture_kernels import RUNNING, correlate, other_postures, settle
-from runtime.rotation_kernels import ONE, horn, multiply, multiply_by_inverse, normalise, sample
+from runtime.rotation_kernels import BACK, ONE, ONWARD, horn, multiply, normalise, sample
 from runtime.rows import FIRST_JOINT, PELVIS, ROOT
 
 
@@ -118,12 +118,12 @@ def evaluate_part(
         if splices > 0:
             horn(block)
             settle(requests, memory, block, first, count)
-            multiply(block, SPLICED, ALIGNED, SPLICED)
-            multiply_by_inverse(block, THEIRS, OWN, TURN)
+            multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
+            multiply(block, THEIRS, OWN, TURN, BACK)
             other_postures(bank, requests, memory, share, block, first, count)
-            multiply(block, FRAME, TURN, TURN)
-            multiply_by_inverse(block, TURN, FRAME, TURN)
-            multiply(block, TURN, SPLICED, SPLICED)
+            multiply(block, FRAME, TURN, TURN, ONWARD)
+            multiply(block, TURN, FRAME, TURN, BACK)
+            multiply(block, TURN, SPLICED, SPLICED, ONWARD)
             normalise(block, SPLICED)
             for k in range(count):
                 if requests[first + k]["method"] == SPLICE:

@@ -16,6 +16,7 @@ from runtime.compiled import LANES, Array, Index, Real, inlined, kernel
 from runtime.lanes import interleave, load, spread
 
 Number = Any  # a float, or lanes
+ONWARD, BACK = 1.0, -1.0  # senses of a rotation
 ONE = np.uint64(1)
 TINY = 1e-300
 # Eberly 2011: sin(t angle) / sin(angle) as a series in cos(angle) - 1, cut after four terms
@@ -86,25 +87,13 @@ def rotated(
 
 
 @inlined
-def multiply(block: Array, a: int, b: int, out: int) -> None:
-    """out = a b, each the first of a quaternion's four rows of the block; out may be a or b."""
+def multiply(block: Array, a: int, b: int, out: int, sense: float) -> None:
+    """out = a b, or a b^-1 if sense is BACK; each is the first of a quaternion's four rows, and out may be a or b."""
     a, b, out = a * BLOCK, b * BLOCK, out * BLOCK
     for k in range(BLOCK):
         ax, ay, az, aw = block[a + k], block[a + BLOCK + k], block[a + 2 * BLOCK + k], block[a + 3 * BLOCK + k]
         bx, by, bz, bw = block[b + k], block[b + BLOCK + k], block[b + 2 * BLOCK + k], block[b + 3 * BLOCK + k]
-        x, y, z, w = product(ax, ay, az, aw, bx, by, bz, bw)
-        block[out + k], block[out + BLOCK + k] = x, y
-        block[out + 2 * BLOCK + k], block[out + 3 * BLOCK + k] = z, w
-
-
-@inlined
-def multiply_by_inverse(block: Array, a: int, b: int, out: int) -> None:
-    """out = a b^-1; out may be a or b."""
-    a, b, out = a * BLOCK, b * BLOCK, out * BLOCK
-    for k in range(BLOCK):
-        ax, ay, az, aw = block[a + k], block[a + BLOCK + k], block[a + 2 * BLOCK + k], block[a + 3 * BLOCK + k]
-        bx, by, bz, bw = block[b + k], block[b + BLOCK + k], block[b + 2 * BLOCK + k], block[b + 3 * BLOCK + k]
-        x, y, z, w = product(ax, ay, az, aw, -bx, -by, -bz, bw)
+        x, y, z, w = product(ax, ay, az, aw, sense * bx, sense * by, sense * bz, bw)
         block[out + k], block[out + BLOCK + k] = x, y
         block[out + 2 * BLOCK + k], block[out + 3 * BLOCK + k] = z, w
 

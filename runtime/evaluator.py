@@ -13,7 +13,19 @@ from motion.errors import SettingsError, TimeRangeError
 from runtime import arrays, kernels, world_kernels
 from runtime.bank import Bank
 from runtime.lookup_kernels import NONE
-from runtime.requests import METHODS, POSTURES, Float32s, Memory, Method, Poses, Posture, Requests, check_array, known
+from runtime.requests import (
+    FLOAT32,
+    METHODS,
+    POSTURES,
+    Float32s,
+    Memory,
+    Method,
+    Poses,
+    Posture,
+    Requests,
+    check_array,
+    known,
+)
 
 NO_MEMORY = Memory(np.empty((0, arrays.MEMORY_COLUMNS)), 0.0)
 ONE_AT_A_TIME = Lock()  # not every threading layer of numba's bears two parallel calls at once
@@ -66,8 +78,8 @@ class Evaluator:
     def world_positions(self, poses: Poses, out: Float32s) -> None:
         """Writes world positions [n, J, 3], metres, of evaluated poses into `out`. Raises SettingsError."""
         count = len(poses.flat)
-        check_array(poses.rotations, (count, self._joints, 4))
-        check_array(out, (count, self._joints, 3))
+        check_array("rotations", poses.rotations, FLOAT32, (count, self._joints, 4))
+        check_array("world positions", out, FLOAT32, (count, self._joints, 3))
         flat = out.reshape(count, 3 * self._joints)
         world_kernels.world_positions(self._rig, poses.root_positions, poses.flat, self._world, flat)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
 METHODS: Mapping[str, int] = {"none": NONE, "naive": NAIVE, "splice": SPLICE}
 POSTURES: Mapping[str, int] = {"off": OFF, "relative": RELATIVE, "absolute": ABSOLUTE, "running": RUNNING}
-FLOAT32 = np.dtype(np.float32)
+FLOAT32, FLOAT64 = np.dtype(np.float32), np.dtype(np.float64)
 TIME_CONSTANT = 2.0  # seconds: about two strides
 
 Float32s = NDArray[np.float32]
@@ -46,10 +46,11 @@ class Requests:
     start:  [n] float64 seconds into the action before which it does not begin; the first frame at or after it
             that is in step with the locomotion's first frame goes with that.
     method, posture: [n] uint8, values of METHODS and POSTURES.
-    records: [n] REQUEST, the same memory, a record for each character.
+    records: [n] REQUEST, the same memory, a record for each character. Raises SettingsError if they are not that.
     """
 
     def __init__(self, records: NDArray[np.void]) -> None:
+        check_array("requests", records, REQUEST, (len(records),))
         self.records = records
         self.locomotion: NDArray[np.int32] = records["locomotion"]
         self.action: NDArray[np.int32] = records["action"]
@@ -77,8 +78,8 @@ class Poses:
 
     def __init__(self, root_positions: Float32s, rotations: Float32s) -> None:
         count, joints = rotations.shape[:2]
-        check_array(root_positions, (count, 3))
-        check_array(rotations, (count, joints, 4))
+        check_array("root positions", root_positions, FLOAT32, (count, 3))
+        check_array("rotations", rotations, FLOAT32, (count, joints, 4))
         self.root_positions = root_positions
         self.rotations = rotations
         self.flat: Float32s = rotations.reshape(count, 4 * joints)
@@ -88,12 +89,12 @@ class Poses:
         return cls(np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32))
 
 
-def check_array(array: Float32s, shape: tuple[int, ...]) -> None:
-    """That results fit an array, lest they be lost in a copy, or another kernel compiled. Raises SettingsError."""
-    if array.shape != shape or array.dtype != FLOAT32 or not array.flags.c_contiguous:
+def check_array(what: str, array: NDArray[Any], kind: np.dtype[Any], shape: tuple[int, ...]) -> None:
+    """That kernels know an array, lest results be lost in a copy, or a kernel compiled anew. Raises SettingsError."""
+    if array.shape != shape or array.dtype != kind or not array.flags.c_contiguous:
         raise SettingsError(
-            f"results need float32{list(shape)}, side by side in memory, and not {array.dtype}{list(array.shape)}",
-            mend="Evaluator.poses makes room for as many characters as there are requests",
+            f"{what} need {kind}{list(shape)}, side by side in memory, and not {array.dtype}{list(array.shape)}",
+            mend="Evaluator.poses, Requests.empty and Memory.begin make room",
         )
 
 
@@ -105,10 +106,12 @@ class Memory:
     with a time constant (Heck's thesis, 4.3).
 
     state: [n, 10] float64, to be saved and restored at will. turns [n, 4], the last alignments, and means [n, 6]
-    metres, NaN until they begin, are parts of it. share: how much of a new frame goes into the mean.
+    metres, NaN until they begin, are parts of it. share: how much of a new frame goes into the mean. Raises
+    SettingsError if the state is not that.
     """
 
     def __init__(self, state: NDArray[np.float64], share: float) -> None:
+        check_array("memory", state, FLOAT64, (len(state), MEMORY_COLUMNS))
         self.state = state
         self.share = share
         self.turns = state[:, LAST_TURN : LAST_TURN + 4]

@@ -8,7 +8,7 @@ from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownCli
 from motion.kinematics import joint_positions
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.requests import POSTURES, Memory, Requests
+from runtime.requests import POSTURES, Memory, Poses, Requests
 
 
 def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:
@@ -148,6 +148,21 @@ def test_a_running_posture_without_a_history_is_refused(bank: Bank) -> None:
     evaluator = Evaluator(bank)
     with pytest.raises(SettingsError, match="Memory of as many characters"):
         evaluator.evaluate(Requests.empty(3), evaluator.poses(3), Memory.begin(2, rate=30.0))
+
+
+def test_arrays_that_kernels_do_not_know_are_refused(bank: Bank) -> None:
+    evaluator, joints = Evaluator(bank), bank.skeleton.joint_count
+    for make in (
+        lambda: Poses(np.empty((2, 3), np.float32), np.empty((2, joints, 4))),  # type: ignore[arg-type]
+        lambda: Poses(np.empty((2, 3), np.float32), np.empty((2, 4, joints), np.float32).swapaxes(1, 2)),
+        lambda: Poses(np.empty((3, 3), np.float32), np.empty((2, joints, 4), np.float32)),
+        lambda: Requests(Requests.empty(4).records[::2]),
+        lambda: Requests(np.zeros(2, [("locomotion", np.int64)])),
+        lambda: Memory(np.zeros((2, 9)), 0.1),
+        lambda: evaluator.world_positions(evaluator.poses(2), np.empty((2, joints, 4), np.float32)),
+    ):
+        with pytest.raises(SettingsError, match="side by side in memory"):
+            make()
 
 
 def test_no_characters_are_no_work(bank: Bank) -> None:

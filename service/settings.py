@@ -2,24 +2,58 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from pathlib import Path
+from typing import Annotated, Any, Self
 
-from pydantic import Field, ModelWrapValidatorHandler, ValidationError, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import Field, ModelWrapValidatorHandler, SecretStr, ValidationError, model_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from motion.errors import SettingsError
 
 PREFIX = "MOTIONSPLICE_"
+SECOND = Annotated[float, Field(gt=0.0, le=3600.0, allow_inf_nan=False)]
 
 
 class Settings(BaseSettings):
-    """Where the service listens, and how much one request may ask for. Raises SettingsError."""
+    """Where the service listens, whom it answers, and how much one client may ask for. Raises SettingsError."""
 
-    model_config = SettingsConfigDict(env_prefix=PREFIX)
+    model_config = SettingsConfigDict(env_prefix=PREFIX, extra="forbid")
 
-    host: str = "127.0.0.1"
-    port: int = Field(default=8000, ge=0, le=65535)
-    max_frames: int = Field(default=1_000_000, ge=1, description="Most frames in one streamed splice")
+    host: str = Field("127.0.0.1", description="Address to listen on")
+    port: int = Field(8000, ge=0, le=65535, description="Port; 0 takes a free one")
+    workers: int = Field(1, ge=1, le=256, description="Processes that share the port and the mapped bank")
+    watch: bool = Field(False, description="Exchange the bank when a new one is written in its place")
+    clips: Path | None = Field(None, description="Folder that uploaded clips are put into; none: no uploads")
+    token: SecretStr | None = Field(None, min_length=8, description="What clients must know; none: all are answered")
+    origins: Annotated[tuple[str, ...], NoDecode] = Field(
+        (), description="Web origins whose pages may ask, comma-separated; * for all"
+    )
+
+    max_header: int = Field(16 * 1024, ge=1024, description="Bytes of a request's line and headers")
+    max_body: int = Field(4 * 2**20, ge=1024, description="Bytes of a batch of poses")
+    max_upload: int = Field(256 * 2**20, ge=1024, description="Bytes of an uploaded clip")
+    max_message: int = Field(64 * 1024, ge=1024, description="Bytes of a command over a WebSocket")
+    max_batch: int = Field(10_000, ge=1, description="Characters in a batch of poses")
+    max_characters: int = Field(10_000, ge=1, description="Characters of one WebSocket")
+    max_frames: int = Field(20_000, ge=1, description="Frames of one splice; of a stream a hundred times as many")
+    max_rate: float = Field(120.0, ge=1.0, le=1000.0, description="Frames per second of a WebSocket or a paced stream")
+    max_ahead: int = Field(120, ge=1, le=1000, description="Frames in one message")
+    max_commands: float = Field(200.0, ge=1.0, description="Messages per second of one WebSocket; more have to wait")
+    max_streams: int = Field(256, ge=1, description="Streams and WebSockets at once, in each process")
+    max_connections: int = Field(4096, ge=1, description="Connections at once, in each process")
+    max_connections_per_address: int = Field(512, ge=1, description="Connections at once of one address, in each process")
+
+    request_seconds: SECOND = Field(10.0, description="In which a request must have arrived")
+    idle_seconds: SECOND = Field(60.0, description="After which a connection that is not used is closed")
+    stall_seconds: SECOND = Field(8.0, description="After which a client that reads nothing is cut off")
+    stop_seconds: SECOND = Field(3.0, description="That streams have to end in when the service is told to stop")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _split(cls, values: Any) -> Any:
+        if isinstance(values, dict) and isinstance(origins := values.get("origins"), str):
+            values["origins"] = tuple(one.strip() for one in origins.split(",") if one.strip())
+        return values
 
     @model_validator(mode="wrap")
     @classmethod

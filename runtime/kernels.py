@@ -177,5 +177,5 @@ def action_frames(bank: BankArrays, requests: Array, frames: Array) -> None:
         locomotion, action = request["locomotion"], request["action"]
         at = request["time"] * clips[locomotion, arrays.RATE]
         row, t = locate(at, clips[locomotion, arrays.FIRST_ROW], clips[locomotion, arrays.FRAME_COUNT])
-        phase = phase_in_step(bank, locomotion, row, t, action, request["start"])
+        phase = phase_in_step(bank, locomotion, row, t, action, request["start"], request["cycles"])
         frames[character] = frame_at(bank, action, phase, frame_near(bank, action, phase))

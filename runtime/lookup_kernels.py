@@ -33,7 +33,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
         fetch_ahead(bank.lower, row)
         block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
         if request["method"] == SPLICE:
-            block[PHASE * BLOCK + k] = phase_in_step(bank, clip_l, row, t, clip_u, request["start"])
+            block[PHASE * BLOCK + k] = phase_in_step(bank, clip_l, row, t, clip_u, request["start"], request["cycles"])
         else:
             if request["method"] == NAIVE:
                 count_u = clips[clip_u, arrays.FRAME_COUNT]
@@ -54,12 +54,14 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
 
 
 @inlined
-def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: int, start: float) -> float:
-    """The action's phase: the locomotion's, and as many cycles more as bring it to the start or after it."""
+def phase_in_step(
+    bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: int, start: float, cycles: int
+) -> float:
+    """The action's phase: the locomotion's, as many cycles more as bring it to the start or after it, and `cycles`."""
     clips = bank.clips
     phase, rate_u = between(bank.phases, row, t), clips[clip_u, arrays.RATE]
     row, t = locate(start * rate_u, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
-    phase += np.ceil(between(bank.phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP)
+    phase += np.ceil(between(bank.phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP) + cycles
     last, loop = clips[clip_u, arrays.LAST_PHASE], clips[clip_u, arrays.LOOP]
     if loop > 0.0 and phase > last:
         phase -= loop * np.ceil((phase - last) / loop)

@@ -29,6 +29,7 @@ REQUEST = np.dtype(
     [
         ("locomotion", np.int32),
         ("action", np.int32),
+        ("cycles", np.int32),
         ("time", np.float64),
         ("start", np.float64),
         ("method", np.uint8),
@@ -45,6 +46,8 @@ class Requests:
     time:   [n] float64 seconds into the locomotion.
     start:  [n] float64 seconds into the action before which it does not begin; the first frame at or after it
             that is in step with the locomotion's first frame goes with that.
+    cycles: [n] int32 whole cycles by which the action is ahead of that (`runtime/in_step.py` says how many bring it to
+            a moment of one's choice); of no account unless the method is `splice`.
     method, posture: [n] uint8, values of METHODS and POSTURES.
     records: [n] REQUEST, the same memory, a record for each character. Raises SettingsError if they are not that.
     """
@@ -54,6 +57,7 @@ class Requests:
         self.records = records
         self.locomotion: NDArray[np.int32] = records["locomotion"]
         self.action: NDArray[np.int32] = records["action"]
+        self.cycles: NDArray[np.int32] = records["cycles"]
         self.time: NDArray[np.float64] = records["time"]
         self.start: NDArray[np.float64] = records["start"]
         self.method: NDArray[np.uint8] = records["method"]

@@ -81,7 +81,7 @@ def best_ring_cost(distances: Floats, most_advance: int, most_zero: int) -> floa
 
 
 def pose(
-    bank: Bank, locomotion: str, time: float, action: str, start: float, method: str, posture: str
+    bank: Bank, locomotion: str, time: float, action: str, start: float, method: str, posture: str, cycles: int = 0
 ) -> tuple[Floats, Floats]:
     """One character's root position [3] and local rotations [J, 4], from the bank's clips in their editable form."""
     entry_l, entry_u, phases = bank.clip(locomotion), bank.clip(action), bank.tables["phase_of_frame"]
@@ -100,7 +100,7 @@ def pose(
         frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
     else:
         phase = phase_between(entry_l, frame_l)
-        phase += math.ceil(phase_between(entry_u, start * entry_u.rate) - entry_l.first_phase - 1e-3)
+        phase += math.ceil(phase_between(entry_u, start * entry_u.rate) - entry_l.first_phase - 1e-3) + cycles
         while phase > entry_u.last_phase and entry_u.loop > 0:
             phase -= entry_u.loop
         own = phases[entry_u.first_row : entry_u.first_row + entry_u.row_count]

@@ -121,8 +121,11 @@ def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
     time = data.draw(st.floats(0.0, locomotion.duration))
     start = data.draw(st.sampled_from([0.0, 0.3, 1.7]))
     method, posture = data.draw(st.sampled_from(sorted(METHODS))), data.draw(st.sampled_from(STATELESS))
-    poses = Evaluator(bank).pose(locomotion.name, time, action.name, start=start, method=method, posture=posture)  # type: ignore[arg-type]
-    root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture)
+    cycles, requests, poses = data.draw(st.integers(-2, 5)), Requests.empty(1), Evaluator(bank).poses(1)
+    clips = bank.number(locomotion.name), bank.number(action.name)
+    requests.records[0] = (*clips, cycles, time, start, METHODS[method], POSTURES[posture])
+    Evaluator(bank).evaluate(requests, poses)
+    root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture, cycles)
     np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
     assert quaternion.angle(poses.rotations[0], rotations).max() < 5e-5
 

@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from runtime import kernels
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from runtime.in_step import WayBack, action_phase, cycles_to, phase_at
+from runtime.requests import Requests
+
+
+def shown(bank: Bank, locomotion: int, time: float, action: int, cycles: int) -> float:
+    """The frame of the action that kernels show."""
+    requests, frames = Requests.empty(1), np.empty(1)
+    requests.locomotion[:], requests.action[:], requests.cycles[:] = locomotion, action, cycles
+    requests.time[:] = time
+    kernels.action_frames(Evaluator(bank)._arrays, requests.records, frames)
+    return float(frames[0])
+
+
+@given(data=st.data(), share=st.floats(0.0, 1.0), start=st.floats(0.0, 1.0))
+def test_an_action_begins_at_a_moment_or_less_than_a_cycle_after(
+    bank: Bank, data: st.DataObject, share: float, start: float
+) -> None:
+    locomotion, action = (data.draw(st.integers(0, len(bank.clips) - 1)) for _ in range(2))
+    entry_l, entry_u = bank.clips[locomotion], bank.clips[action]
+    time, begin = share * entry_l.duration, start * entry_u.duration
+    wanted = phase_at(bank, action, begin)
+    cycles = cycles_to(bank, locomotion, time, action, wanted)
+    phase = action_phase(bank, locomotion, time, action, cycles)
+    assert wanted - 0.0011 <= phase < wanted + 0.9991
+    assert (phase - phase_at(bank, locomotion, time)) % 1.0 == pytest.approx(0.0, abs=1e-9) or (
+        phase - phase_at(bank, locomotion, time)
+    ) % 1.0 == pytest.approx(1.0, abs=1e-9)
+    if phase <= entry_u.last_phase:
+        rows = slice(entry_u.first_row, entry_u.first_row + entry_u.row_count)
+        own = bank.tables["phase_of_frame"][rows]
+        frame = np.interp(phase, own, np.arange(len(own)))
+        assert shown(bank, locomotion, time, action, cycles) == pytest.approx(frame, abs=1e-4)
+
+
+def test_a_locomotion_goes_back_to_a_moment_that_is_like_its_end(bank: Bank) -> None:
+    looping = [number for number, clip in enumerate(bank.clips) if clip.loop]
+    assert looping
+    for number in looping:
+        clip, way = bank.clips[number], WayBack.of(bank, number)
+        assert 0.0 <= way.time < clip.duration
+        assert phase_at(bank, number, clip.duration) - phase_at(bank, number, way.time) == pytest.approx(way.cycles)
+        motion = bank.motion(clip.name)
+        there, end = motion.sampled([way.time * clip.rate])[1][0, 1:], motion.rotations[-1, 1:]  # but for the heading
+        assert (np.abs(np.sum(there * end, axis=-1)) > np.cos(np.radians(20.0))).all(), clip.name

@@ -39,7 +39,7 @@ class Bank:
         """
         folder = Path(path)
         manifest = Manifest.read(folder)
-        bank = cls(folder, manifest, {name: _map(name, file) for name, file in _files(folder, manifest).items()})
+        bank = cls(folder, manifest, {name: _map(name, file) for name, file in files(folder, manifest).items()})
         check_fit(manifest, bank.tables, str(folder / MANIFEST))
         if verify:
             bank.verify()
@@ -47,7 +47,12 @@ class Bank:
 
     def verify(self) -> None:
         """Checks the digest and the numbers of every table, reading all of them. Raises BankError, naming the file."""
-        check_contents(self.manifest, self.tables, _files(self.path, self.manifest))
+        check_contents(self.manifest, self.tables, self.files)
+
+    @property
+    def files(self) -> dict[str, Path]:
+        """The file of each table."""
+        return files(self.path, self.manifest)
 
     @property
     def digest(self) -> str:
@@ -113,7 +118,7 @@ class Bank:
         return slice(entry.first_row, entry.first_row + (entry.row_count if seam else entry.frame_count))
 
 
-def _files(folder: Path, manifest: Manifest) -> dict[str, Path]:
+def files(folder: Path, manifest: Manifest) -> dict[str, Path]:
     return {name: folder / TABLE_FOLDER / f"{Path(manifest.tables[name]).name}.npy" for name in TABLES}
 
 

@@ -45,9 +45,9 @@ class Evaluator:
         self.bank = bank
         self._threads = threads
         self._joints = bank.skeleton.joint_count
-        self._arrays = arrays.bank_arrays(bank)
+        self.arrays = arrays.bank_arrays(bank)
         self._rig = arrays.rig_arrays(bank.skeleton)
-        self._scratch = arrays.scratch(self._arrays, threads)
+        self._scratch = arrays.scratch(self.arrays, threads)
         self._world = world_kernels.scratch(bank.skeleton.joint_count)
         self._one = Requests.empty(1)
 
@@ -65,7 +65,7 @@ class Evaluator:
         """
         self._check_room(requests, out, memory)
         remembered = memory or NO_MEMORY
-        work = (self._arrays, requests.records, remembered.state, remembered.share, self._scratch)
+        work = (self.arrays, requests.records, remembered.state, remembered.share, self._scratch)
         if self._threads == 1 or len(remembered.state) == 1:
             fault = kernels.evaluate(*work, out.root_positions, out.flat)
         else:
@@ -154,9 +154,9 @@ class Evaluator:
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
         requests.records[:] = self._record(locomotion, action, 0.0, start, "splice", "off")
         requests.time[:] = times
-        if (fault := kernels.first_at_fault(self._arrays, requests.records, False)) >= 0:
+        if (fault := kernels.first_at_fault(self.arrays, requests.records, False)) >= 0:
             raise self._fault(requests, fault)
-        kernels.action_frames(self._arrays, requests.records, frames)
+        kernels.action_frames(self.arrays, requests.records, frames)
         return frames
 
     def frame_times(self, locomotion: str) -> NDArray[np.float64]:

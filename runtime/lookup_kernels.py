@@ -54,9 +54,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
 
 
 @inlined
-def phase_in_step(
-    bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: int, start: float, cycles: int
-) -> float:
+def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: int, start: float, cycles: int) -> float:
     """The action's phase: the locomotion's, as many cycles more as bring it to the start or after it, and `cycles`."""
     clips = bank.clips
     phase, rate_u = between(bank.phases, row, t), clips[clip_u, arrays.RATE]

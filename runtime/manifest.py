@@ -86,8 +86,9 @@ class BaselineEntry:
 
 @dataclass(frozen=True)
 class Manifest:
-    """All that a bank says of itself; tables are the digests of its tables by name."""
+    """All that a bank says of itself; tables are the digests of its tables by name, data the manifest file's bytes."""
 
+    data: bytes
     digest: str
     skeleton: Skeleton
     roles: Roles
@@ -100,9 +101,10 @@ class Manifest:
         """The manifest of the bank in a folder. Raises BankError, naming the file and the mend."""
         file = folder / MANIFEST
         try:
-            digest, body = _read_body(folder)
+            data = _read(folder)
+            digest, body = _body(data, str(file))
             tables = {name: str(body["tables"][name]) for name in TABLES}
-            return cls(digest, *_contents(body), tables)
+            return cls(data, digest, *_contents(body), tables)
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError, msgpack.UnpackException) as error:
             problem = f"its manifest lacks or misstates something ({type(error).__name__}: {error})"
             raise BankError(problem, file=str(file), mend=REBUILD) from None
@@ -120,26 +122,30 @@ def content_digest(data: bytes) -> str:
     return hashlib.blake2b(data, digest_size=16).hexdigest()
 
 
-def _read_body(folder: Path) -> tuple[str, dict[str, Any]]:
+def _read(folder: Path) -> bytes:
     file = folder / MANIFEST
     if not file.is_file():
         problem = "there is no bank here" if folder.is_dir() else "there is no such folder"
         raise BankError(problem, file=str(folder), mend="Build one with `motionsplice precompute CLIPS... --out BANK`")
     if file.stat().st_size > LARGEST_MANIFEST:
         raise BankError("the manifest is too large to be one", file=str(file), mend=REBUILD)
+    return file.read_bytes()
+
+
+def _body(data: bytes, file: str) -> tuple[str, dict[str, Any]]:
     try:
-        outer = msgpack.unpackb(file.read_bytes())
+        outer = msgpack.unpackb(data)
         digest, packed, form, version = outer["digest"], outer["body"], outer["format"], outer["version"]
     except (ValueError, KeyError, TypeError, msgpack.UnpackException):
-        raise BankError("the manifest is cut short or not a manifest", file=str(file), mend=REBUILD) from None
+        raise BankError("the manifest is cut short or not a manifest", file=file, mend=REBUILD) from None
     if form != FORMAT or version != VERSION:
         problem = f"this is version {version!r} of {form!r}, and version {VERSION} of {FORMAT!r} is needed"
-        raise BankError(problem, file=str(file), mend=REBUILD)
+        raise BankError(problem, file=file, mend=REBUILD)
     if not isinstance(packed, bytes) or content_digest(packed) != digest:
-        raise BankError("the manifest was altered: its digest does not fit", file=str(file), mend=REBUILD)
+        raise BankError("the manifest was altered: its digest does not fit", file=file, mend=REBUILD)
     body = msgpack.unpackb(packed)
     if not isinstance(body, dict):
-        raise BankError("the manifest is not a map", file=str(file), mend=REBUILD)
+        raise BankError("the manifest is not a map", file=file, mend=REBUILD)
     return digest, body
 
 

@@ -1,72 +1,76 @@
-"""The service as an ASGI application."""
+"""The service, put together: FastAPI for what is told once, the front for what is asked every tick."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from typing import Any
 
-from fastapi import FastAPI
-from fastapi.openapi.utils import get_openapi
-from fastapi.responses import RedirectResponse
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import RedirectResponse, Response
 from fastapi_offline import FastAPIOffline
+from starlette.exceptions import HTTPException
 
+from motion.errors import MotionError
 from runtime.bank import Bank
-from service import problems
-from service.problems import Problem
-from service.readiness import Readiness
+from service.front import Front
+from service.logs import request_id
+from service.metrics import Metrics
+from service.openapi import document
+from service.problems import MEDIA_TYPE, problem, told
 from service.routes import bank_routes, health_routes
+from service.serving import Serving
 from service.settings import Settings
-
-ABOUT = """Splices the upper body of any clip onto the lower body of any other.
-
-Right-handed, Y up, Z forward; metres, seconds, unit quaternions xyzw. Rotations are in the parent's frame, the root's
-in the world."""
+from service.shared import Shared
 
 
-def create_app(bank: Bank, settings: Settings | None = None) -> FastAPI:
-    """An application that serves one bank. It is ready (`/readyz`) once the kernels are warm."""
-    readiness = Readiness()
+def create_app(bank: Bank, settings: Settings | None = None) -> Front:
+    """An application that serves a bank. It is ready (`/readyz`) once the kernels are warm."""
+    shared = Shared(settings or Settings(), Serving(bank), Metrics())
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        warming = asyncio.create_task(readiness.warm(bank))
+        warming = asyncio.create_task(shared.serving.warm())
+        ticking = asyncio.create_task(front.hub.run())
         yield
-        await warming
+        ticking.cancel()
+        await asyncio.gather(warming, ticking, return_exceptions=True)
 
     # Its documentation pages bring their own scripts and styles, where FastAPI's own need the internet.
-    app = FastAPIOffline(title="motionsplice", version="1", description=ABOUT, lifespan=lifespan)
-    problems.install(app)
-    app.include_router(bank_routes(bank, settings or Settings(), readiness))
-    app.include_router(health_routes(readiness))
-
-    app.openapi = lambda: _document(app, bank)  # type: ignore[method-assign]
+    app = FastAPIOffline(title="motionsplice", lifespan=lifespan)
+    front = Front(shared, app)
+    app.include_router(bank_routes(shared))
+    app.include_router(health_routes(shared))
+    app.openapi = lambda: document(app, shared)  # type: ignore[method-assign]
+    app.add_exception_handler(MotionError, _motion_problem)
+    app.add_exception_handler(RequestValidationError, _request_problem)
+    app.add_exception_handler(HTTPException, _http_problem)
 
     @app.get("/", include_in_schema=False)
     async def get_root() -> RedirectResponse:
         return RedirectResponse("docs")
 
-    return app
+    return front
 
 
-def _document(app: FastAPI, bank: Bank) -> dict[str, Any]:
-    """The OpenAPI document, with the schema of all error answers, and examples that this bank can answer."""
-    if app.openapi_schema is None:
-        document = get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
-        document["components"]["schemas"]["Problem"] = Problem.model_json_schema()
-        examples = _examples(bank)
-        for operations in document["paths"].values():
-            for parameter in operations["get"].get("parameters", []):
-                if parameter["name"] in examples:
-                    parameter["example"] = examples[parameter["name"]]
-        app.openapi_schema = document
-    return app.openapi_schema
+async def _motion_problem(_: Request, error: Exception) -> Response:
+    assert isinstance(error, MotionError)
+    return _problem(*told(error), str(error))
 
 
-def _examples(bank: Bank) -> dict[str, str | float]:
-    """What the interactive page fills in."""
-    first = {clip.kind: clip.name for clip in reversed(bank.clips)}
-    any_clip = bank.clips[0].name
-    locomotion = first.get("locomotion", any_clip)
-    return {"name": locomotion, "locomotion": locomotion, "action": first.get("action", any_clip), "time": 0.0}
+async def _request_problem(_: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    wrong = [f"{'.'.join(map(str, one['loc'][1:]))}: {one['msg']}" for one in error.errors()]
+    return _problem(422, "request", "; ".join(wrong))
+
+
+async def _http_problem(_: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    answer = _problem(error.status_code, "http", str(error.detail))
+    answer.headers.update(error.headers or {})
+    return answer
+
+
+def _problem(status: int, kind: str, detail: str) -> Response:
+    return Response(problem(status, kind, detail, request_id.get()), status, media_type=MEDIA_TYPE)

@@ -1,90 +1,145 @@
-"""What the service takes and answers."""
+"""What the service tells of itself, its bank and its clips."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from importlib.metadata import version
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from runtime.bank import Bank
 from runtime.manifest import ClipEntry
-from runtime.requests import Method, Posture
+from service.settings import Settings
+from service.wire.axes import AXES, Axes
+from service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
 
-AXES = "right-handed, Y up, Z forward"
-UNITS = "metres, seconds; unit quaternions xyzw"
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-
-
-class Splice(BaseModel):
-    """Which upper body on which lower body, and how."""
-
-    model_config = ConfigDict(extra="forbid")  # a misspelt `action` would else be answered with no action
-
-    locomotion: str = Field(description="Clip that gives the root and the lower body")
-    action: str | None = Field(
-        default=None, description="Clip that gives the upper body; without it, the locomotion alone"
-    )
-    start: Finite = Field(default=0.0, ge=0.0, description="Seconds into the action before which it does not begin")
-    method: Method = Field(default="splice", description="`naive` is plain replacement of the upper body's joints")
-    posture: Posture = Field(default="relative", description="What becomes of the action's posture")
+LIMITS = tuple(name for name in Settings.model_fields if name.startswith("max_") or name.endswith("_seconds"))
 
 
-class PoseRequest(Splice):
-    """One moment of a splice."""
+class AxesInfo(BaseModel):
+    """One way to have axes and units: component i is `order[i]` of glTF's times `signs[i]`, in `unit`."""
 
-    time: Finite = Field(ge=0.0, description="Seconds into the locomotion")
-    world: bool = Field(default=False, description="Also answer world positions of all joints")
+    name: str
+    told: str
+    unit: str
+    metres: float = Field(description="in one unit")
+    order: tuple[int, int, int]
+    signs: tuple[int, int, int]
+
+    @classmethod
+    def of(cls, axes: Axes) -> AxesInfo:
+        return cls(
+            name=axes.name,
+            told=axes.told,
+            unit=axes.unit,
+            metres=1.0 / axes.scale,
+            order=axes.order,
+            signs=axes.signs,
+        )
 
 
-class StreamRequest(Splice):
-    """A whole splice."""
+class ServerInfo(BaseModel):
+    """The service: what it serves, in which forms, and how much of it."""
 
-    rate: Finite | None = Field(default=None, gt=0.0, le=1000.0, description="Frames per second; else the clip's own")
-    pace: Literal["fast", "realtime"] = Field(default="fast", description="As fast as possible, or at the clip's pace")
-    format: Literal["msgpack", "json"] = Field(
-        default="msgpack", description="Binary for engines, lines of JSON for people"
-    )
+    version: str
+    bank: str = Field(description="digest")
+    ready: bool
+    axes: list[AxesInfo]
+    encodings: list[str]
+    int16_error: float = Field(description="degrees by which a rotation in int16 is off at most")
+    parts: list[str]
+    uploads: bool
+    limits: dict[str, float]
+
+    @classmethod
+    def of(cls, bank: Bank, settings: Settings, *, ready: bool) -> ServerInfo:
+        return cls(
+            version=version("motionsplice"),
+            bank=bank.digest,
+            ready=ready,
+            axes=[AxesInfo.of(axes) for axes in AXES.values()],
+            encodings=list(NUMBERS),
+            int16_error=INT16_ERROR,
+            parts=list(PARTS),
+            uploads=settings.clips is not None and settings.token is not None,
+            limits={name: getattr(settings, name) for name in LIMITS},
+        )
 
 
-class Pose(BaseModel):
-    """Root position in metres; local rotations xyzw by joint; world positions in metres if asked for."""
+class TableInfo(BaseModel):
+    """One table of the bank, a .npy file."""
 
-    locomotion: str
-    action: str | None
-    time: float
-    root_position: list[float]
-    rotations: list[list[float]]
-    world_positions: list[list[float]] | None = None
+    name: str
+    digest: str
+    shape: list[int]
+    type: str
+    bytes: int
 
 
 class BankInfo(BaseModel):
-    """The bank that is served, and its skeleton: parents by index, the root's is -1; offsets in metres."""
+    """The bank that is served."""
 
     digest: str
-    axes: str = AXES
-    units: str = UNITS
     baseline: str
     clips: int
-    joints: list[str]
-    parents: list[int]
-    offsets: list[list[float]]
+    joints: int
+    seconds: float = Field(description="of motion in all clips")
+    tables: list[TableInfo]
 
     @classmethod
     def of(cls, bank: Bank) -> BankInfo:
-        """What is to be said of a bank."""
+        tables = bank.manifest.tables
         return cls(
             digest=bank.digest,
             baseline=bank.baseline.clip,
             clips=len(bank.clips),
-            joints=list(bank.skeleton.names),
-            parents=bank.skeleton.parents.tolist(),
-            offsets=bank.skeleton.offsets.tolist(),
+            joints=bank.skeleton.joint_count,
+            seconds=sum(clip.duration for clip in bank.clips),
+            tables=[
+                TableInfo(
+                    name=name,
+                    digest=tables[name],
+                    shape=list(table.shape),
+                    type=table.dtype.name,
+                    bytes=table.nbytes,
+                )
+                for name, table in bank.tables.items()
+            ],
         )
 
 
+class SkeletonInfo(BaseModel):
+    """Joints in the order in which all rotations come; offsets in the axes asked for; the root's parent is -1.
+
+    roles: the joint of each role, or joints, by name.
+    """
+
+    axes: AxesInfo
+    joints: list[str]
+    parents: list[int]
+    offsets: list[list[float]]
+    roles: dict[str, str | list[str] | None]
+
+    @classmethod
+    def of(cls, bank: Bank, axes: Axes) -> SkeletonInfo:
+        skeleton = bank.skeleton
+        return cls(
+            axes=AxesInfo.of(axes),
+            joints=list(skeleton.names),
+            parents=skeleton.parents.tolist(),
+            offsets=axes.positions(skeleton.offsets).tolist(),
+            roles={role: _named(skeleton.names, joint) for role, joint in vars(bank.roles).items()},
+        )
+
+
+def _named(names: tuple[str, ...], joint: Any) -> str | list[str] | None:
+    if isinstance(joint, tuple):
+        return [names[one] for one in joint]
+    return names[joint] if joint >= 0 else None
+
+
 class ClipInfo(BaseModel):
-    """One clip: seconds, frames per second, strides, and how far its legs are from the baseline's, metres."""
+    """One clip: seconds, frames per second, and how far its legs are from the baseline's, metres."""
 
     name: str
     kind: str
@@ -92,15 +147,18 @@ class ClipInfo(BaseModel):
     duration: float
     rate: float
     frames: int
-    cycles: float
-    neutral: str
+    cycles: float = Field(description="strides that it takes")
+    loop: int = Field(description="strides after which it is as it was, and can be repeated; 0: none")
+    neutral: str = Field(description="the clip that its posture is relative to")
     mean_mismatch: float
     worst_mismatch: float
+    shoulder_motion: float = Field(description="how far the torso moves beyond the neutral's gait, radians")
     warnings: list[str]
+    notes: list[str]
+    source: str = Field(description="digest of the file that it comes from")
 
     @classmethod
     def of(cls, bank: Bank, clip: ClipEntry) -> ClipInfo:
-        """What is to be said of a bank's clip."""
         return cls(
             name=clip.name,
             kind=clip.kind,
@@ -109,8 +167,12 @@ class ClipInfo(BaseModel):
             rate=clip.rate,
             frames=clip.frame_count,
             cycles=clip.cycles,
+            loop=clip.loop,
             neutral=bank.neutral(clip.name),
             mean_mismatch=clip.mean_mismatch,
             worst_mismatch=clip.worst_mismatch,
+            shoulder_motion=clip.shoulder_motion,
             warnings=list(clip.warnings),
+            notes=list(clip.notes),
+            source=clip.source,
         )

@@ -1,59 +1,103 @@
-"""Errors as problem+json (RFC 9457)."""
+"""Errors as problem+json (RFC 9457): which error is which problem, and what it looks like."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from http import HTTPStatus
 
-from fastapi import FastAPI, Request
-from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
-from pydantic import BaseModel
-from starlette.exceptions import HTTPException
+import orjson
+from pydantic import BaseModel, Field
 
-from motion.errors import MotionError, UnknownClipError
+from motion.errors import (
+    BankError,
+    MotionError,
+    SettingsError,
+    TimeRangeError,
+    UnknownClipError,
+)
+from service.serving import NotReadyError
+
+MEDIA_TYPE = "application/problem+json"
+URN = "urn:motionsplice:"
+
+
+class RequestError(MotionError):
+    """A parameter, key or command that is unknown, missing or means nothing."""
+
+
+class LimitError(MotionError):
+    """More than the service allows one client."""
+
+
+class TooLargeError(MotionError):
+    """A body of more bytes than the service takes."""
+
+
+class TooSlowError(MotionError):
+    """A body that does not arrive."""
+
+
+class MediaTypeError(MotionError):
+    """A body of a type that is not read."""
+
+
+class BusyError(MotionError):
+    """Too many streams at once."""
+
+
+class UnknownBankError(MotionError):
+    """A bank that is not served, or not any more."""
+
+
+class TokenError(MotionError):
+    """No token, or a wrong one."""
+
+
+class OriginError(MotionError):
+    """A web page that is not allowed to ask."""
+
+
+PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
+    TokenError: (401, "token"),
+    OriginError: (403, "origin"),
+    UnknownClipError: (404, "unknown-clip"),
+    UnknownBankError: (404, "unknown-bank"),
+    TooSlowError: (408, "timeout"),
+    TooLargeError: (413, "too-large"),
+    MediaTypeError: (415, "media-type"),
+    TimeRangeError: (422, "time-range"),
+    RequestError: (422, "request"),
+    SettingsError: (422, "request"),
+    LimitError: (422, "limit"),
+    BusyError: (429, "busy"),
+    BankError: (500, "failure"),
+    NotReadyError: (503, "not-ready"),
+    MotionError: (422, "clip"),
+}
 
 
 class Problem(BaseModel):
     """What went wrong, and what to do about it."""
 
-    type: str
-    title: str
-    status: int
-    detail: str
+    type: str = Field(examples=[URN + "unknown-clip"])
+    title: str = Field(examples=["Not Found"])
+    status: int = Field(examples=[404])
+    detail: str = Field(examples=["the bank has no clip 'wlak'. Did you mean 'walk'?"])
+    request_id: str = Field(examples=["5f3a9c0e"], description="Under which the service's log has it")
 
 
-def install(app: FastAPI) -> None:
-    """Makes the app answer every error with a problem."""
-    app.add_exception_handler(MotionError, _motion_problem)
-    app.add_exception_handler(RequestValidationError, _request_problem)
-    app.add_exception_handler(HTTPException, _http_problem)
-    app.add_exception_handler(Exception, _defect)
+def told(error: MotionError) -> tuple[int, str]:
+    """The status and the kind of an error."""
+    return next(PROBLEMS[kind] for kind in type(error).__mro__ if kind in PROBLEMS)
 
 
-def answer(kind: str, status: int, detail: str, headers: Mapping[str, str] | None = None) -> JSONResponse:
-    """A problem as a response."""
-    problem = Problem(type=f"about:blank#{kind}", title=HTTPStatus(status).phrase, status=status, detail=detail)
-    return JSONResponse(problem.model_dump(), status, headers, media_type="application/problem+json")
-
-
-async def _motion_problem(_: Request, error: Exception) -> JSONResponse:
-    status = HTTPStatus.NOT_FOUND if isinstance(error, UnknownClipError) else HTTPStatus.UNPROCESSABLE_ENTITY
-    return answer(type(error).__name__, status, str(error))
-
-
-async def _request_problem(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RequestValidationError)
-    wrong = [f"{'.'.join(map(str, one['loc'][1:]))}: {one['msg']}" for one in error.errors()]
-    return answer("RequestError", HTTPStatus.UNPROCESSABLE_ENTITY, "; ".join(wrong))
-
-
-async def _http_problem(_: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, HTTPException)
-    return answer("HTTPError", error.status_code, str(error.detail), error.headers)
-
-
-async def _defect(_: Request, __: Exception) -> JSONResponse:
-    """What no client caused; the server logs it."""
-    detail = "the service failed; its log says how"
-    return answer("ServiceError", HTTPStatus.INTERNAL_SERVER_ERROR, detail)
+def problem(status: int, kind: str, detail: str, request_id: str) -> bytes:
+    """A problem as JSON."""
+    return orjson.dumps(
+        {
+            "type": URN + kind,
+            "title": HTTPStatus(status).phrase,
+            "status": status,
+            "detail": detail,
+            "request_id": request_id,
+        }
+    )

@@ -1,102 +1,115 @@
-"""The HTTP interface to a bank. Every handler runs on the event loop, which alone uses the evaluator."""
+"""What the service tells of itself and its bank. Nothing here is asked for once a tick, so FastAPI does the work."""
 
 from __future__ import annotations
 
-import asyncio
-from typing import Annotated, Any
+import os
+from typing import Annotated, Any, Literal
 
-import numpy as np
-from fastapi import APIRouter, Path, Query, Response
-from fastapi.responses import StreamingResponse
+from fastapi import APIRouter, Depends, Path, Query, Request, Response
+from fastapi.responses import FileResponse
 
-from runtime.bank import Bank
-from service.models import BankInfo, ClipInfo, Pose, PoseRequest, StreamRequest
-from service.readiness import Readiness
-from service.settings import Settings
-from service.stream import MEDIA_TYPES, Clock, frame_times, messages
+from motion.errors import did_you_mean
+from service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
+from service.problems import MEDIA_TYPE, RequestError, UnknownBankError
+from service.serving import NotReadyError
+from service.shared import Shared
+from service.wire.axes import AXES
 
 Responses = dict[int | str, dict[str, Any]]
+OCTETS = {"type": "string", "format": "binary"}
 
 
-def _problem(status: int, description: str) -> Responses:
+def problem_response(status: int, description: str) -> Responses:
+    """How the schema tells of a problem."""
     schema = {"$ref": "#/components/schemas/Problem"}
-    return {status: {"description": description, "content": {"application/problem+json": {"schema": schema}}}}
+    return {status: {"description": description, "content": {MEDIA_TYPE: {"schema": schema}}}}
 
 
-UNKNOWN = _problem(404, "Unknown clip; the near names are suggested")
-REFUSED = _problem(422, "A time, method or number that means nothing")
-NOT_READY = _problem(503, "Kernels are still being compiled")
+UNKNOWN = problem_response(404, "Unknown clip, table or bank; the near names are suggested")
+REFUSED = problem_response(422, "A parameter that is unknown, missing or means nothing")
+NOT_READY = problem_response(503, "Kernels are still being compiled")
 
 
-def bank_routes(bank: Bank, settings: Settings, readiness: Readiness) -> APIRouter:
-    """Routes below /v1: what is in the bank, poses and streams."""
-    router = APIRouter(prefix="/v1")
+def only_known_parameters(request: Request) -> None:
+    """Refuses what FastAPI would pass over: a misspelt parameter. Raises RequestError."""
+    known = [field.alias for field in request.scope["route"].dependant.query_params]
+    for name in request.query_params:
+        if name not in known:
+            mend = did_you_mean(name[:40], known) if known else "It takes none"
+            raise RequestError(f"there is no parameter {name[:40]!r}", mend=mend)
 
-    @router.get("/bank", tags=["bank"], summary="The bank and its skeleton")
+
+def bank_routes(shared: Shared) -> APIRouter:
+    """Routes below /v1 that tell what there is."""
+    router = APIRouter(prefix="/v1", tags=["bank"], dependencies=[Depends(only_known_parameters)])
+    serving = shared.serving
+
+    @router.get("/server", summary="The service", tags=["service"])
+    async def get_server() -> ServerInfo:
+        """What it serves, in which axes and encodings, and its limits."""
+        return ServerInfo.of(serving.bank, shared.settings, ready=serving.ready)
+
+    @router.get("/bank", summary="The bank")
     async def get_bank() -> BankInfo:
-        """Its digest, and the joints in the order in which all rotations come."""
-        return BankInfo.of(bank)
+        """Its digest, under which everything can be cached, and its tables."""
+        return BankInfo.of(serving.bank)
 
-    @router.get("/clips", tags=["bank"], summary="All clips")
+    @router.get("/skeleton", summary="The skeleton", responses=REFUSED)
+    async def get_skeleton(
+        axes: Annotated[Literal["gltf", "unity", "unreal", "godot"], Query(description="Axes of the offsets")] = "gltf",
+    ) -> SkeletonInfo:
+        """Joints in the order in which all rotations come, and which of them is which."""
+        return SkeletonInfo.of(serving.bank, AXES[axes])
+
+    @router.get("/clips", summary="All clips")
     async def get_clips() -> list[ClipInfo]:
         """What can be spliced, and how well each clip is aligned to the baseline."""
-        return [ClipInfo.of(bank, clip) for clip in bank.clips]
+        return [ClipInfo.of(serving.bank, clip) for clip in serving.bank.clips]
 
-    @router.get("/clips/{name}", tags=["bank"], summary="One clip", responses={**UNKNOWN, **REFUSED})
+    @router.get("/clips/{name}", summary="One clip", responses={**UNKNOWN, **REFUSED})
     async def get_clip(name: Annotated[str, Path(description="A clip's name, as in the list of all")]) -> ClipInfo:
         """One entry of the list of all clips."""
-        return ClipInfo.of(bank, bank.clip(name))
-
-    @router.get("/pose", tags=["motion"], summary="One pose of a splice", responses={**UNKNOWN, **REFUSED, **NOT_READY})
-    async def get_pose(request: Annotated[PoseRequest, Query()]) -> Pose:
-        """The splice at one moment, computed alone: it costs the same at the end of a clip as at its start."""
-        evaluator = readiness.evaluator()
-        poses = evaluator.pose(
-            request.locomotion,
-            request.time,
-            request.action,
-            start=request.start,
-            method=request.method,
-            posture=request.posture,
-        )
-        world = None
-        if request.world:
-            positions = np.empty((1, bank.skeleton.joint_count, 3), np.float32)
-            evaluator.world_positions(poses, positions)
-            world = positions[0].tolist()
-        return Pose(
-            locomotion=request.locomotion,
-            action=request.action,
-            time=request.time,
-            root_position=poses.root_positions[0].tolist(),
-            rotations=poses.rotations[0].tolist(),
-            world_positions=world,
-        )
+        return ClipInfo.of(serving.bank, serving.bank.clip(name))
 
     @router.get(
-        "/splice",
-        tags=["motion"],
-        summary="A whole splice as a stream of frames",
-        response_class=StreamingResponse,
-        responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}, **UNKNOWN, **REFUSED, **NOT_READY},
+        "/manifest",
+        summary="The bank's manifest",
+        response_class=Response,
+        responses={200: {"description": "The file", "content": {"application/msgpack": {"schema": OCTETS}}}},
     )
-    async def get_splice(request: Annotated[StreamRequest, Query()]) -> StreamingResponse:
-        """A header, then one message a frame.
+    async def get_manifest() -> Response:
+        """The file `manifest.msgpack` as docs/bank.md describes it."""
+        return Response(serving.bank.manifest.data, media_type="application/msgpack")
 
-        For engines each message is its length, four bytes big-endian, and that many bytes of a MessagePack map; with
-        `format=json` it is a line of JSON. docs/protocol.md describes the bytes.
-        """
-        evaluator = readiness.evaluator()
-        times = frame_times(evaluator, request, settings.max_frames)
-        clock = Clock(asyncio.get_running_loop().time, asyncio.sleep)
-        return StreamingResponse(messages(evaluator, request, times, clock), media_type=MEDIA_TYPES[request.format])
+    @router.get(
+        "/tables/{name}",
+        summary="A table of the bank",
+        response_class=FileResponse,
+        responses={
+            200: {"description": "The .npy file", "content": {"application/octet-stream": {"schema": OCTETS}}},
+            206: {"description": "A range of it", "content": {"application/octet-stream": {"schema": OCTETS}}},
+            416: {"description": "A range outside the file"},
+            **UNKNOWN,
+            **REFUSED,
+        },
+    )
+    async def get_table(name: Annotated[str, Path(description="A table's name, as the bank tells it")]) -> FileResponse:
+        """A `.npy` file; `Range` is understood."""
+        files = serving.bank.files
+        if name not in files:
+            raise UnknownBankError(f"the bank has no table {name!r:.40}", mend=did_you_mean(name[:40], files))
+        try:
+            found = os.stat(files[name])
+        except FileNotFoundError:
+            raise UnknownBankError("the table is no longer on disk", mend="Ask for the newest bank") from None
+        return FileResponse(files[name], media_type="application/octet-stream", stat_result=found)
 
     return router
 
 
-def health_routes(readiness: Readiness) -> APIRouter:
-    """Liveness and readiness, for whatever watches the process."""
-    router = APIRouter(tags=["health"])
+def health_routes(shared: Shared) -> APIRouter:
+    """Liveness, readiness and numbers, for whatever watches the process."""
+    router = APIRouter(tags=["service"])
 
     @router.get("/healthz", summary="Is the process alive?", status_code=204, response_class=Response)
     async def get_health() -> Response:
@@ -104,11 +117,24 @@ def health_routes(readiness: Readiness) -> APIRouter:
         return Response(status_code=204)
 
     @router.get(
-        "/readyz", summary="Are the kernels warm?", status_code=204, response_class=Response, responses={**NOT_READY}
+        "/readyz", summary="Are the kernels warm?", status_code=204, response_class=Response, responses=NOT_READY
     )
     async def get_readiness() -> Response:
-        """Poses and streams are served from then on."""
-        readiness.evaluator()
+        """Poses and streams are served from then on, until the service is told to stop."""
+        if shared.stopping.is_set():
+            raise NotReadyError("the service is stopping")
+        _ = shared.serving.edition
         return Response(status_code=204)
+
+    @router.get(
+        "/metrics",
+        summary="Numbers for Prometheus",
+        response_class=Response,
+        responses={200: {"description": "In Prometheus' text format", "content": {"text/plain": {}}}},
+    )
+    async def get_metrics() -> Response:
+        """Frames sent and skipped, lateness of ticks, evaluation time, connections, requests (docs/operation.md)."""
+        body, media_type = shared.metrics.render()
+        return Response(body, headers={"content-type": media_type})
 
     return router

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from motion.errors import MotionError
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
+from runtime.in_step import WaysBack
+from service.wire.encoding import warm as warm_encoding
 
 logger = logging.getLogger(__name__)
 
@@ -24,13 +26,15 @@ class Edition:
 
     bank: Bank
     evaluator: Evaluator
+    ways_back: WaysBack
 
     @classmethod
     def warm(cls, bank: Bank) -> Edition:
         """Compiles the kernels, or loads them: seconds the first time."""
         evaluator = Evaluator(bank)
         evaluator.warm()
-        return cls(bank, evaluator)
+        warm_encoding()
+        return cls(bank, evaluator, WaysBack.of(bank))
 
 
 class Serving:
@@ -46,7 +50,7 @@ class Serving:
         self._lacking = "the kernels are still being compiled"
 
     async def warm(self) -> None:
-        """Warms the first edition in a thread, so that the event loop goes on. A failure is logged, and stays unready."""
+        """Warms the first edition in a thread, so that the event loop goes on. If that fails, it stays unready."""
         try:
             edition = await asyncio.to_thread(Edition.warm, self.bank)
         except Exception:
@@ -54,6 +58,11 @@ class Serving:
             logger.exception("kernels could not be compiled, so no pose will be served")
         else:
             self.exchange(edition)
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is an edition."""
+        return self._edition is not None
 
     @property
     def edition(self) -> Edition:

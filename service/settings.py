@@ -19,34 +19,49 @@ class Settings(BaseSettings):
 
     model_config = SettingsConfigDict(env_prefix=PREFIX, extra="forbid")
 
-    host: str = Field("127.0.0.1", description="Address to listen on")
-    port: int = Field(8000, ge=0, le=65535, description="Port; 0 takes a free one")
-    workers: int = Field(1, ge=1, le=256, description="Processes that share the port and the mapped bank")
-    watch: bool = Field(False, description="Exchange the bank when a new one is written in its place")
-    clips: Path | None = Field(None, description="Folder that uploaded clips are put into; none: no uploads")
-    token: SecretStr | None = Field(None, min_length=8, description="What clients must know; none: all are answered")
+    host: str = Field(default="127.0.0.1", description="Address to listen on")
+    port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 takes a free one")
+    workers: int = Field(default=1, ge=1, le=256, description="Processes that share the port and the mapped bank")
+    watch: bool = Field(default=False, description="Exchange the bank when a new one is written in its place")
+    clips: Path | None = Field(default=None, description="Folder that uploaded clips are put into; none: no uploads")
+    token: SecretStr | None = Field(
+        default=None, min_length=8, description="What clients must know; none: all are answered"
+    )
     origins: Annotated[tuple[str, ...], NoDecode] = Field(
-        (), description="Web origins whose pages may ask, comma-separated; * for all"
+        default=(), description="Web origins whose pages may ask, comma-separated; * for all"
     )
 
-    max_header: int = Field(16 * 1024, ge=1024, description="Bytes of a request's line and headers")
-    max_body: int = Field(4 * 2**20, ge=1024, description="Bytes of a batch of poses")
-    max_upload: int = Field(256 * 2**20, ge=1024, description="Bytes of an uploaded clip")
-    max_message: int = Field(64 * 1024, ge=1024, description="Bytes of a command over a WebSocket")
-    max_batch: int = Field(10_000, ge=1, description="Characters in a batch of poses")
-    max_characters: int = Field(10_000, ge=1, description="Characters of one WebSocket")
-    max_frames: int = Field(20_000, ge=1, description="Frames of one splice; of a stream a hundred times as many")
-    max_rate: float = Field(120.0, ge=1.0, le=1000.0, description="Frames per second of a WebSocket or a paced stream")
-    max_ahead: int = Field(120, ge=1, le=1000, description="Frames in one message")
-    max_commands: float = Field(200.0, ge=1.0, description="Messages per second of one WebSocket; more have to wait")
-    max_streams: int = Field(256, ge=1, description="Streams and WebSockets at once, in each process")
-    max_connections: int = Field(4096, ge=1, description="Connections at once, in each process")
-    max_connections_per_address: int = Field(512, ge=1, description="Connections at once of one address, in each process")
+    max_header: int = Field(default=16 * 1024, ge=1024, description="Bytes of a request's line and headers")
+    max_body: int = Field(default=4 * 2**20, ge=1024, description="Bytes of a batch of poses")
+    max_upload: int = Field(default=256 * 2**20, ge=1024, description="Bytes of an uploaded clip")
+    max_message: int = Field(default=64 * 1024, ge=1024, description="Bytes of a command over a WebSocket")
+    max_batch: int = Field(default=10_000, ge=1, description="Characters in a batch of poses")
+    max_characters: int = Field(default=10_000, ge=1, description="Characters of one WebSocket")
+    max_frames: int = Field(
+        default=20_000, ge=1, description="Frames of one splice; of a stream a hundred times as many"
+    )
+    max_rate: float = Field(
+        default=120.0, ge=1.0, le=1000.0, description="Frames per second of a WebSocket or a paced stream"
+    )
+    max_ahead: int = Field(default=120, ge=1, le=1000, description="Frames in one message")
+    max_commands: float = Field(
+        default=1000.0, ge=1.0, description="Commands per second of one WebSocket; more have to wait"
+    )
+    max_load: float = Field(
+        default=600_000.0, ge=1.0, description="Characters per second of all WebSockets, in each process"
+    )
+    max_streams: int = Field(default=256, ge=1, description="Streams and WebSockets at once, in each process")
+    max_connections: int = Field(default=4096, ge=1, description="Connections at once, in each process")
+    max_connections_per_address: int = Field(
+        default=512, ge=1, description="Connections at once of one address, in each process"
+    )
 
-    request_seconds: SECOND = Field(10.0, description="In which a request must have arrived")
-    idle_seconds: SECOND = Field(60.0, description="After which a connection that is not used is closed")
-    stall_seconds: SECOND = Field(8.0, description="After which a client that reads nothing is cut off")
-    stop_seconds: SECOND = Field(3.0, description="That streams have to end in when the service is told to stop")
+    request_seconds: SECOND = Field(default=10.0, description="In which a request must have arrived")
+    idle_seconds: SECOND = Field(default=60.0, description="After which a connection that is not used is closed")
+    stall_seconds: SECOND = Field(default=8.0, description="After which a client that reads nothing is cut off")
+    stop_seconds: SECOND = Field(
+        default=3.0, description="That streams have to end in when the service is told to stop"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -57,7 +57,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         )
         row += rows
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
-    manifest = Manifest("", skeleton, roles, baseline, tuple(entries), dict.fromkeys(TABLES, ""))
+    manifest = Manifest(b"", "", skeleton, roles, baseline, tuple(entries), dict.fromkeys(TABLES, ""))
     arrays: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(np.concatenate(tables[name]), kind) for name, (kind, _) in TABLES.items()
     }

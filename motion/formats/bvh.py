@@ -25,6 +25,7 @@ from motion.quaternion import Floats
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
 BLOCK = 256  # frames whose angles stay in a core's cache while they become rotations
+PIECE = 64  # frames that are written at once
 CUT_SHORT = "The file may be cut short: export it again"
 
 
@@ -233,17 +234,25 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
 
 def dump(clip: Clip, unit: float = 1.0) -> bytes:
     """A clip as BVH: ZXY Euler channels in degrees, lengths in `unit` metres, joints in depth-first order."""
+    return b"".join(pieces(clip, unit))
+
+
+def pieces(clip: Clip, unit: float = 1.0) -> Iterator[bytes]:
+    """What `dump` gives, in pieces that each take a millisecond or two to make."""
     from scipy.spatial.transform import Rotation  # half a second, which those who only read need not wait
 
     order, text = _write_hierarchy(clip, unit)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # in gimbal lock SciPy sets one of the angles to 0, which is right
-        turns = Rotation.from_quat(clip.rotations[:, order].reshape(-1, 4)).as_euler("ZXY", degrees=True)
-    values = np.concatenate([clip.root_positions / unit, turns.reshape(clip.frame_count, -1)], axis=1)
-    line = " ".join(["%.6f"] * values.shape[1])
-    frames = [line % tuple(row) for row in values.tolist()]
-    header = ["MOTION", f"Frames: {clip.frame_count}", f"Frame Time: {1.0 / clip.rate:.9g}"]
-    return ("\n".join([*text, *header, *frames]) + "\n").encode()
+    header = ["MOTION", f"Frames: {clip.frame_count}", f"Frame Time: {1.0 / clip.rate:.9g}", ""]
+    yield "\n".join([*text, *header]).encode()
+    line = " ".join(["%.6f"] * (3 + 3 * len(order))) + "\n"
+    for first in range(0, clip.frame_count, PIECE):
+        frames = slice(first, first + PIECE)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # in gimbal lock SciPy sets one angle to 0, which is right
+            turns = Rotation.from_quat(clip.rotations[frames, order].reshape(-1, 4)).as_euler("ZXY", degrees=True)
+        places = clip.root_positions[frames] / unit
+        values = np.concatenate([places, turns.reshape(len(places), -1)], axis=1)
+        yield "".join([line % tuple(row) for row in values.tolist()]).encode()
 
 
 def _write_hierarchy(clip: Clip, unit: float) -> tuple[list[int], list[str]]:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from runtime import kernels
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.in_step import WayBack, action_phase, cycles_to, phase_at
+from runtime.in_step import WaysBack, action_phase, cycles_to, phase_at
 from runtime.requests import Requests
 
 
@@ -17,7 +17,7 @@ def shown(bank: Bank, locomotion: int, time: float, action: int, cycles: int) ->
     requests, frames = Requests.empty(1), np.empty(1)
     requests.locomotion[:], requests.action[:], requests.cycles[:] = locomotion, action, cycles
     requests.time[:] = time
-    kernels.action_frames(Evaluator(bank)._arrays, requests.records, frames)
+    kernels.action_frames(Evaluator(bank).arrays, requests.records, frames)
     return float(frames[0])
 
 
@@ -27,14 +27,13 @@ def test_an_action_begins_at_a_moment_or_less_than_a_cycle_after(
 ) -> None:
     locomotion, action = (data.draw(st.integers(0, len(bank.clips) - 1)) for _ in range(2))
     entry_l, entry_u = bank.clips[locomotion], bank.clips[action]
-    time, begin = share * entry_l.duration, start * entry_u.duration
-    wanted = phase_at(bank, action, begin)
-    cycles = cycles_to(bank, locomotion, time, action, wanted)
-    phase = action_phase(bank, locomotion, time, action, cycles)
+    arrays, time, begin = Evaluator(bank).arrays, share * entry_l.duration, start * entry_u.duration
+    wanted = phase_at(arrays, action, begin)
+    cycles = int(cycles_to(arrays, locomotion, time, action, wanted))
+    phase = action_phase(arrays, locomotion, time, action, cycles)
     assert wanted - 0.0011 <= phase < wanted + 0.9991
-    assert (phase - phase_at(bank, locomotion, time)) % 1.0 == pytest.approx(0.0, abs=1e-9) or (
-        phase - phase_at(bank, locomotion, time)
-    ) % 1.0 == pytest.approx(1.0, abs=1e-9)
+    ahead = phase - phase_at(arrays, locomotion, time)
+    assert ahead == pytest.approx(np.round(ahead), abs=1e-9)
     if phase <= entry_u.last_phase:
         rows = slice(entry_u.first_row, entry_u.first_row + entry_u.row_count)
         own = bank.tables["phase_of_frame"][rows]
@@ -45,10 +44,21 @@ def test_an_action_begins_at_a_moment_or_less_than_a_cycle_after(
 def test_a_locomotion_goes_back_to_a_moment_that_is_like_its_end(bank: Bank) -> None:
     looping = [number for number, clip in enumerate(bank.clips) if clip.loop]
     assert looping
+    arrays, ways = Evaluator(bank).arrays, WaysBack.of(bank)
     for number in looping:
-        clip, way = bank.clips[number], WayBack.of(bank, number)
-        assert 0.0 <= way.time < clip.duration
-        assert phase_at(bank, number, clip.duration) - phase_at(bank, number, way.time) == pytest.approx(way.cycles)
+        clip, time = bank.clips[number], ways.times[number]
+        assert 0.0 <= time < clip.duration
+        strides = phase_at(arrays, number, clip.duration) - phase_at(arrays, number, time)
+        assert strides == pytest.approx(ways.cycles[number])
         motion = bank.motion(clip.name)
-        there, end = motion.sampled([way.time * clip.rate])[1][0, 1:], motion.rotations[-1, 1:]  # but for the heading
+        there, end = motion.sampled([time * clip.rate])[1][0, 1:], motion.rotations[-1, 1:]  # but for the heading
         assert (np.abs(np.sum(there * end, axis=-1)) > np.cos(np.radians(20.0))).all(), clip.name
+
+
+def test_many_characters_are_each_of_them_alone(bank: Bank) -> None:
+    arrays, draw = Evaluator(bank).arrays, np.random.default_rng(0)
+    locomotion, action = draw.integers(0, len(bank.clips), (2, 50))
+    time, phase = draw.uniform(-1.0, 6.0, 50), draw.uniform(0.0, 5.0, 50)
+    together = cycles_to(arrays, locomotion, time, action, phase)
+    alone = [int(cycles_to(arrays, *one)) for one in zip(locomotion, time, action, phase, strict=True)]
+    assert together.tolist() == alone

@@ -1,0 +1,27 @@
+"""Requests and answers of the direct route, on which nothing is made that an answer does not need."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Any, NamedTuple
+
+Scope = dict[str, Any]
+Receive = Callable[[], Awaitable[dict[str, Any]]]
+Send = Callable[[dict[str, Any]], Awaitable[None]]
+Headers = list[tuple[bytes, bytes]]
+
+
+class Answer(NamedTuple):
+    """A whole response."""
+
+    body: bytes
+    media_type: bytes
+    status: int = 200
+    headers: Headers = []  # noqa: RUF012  # a NamedTuple's default, which nobody appends to
+
+    async def send(self, send: Send, more: Headers) -> None:
+        """Sends it, with more headers."""
+        length = str(len(self.body)).encode()
+        headers = [(b"content-type", self.media_type), (b"content-length", length), *self.headers, *more]
+        await send({"type": "http.response.start", "status": self.status, "headers": headers})
+        await send({"type": "http.response.body", "body": self.body})

@@ -1,0 +1,98 @@
+"""GET /v1/splice: a whole splice, or a range of its frames, in one piece that any cache can keep."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+
+import numpy as np
+import orjson
+
+from motion.clip import Clip
+from motion.formats.bvh import pieces
+from service.answers.answer import Answer
+from service.answers.frames import BLOCK, WHICH, Frames
+from service.problems import RequestError
+from service.shared import Shared
+from service.wire.encoding import Arrays, Encoding
+from service.wire.messages import MEDIA_TYPES, json, packed
+from service.wire.parameters import HOW, WHAT, encoding, format_parameter
+from service.wire.query import Query
+
+BVH = b"application/x-bvh"
+JSON_BLOCK = 64
+SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", "bvh"))
+
+
+async def splice(shared: Shared, query: bytes) -> Answer:
+    """The frames as one map, or as a BVH file. Raises MotionError."""
+    values = SPLICE.read(query)
+    frames = Frames.asked(shared.serving.edition, values, shared.settings.max_frames)
+    how, stream = encoding(values), object()
+    if values["format"] == "bvh":
+        if not how.axes.ours or how.parts != "local":
+            raise RequestError("BVH has local rotations in the axes gltf", mend="Leave axes and parts out")
+        write = _bvh(frames)
+    else:
+        write = _json(frames, how) if values["format"] == "json" else _msgpack(frames, how)
+    shared.admit(stream)
+    try:
+        written = []
+        for piece in write:
+            written.append(piece)
+            await asyncio.sleep(0)
+    finally:
+        shared.streams.discard(stream)
+    if values["format"] == "bvh":
+        name = f'attachment; filename="{_file_name(values)}.bvh"'.encode()
+        return Answer(b"".join(written), BVH, headers=[(b"content-disposition", name)])
+    return Answer(b"".join(written), MEDIA_TYPES[values["format"]].encode())
+
+
+def _told(frames: Frames) -> dict[str, str | int | float]:
+    return {
+        "bank": frames.edition.bank.digest,
+        "frame": frames.first,
+        "count": frames.count,
+        "rate": frames.rate,
+    }
+
+
+def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:
+    blocks: list[Arrays] = []
+    for _, poses in frames.blocks(BLOCK):
+        blocks.append(how.arrays(frames.evaluator, poses))
+        yield b""
+    yield packed(_told(frames), {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]})
+
+
+def _json(frames: Frames, how: Encoding) -> Iterator[bytes]:
+    """JSON one array after the other, each in small pieces."""
+    blocks = []
+    for _, poses in frames.blocks(JSON_BLOCK):
+        blocks.append(how.arrays(frames.evaluator, poses))
+        yield b""
+    yield json(_told(frames), {})[:-1]
+    for name in blocks[0]:
+        yield b"," + orjson.dumps(name) + b":["
+        for number, block in enumerate(blocks):
+            rows = np.ascontiguousarray(block[name])
+            yield (b"," if number else b"") + orjson.dumps(rows, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]
+        yield b"]"
+    yield b"}"
+
+
+def _bvh(frames: Frames) -> Iterator[bytes]:
+    roots, rotations = [], []
+    for _, poses in frames.blocks(BLOCK):
+        roots.append(poses.root_positions)
+        rotations.append(poses.rotations)
+        yield b""
+    skeleton = frames.edition.bank.skeleton
+    places, turns = (np.concatenate(one).astype(np.float64) for one in (roots, rotations))
+    yield from pieces(Clip("splice", skeleton, frames.rate, places, turns))
+
+
+def _file_name(values: dict[str, str | None]) -> str:
+    name = f"{values['locomotion']}+{values['action']}" if values["action"] else str(values["locomotion"])
+    return "".join(one if one.isascii() and (one.isalnum() or one in "+-_.") else "_" for one in name)

@@ -1,0 +1,256 @@
+"""All WebSockets of a process: one clock, and one evaluation for all whose frames are due."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from runtime.requests import Memory, Requests
+from service.admission import SUBPROTOCOL
+from service.answers.answer import Receive, Scope, Send
+from service.characters.commands import Command
+from service.characters.connection import FAILED, RESTART, Connection, Play
+from service.characters.scene import Scene
+from service.problems import BusyError, LimitError
+from service.serving import Edition
+from service.shared import Shared
+from service.wire.encoding import Arrays, Encoding
+from service.wire.messages import packed
+from service.wire.parameters import HOW, encoding
+from service.wire.query import Query, integer, number
+
+logger = logging.getLogger(__name__)
+
+CHARACTERS = Query(
+    number("rate", "frames per second", 60.0, least=1.0, most=1000.0),
+    integer("ahead", "frames in a message", 1, least=1, most=1000),
+    *HOW,
+)
+EARLY = 0.0005  # seconds before it is due at which a frame is made: as exact as the event loop's timers are
+
+
+class Hub:
+    """The connections, and the clock that makes their frames."""
+
+    def __init__(self, shared: Shared) -> None:
+        self.connections: set[Connection] = set()
+        self._shared = shared
+        self._changed = asyncio.Event()
+        shared.serving.listeners.append(self._exchange)
+
+    async def serve(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """One WebSocket, from its handshake to its end. Raises MotionError before it is accepted."""
+        values, loop = CHARACTERS.read(scope["query_string"]), asyncio.get_running_loop()
+        edition, how, rate = self._shared.serving.edition, encoding(values), values["rate"]
+        scene = Scene(edition, rate, self._shared.settings.max_characters)
+        play = Play(scene, 0, _next_tick(loop.time(), rate), rate, values["ahead"])
+        self._check(play, 0.0)
+        connection = Connection(play, how, self._shared.settings, self._shared.metrics)
+        self._shared.admit(connection)
+        sending = receiving = None
+        try:
+            with self._shared.metrics.connection("characters"):
+                await receive()
+                offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
+                await send({"type": "websocket.accept", "subprotocol": offered})
+                connection.tell("welcome", **self._welcome(play, how))
+                self.connections.add(connection)
+                self._changed.set()
+                sending = asyncio.create_task(connection.send(send))
+                receiving = asyncio.create_task(connection.receive(receive, self._do))
+                await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
+                if connection.is_closing:
+                    await asyncio.wait((sending,))
+        finally:
+            self.connections.discard(connection)
+            self._shared.streams.discard(connection)
+            tasks = [task for task in (sending, receiving) if task is not None]
+            for task in tasks:
+                task.cancel()
+            for result in await asyncio.gather(*tasks, return_exceptions=True):
+                if isinstance(result, Exception) and not isinstance(result, OSError):  # which is that the client went
+                    logger.error("a connection failed", exc_info=result)
+
+    async def stop(self) -> None:
+        """Tells all clients that the service stops, and waits until they know."""
+        for connection in self.connections:
+            connection.tell("bye", reason="the service stops")
+            connection.close(RESTART, "the service stops")
+        end = asyncio.get_running_loop().time() + self._shared.settings.stop_seconds
+        while self.connections and asyncio.get_running_loop().time() < end:
+            await asyncio.sleep(0.01)
+
+    async def run(self) -> None:
+        """The clock: makes frames when they are due, for as long as the service lives."""
+        loop = asyncio.get_running_loop()
+        while True:
+            due = min((one.wanted for one in self.connections), default=math.inf)
+            if due <= loop.time() + EARLY:
+                self._tick(loop.time())
+                await asyncio.sleep(0)
+                continue
+            self._changed.clear()
+            alarm = loop.call_at(due, self._changed.set) if due < math.inf else None
+            await self._changed.wait()
+            if alarm is not None:
+                alarm.cancel()
+
+    def _tick(self, now: float) -> None:
+        groups: dict[tuple[Edition, float, int, Encoding], list[Connection]] = {}
+        first = now
+        for one in self.connections:
+            if one.wanted <= now + EARLY and not one.is_closing:
+                first = min(first, one.wanted)
+                self._shared.metrics.frames_skipped.inc(_catch_up(one, now))
+                play = one.play
+                if len(play.scene):
+                    groups.setdefault((play.scene.edition, play.rate, play.ahead, one.encoding), []).append(one)
+                else:
+                    one.play, one.sent = play.after(play.ahead), None
+                    one.wanted = one.play.due
+            elif one.is_closing:
+                one.wanted = math.inf
+        self._shared.metrics.tick_lateness.observe(now - first)
+        for (edition, rate, ahead, how), group in groups.items():
+            try:
+                self._make(edition, rate, ahead, how, group)
+            except Exception:
+                logger.exception("frames could not be made")
+                for one in group:
+                    one.close(FAILED, "the service failed; its log says how")
+
+    def _make(self, edition: Edition, rate: float, ahead: int, how: Encoding, group: list[Connection]) -> None:
+        """Makes a message of `ahead` frames for each of a group, and advances their scenes."""
+        scenes = [one.play.scene for one in group]
+        if ahead > 1:
+            for one in group:
+                one.sent = replace(one.play, scene=one.play.scene.copy())
+        ends = np.cumsum([len(scene) for scene in scenes]).tolist()
+        frames: list[Arrays] = []
+        for later in range(ahead):
+            frames.append(self._evaluate(edition, scenes, how))
+            for one in group:
+                for ended in one.play.scene.advance(1.0 / rate):
+                    one.tell("ended", id=ended, frame=one.play.frame + later + 1)
+        wall, loop = time.time(), asyncio.get_running_loop().time()
+        for one, first, end in zip(group, [0, *ends], ends, strict=False):
+            play = one.play
+            told = {
+                "bank": edition.bank.digest,
+                "frame": play.frame,
+                "count": ahead,
+                "rate": rate,
+                "time": wall + play.due - loop,
+            }
+            arrays = {name: _stacked([frame[name][first:end] for frame in frames]) for name in frames[0]}
+            one.show(ahead, packed(told, {"ids": play.scene.ids, **arrays}))
+            one.play = play.after(ahead)
+            one.wanted = one.play.due
+
+    def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
+        """All characters of some scenes, as arrays [n, ...]."""
+        began = time.perf_counter()
+        if len(scenes) == 1:
+            requests, memory = scenes[0].requests, scenes[0].memory
+        else:
+            requests = Requests(np.concatenate([scene.requests.records for scene in scenes]))
+            memory = Memory(np.concatenate([scene.memory.state for scene in scenes]), scenes[0].memory.share)
+        poses = edition.evaluator.poses(len(requests))
+        edition.evaluator.evaluate(requests, poses, memory)
+        if len(scenes) > 1:
+            first = 0
+            for scene in scenes:
+                scene.memory.state[:] = memory.state[first : first + len(scene)]
+                first += len(scene)
+        arrays = how.arrays(edition.evaluator, poses)
+        self._shared.metrics.evaluation.observe(time.perf_counter() - began)
+        return arrays
+
+    def _do(self, connection: Connection, commands: list[Command]) -> None:
+        """Does the commands of a message, or none of them. Raises MotionError."""
+        now = asyncio.get_running_loop().time()
+        play = connection.rewound(now)
+        for command in commands:
+            if command.do == "set":
+                rate, ahead = command.values.get("rate", play.rate), command.values.get("ahead", play.ahead)
+                due = play.due if rate == play.rate else _next_tick(now, rate)
+                play = replace(play, rate=float(rate), ahead=ahead, due=due)
+                play.scene.keep_time(play.rate)
+            else:
+                play.scene.do(command)
+        self._check(play, connection.play.load)
+        connection.change(play, now)
+        if play.scene.edition is not self._shared.serving.edition:
+            self._move(connection, self._shared.serving.edition, now)
+        self._changed.set()
+
+    def _check(self, play: Play, load: float) -> None:
+        """Refuses what is too much for a message, a client or all of them. Raises LimitError or BusyError."""
+        settings = self._shared.settings
+        for name, given, most in (("rate", play.rate, settings.max_rate), ("ahead", play.ahead, settings.max_ahead)):
+            if given > most:
+                raise LimitError(f"{name}: {given:g} is more than {most:g}", mend="Ask for less")
+        if play.ahead * len(play.scene) > settings.max_characters:
+            problem = f"{len(play.scene)} characters for {play.ahead} frames are more than one message may hold"
+            raise LimitError(problem, mend=f"Characters times frames should be at most {settings.max_characters}")
+        total = sum(one.play.load for one in self.connections) - load + play.load
+        if play.load > load and total > settings.max_load:
+            problem = f"this process evaluates at most {settings.max_load:g} characters a second"
+            raise BusyError(problem, mend="Ask for fewer characters or a lower rate, or ask another process")
+
+    def _exchange(self, edition: Edition) -> None:
+        now = asyncio.get_running_loop().time()
+        for connection in self.connections:
+            self._move(connection, edition, now)
+
+    def _move(self, connection: Connection, edition: Edition, now: float) -> None:
+        """Moves a connection over to another edition from its next frame on, if that has all clips that it plays."""
+        play = connection.rewound(now)
+        if gone := play.scene.missing(edition):
+            connection.tell("kept", bank=edition.bank.digest, gone=gone)
+            return
+        play.scene.move(edition)
+        connection.change(play, now)
+        connection.tell("bank", frame=play.frame, **_rig(edition))
+        self._changed.set()
+
+    def _welcome(self, play: Play, how: Encoding) -> dict[str, Any]:
+        return {
+            **_rig(play.scene.edition),
+            "axes": how.axes.name,
+            "encoding": how.numbers,
+            "parts": how.parts,
+            "rate": play.rate,
+            "ahead": play.ahead,
+            "max_characters": self._shared.settings.max_characters,
+        }
+
+
+def _rig(edition: Edition) -> dict[str, Any]:
+    skeleton = edition.bank.skeleton
+    return {"bank": edition.bank.digest, "joints": list(skeleton.names), "parents": skeleton.parents.tolist()}
+
+
+def _next_tick(now: float, rate: float) -> float:
+    """The next moment at which all connections of a rate have a frame."""
+    return math.ceil(now * rate) / rate
+
+
+def _catch_up(connection: Connection, now: float) -> int:
+    """Leaves frames out whose successors are due as well, and returns how many."""
+    play = connection.play
+    missed = max(0, math.floor((now + EARLY - play.due) * play.rate))
+    if missed:
+        play.scene.advance(missed / play.rate)
+        connection.play = play.after(missed)
+    return missed
+
+
+def _stacked(frames: list[Any]) -> Any:
+    return frames[0] if len(frames) == 1 else np.stack(frames)

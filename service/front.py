@@ -1,0 +1,188 @@
+"""The outermost layer: who may ask, what is cached, and the direct route to what is asked for once a tick.
+
+FastAPI's routing and models take several times as long as a pose does, so those calls do not pass through it.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from fastapi import FastAPI
+
+from motion.errors import MotionError
+from service.admission import Admission
+from service.answers.answer import Answer, Headers, Receive, Scope, Send
+from service.answers.pose import pose
+from service.answers.poses import poses
+from service.answers.splice import splice
+from service.answers.stream import stream
+from service.characters.hub import Hub
+from service.logs import new_request_id, request_id
+from service.problems import MEDIA_TYPE, UnknownBankError, problem, told
+from service.shared import Shared
+
+logger = logging.getLogger(__name__)
+
+BANKS, BELOW = "/v1/banks/", "/v1/"
+CACHED = frozenset({"/v1/pose", "/v1/splice", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
+CACHED_BELOW = ("/v1/clips/", "/v1/tables/")
+CHARACTERS = "/v1/characters"
+PREFLIGHT: Headers = [
+    (b"access-control-allow-methods", b"GET, HEAD, POST, OPTIONS"),
+    (b"access-control-allow-headers", b"authorization, content-type, range, if-none-match"),
+    (b"access-control-max-age", b"600"),
+]
+
+Handler = Callable[[Shared, Scope, Receive, Send, Headers], Awaitable[int]]
+
+
+class Front:
+    """The service as an ASGI application."""
+
+    def __init__(self, shared: Shared, app: FastAPI) -> None:
+        self.shared = shared
+        self.app = app
+        self.hub = Hub(shared)
+        self._admission = Admission(shared.settings)
+        self._kept = b"private" if shared.settings.token else b"public"
+        self._direct: dict[tuple[str, str], Handler] = {
+            ("GET", "/v1/pose"): _pose,
+            ("POST", "/v1/poses"): _poses,
+            ("GET", "/v1/splice"): _splice,
+            ("GET", "/v1/stream"): _stream,
+        }
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            await self._http(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await self._websocket(scope, receive, send)
+        else:
+            await self.app(scope, receive, send)  # type: ignore[arg-type]
+
+    async def begin_stop(self) -> None:
+        """Tells all streams that the service stops."""
+        self.shared.stopping.set()
+        await self.hub.stop()
+
+    async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
+        identity = new_request_id()
+        request_id.set(identity)
+        method = scope["method"]
+        headers: Headers = [(b"x-request-id", identity.encode())]
+        path, status = scope["path"], 500
+        try:
+            origin = self._admission.check(scope)
+            if origin is not None:
+                headers += [(b"access-control-allow-origin", origin), (b"vary", b"origin")]
+                if method == "OPTIONS":
+                    status = 204
+                    await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
+                    return
+            path, immutable = self._below_a_bank(path)
+            if method in ("GET", "HEAD") and (path in CACHED or path.startswith(CACHED_BELOW)):
+                method = "GET"  # of HEAD too: the server leaves the body out
+                etag = b'"%s"' % self.shared.serving.bank.digest.encode()
+                keep = b"%s, max-age=31536000, immutable" % self._kept if immutable else b"no-cache"
+                cached = [(b"etag", etag), (b"cache-control", keep)]
+                if _has(scope, etag):
+                    status = 304
+                    await send({"type": "http.response.start", "status": status, "headers": [*headers, *cached]})
+                    await send({"type": "http.response.body", "body": b""})
+                    return
+            else:
+                cached = []
+            direct = self._direct.get((method, path))
+            if direct is not None:
+                status = await direct(self.shared, scope, receive, send, [*headers, *cached])
+            else:
+                inner = {**scope, "path": path, "method": method}
+                status = await self._fastapi(inner, receive, send, headers, cached)
+        except MotionError as error:
+            status, kind = told(error)
+            await _refuse(send, status, kind, str(error), headers)
+            logger.info("refused", extra={"path": path, "status": status, "detail": str(error)})
+        except Exception:
+            logger.exception("failed", extra={"path": path})
+            await _refuse(send, 500, "failure", "the service failed; its log says how", headers)
+        finally:
+            self.shared.metrics.count(path if (method, path) in self._direct else "other", status)
+
+    def _below_a_bank(self, path: str) -> tuple[str, bool]:
+        """A path, without the digest of the bank that it may name, and whether it does. Raises UnknownBankError."""
+        if not path.startswith(BANKS):
+            return path, False
+        digest, _, rest = path[len(BANKS) :].partition("/")
+        if digest != self.shared.serving.bank.digest:
+            raise UnknownBankError(f"no bank {digest!r:.40} is served", mend="GET /v1/server tells which is")
+        return BELOW + rest, True
+
+    async def _fastapi(self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers) -> int:
+        """What FastAPI answers, with our headers."""
+        status = 500
+
+        async def with_headers(message: dict[str, Any]) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status, ours = message["status"], [*headers, *(cached if message["status"] < 300 else [])]
+                replaced = {name for name, _ in ours}
+                message["headers"] = [one for one in message["headers"] if one[0] not in replaced] + ours
+            await send(message)
+
+        await self.app(scope, receive, with_headers)  # type: ignore[arg-type]
+        return status
+
+    async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        identity = new_request_id()
+        request_id.set(identity)
+        try:
+            self._admission.check(scope)
+            if scope["path"] != CHARACTERS:
+                await _refuse_handshake(send, 404, "http", f"there is no WebSocket here, but at {CHARACTERS}", identity)
+                return
+            await self.hub.serve(scope, receive, send)
+        except MotionError as error:
+            status, kind = told(error)
+            await _refuse_handshake(send, status, kind, str(error), identity)
+
+
+async def _pose(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
+    await pose(shared, scope["query_string"]).send(send, headers)
+    return 200
+
+
+async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
+    await (await poses(shared, scope, receive)).send(send, headers)
+    return 200
+
+
+async def _splice(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
+    await (await splice(shared, scope["query_string"])).send(send, headers)
+    return 200
+
+
+async def _stream(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
+    await stream(shared, scope["query_string"], receive, send, headers)
+    return 200
+
+
+def _has(scope: Scope, etag: bytes) -> bool:
+    """Whether the client has what has this tag."""
+    for name, value in scope["headers"]:
+        if name == b"if-none-match":
+            return value.strip() == b"*" or etag in [tag.strip().removeprefix(b"W/") for tag in value.split(b",")]
+    return False
+
+
+async def _refuse(send: Send, status: int, kind: str, detail: str, headers: Headers) -> None:
+    body = problem(status, kind, detail, request_id.get())
+    more = [*headers, (b"www-authenticate", b"Bearer")] if status == 401 else headers
+    await Answer(body, MEDIA_TYPE.encode(), status).send(send, more)
+
+
+async def _refuse_handshake(send: Send, status: int, kind: str, detail: str, identity: str) -> None:
+    headers = [(b"content-type", MEDIA_TYPE.encode()), (b"x-request-id", identity.encode())]
+    await send({"type": "websocket.http.response.start", "status": status, "headers": headers})
+    await send({"type": "websocket.http.response.body", "body": problem(status, kind, detail, identity)})

@@ -1,0 +1,29 @@
+"""What all parts of one service process share."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, field
+
+from service.metrics import Metrics
+from service.problems import BusyError
+from service.serving import Serving
+from service.settings import Settings
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """The settings, the bank that is served, the numbers that are counted, and whether the service is stopping."""
+
+    settings: Settings
+    serving: Serving
+    metrics: Metrics
+    stopping: asyncio.Event = field(default_factory=asyncio.Event)
+    streams: set[object] = field(default_factory=set)
+
+    def admit(self, stream: object) -> None:
+        """Counts a stream in until it is taken off `streams`. Raises BusyError if there are as many as may be."""
+        if len(self.streams) >= self.settings.max_streams:
+            problem = f"there are {self.settings.max_streams} streams already, as many as this process serves"
+            raise BusyError(problem, mend="Try again later, or ask another process")
+        self.streams.add(stream)

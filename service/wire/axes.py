@@ -1,0 +1,52 @@
+"""Axes and units of the engines that frames are for. All is converted where it leaves, and nowhere else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Axes:
+    """How glTF's axes (right-handed, Y up, Z forward, metres), which are ours, become another engine's.
+
+    Component i of a position is component order[i] of ours times signs[i] times `scale`. A rotation's axis goes the
+    same way, but backwards where the other engine is left-handed: turns[i] are its signs.
+    """
+
+    name: str
+    told: str
+    unit: str
+    order: tuple[int, int, int]
+    signs: tuple[int, int, int]
+    scale: float
+
+    @property
+    def turns(self) -> tuple[int, int, int]:
+        matrix = np.zeros((3, 3))
+        matrix[range(3), self.order] = self.signs
+        handed = round(np.linalg.det(matrix))
+        return (handed * self.signs[0], handed * self.signs[1], handed * self.signs[2])
+
+    @property
+    def ours(self) -> bool:
+        """Whether there is nothing to convert."""
+        return self.order == (0, 1, 2) and self.signs == (1, 1, 1) and self.scale == 1.0
+
+    def positions(self, ours: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Positions or offsets [..., 3] in metres, in these axes and their unit."""
+        return np.asarray(ours[..., self.order] * self.signs * self.scale)
+
+
+AXES: Mapping[str, Axes] = {
+    axes.name: axes
+    for axes in (
+        Axes("gltf", "right-handed, Y up, characters face Z", "metre", (0, 1, 2), (1, 1, 1), 1.0),
+        Axes("unity", "left-handed, Y up, Z forward", "metre", (0, 1, 2), (-1, 1, 1), 1.0),
+        Axes("unreal", "left-handed, Z up, X forward", "centimetre", (2, 0, 1), (1, -1, 1), 100.0),
+        Axes("godot", "right-handed, Y up, characters face Z", "metre", (0, 1, 2), (1, 1, 1), 1.0),
+    )
+}

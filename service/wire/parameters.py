@@ -1,0 +1,33 @@
+"""The parameters that operations share (docs/protocol.md, "Parameters")."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+from runtime.requests import Method, Posture
+from service.wire.axes import AXES
+from service.wire.encoding import NUMBERS, PARTS, Encoding
+from service.wire.query import REQUIRED, Parameter, choice, number, text
+
+WHAT = (
+    text("locomotion", "the clip that gives root and lower body", REQUIRED),
+    text("action", "the clip that gives the upper body; without it, the locomotion alone"),
+    number("start", "seconds into the action before which it does not begin", 0.0),
+    choice("method", "`naive` is plain replacement of the upper body's joints", get_args(Method), "splice"),
+    choice("posture", "what becomes of the action's posture", get_args(Posture), "relative"),
+)
+HOW = (
+    choice("axes", "axes and units of which engine", tuple(AXES), "gltf"),
+    choice("parts", "local rotations, world positions of all joints, or both", PARTS, "local"),
+    choice("encoding", "numbers that rotations come as", NUMBERS, "float32"),
+)
+
+
+def format_parameter(*formats: str) -> Parameter:
+    """The form of an answer; the first is the default."""
+    return choice("format", "JSON for people, MessagePack for engines", formats, formats[0])
+
+
+def encoding(values: dict[str, Any]) -> Encoding:
+    """How frames are to be encoded."""
+    return Encoding(AXES[values["axes"]], values["encoding"], values["parts"])

@@ -1,5 +1,223 @@
+"""The OpenAPI document: FastAPI's own part, and the direct route's, told from the very lists that check its queries."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from typing import Any
+
+from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from runtime.bank import Bank
+from service.answers.pose import POSE
+from service.answers.poses import POSES
+from service.answers.splice import BVH, SPLICE
+from service.answers.stream import MEDIA_TYPE as STREAM_TYPE
+from service.answers.stream import STREAM
+from service.characters.hub import CHARACTERS
+from service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
+from service.problems import Problem
+from service.routes import NOT_READY, REFUSED, UNKNOWN, Responses, problem_response
+from service.shared import Shared
+from service.wire.axes import AXES
+from service.wire.messages import JSON, MSGPACK
+from service.wire.query import REQUIRED, Query
 
-def document(app, shared):
-    return get_openapi(title=app.title, version=app.version, description=app.description, routes=app.routes)
+ABOUT = """Splices the upper body of any clip onto the lower body of any other.
+
+Right-handed, Y up, characters face Z; metres, seconds, unit quaternions xyzw; other engines' axes and units on request.
+Rotations are in the parent's frame, the root's in the world. Whatever depends on the bank alone is also found below
+`/v1/banks/{digest}`, where any cache may keep it for ever. `docs/protocol.md` describes the bytes."""
+OCTETS = {"type": "string", "format": "binary"}
+NOT_MODIFIED: Responses = {304: {"description": "The client has it already"}}
+BUSY = problem_response(429, "Too many streams at once")
+LIMITED = problem_response(422, "A parameter that means nothing, or more than the service allows")
+
+
+def document(app: FastAPI, shared: Shared) -> dict[str, Any]:
+    """The document, with examples that the served bank can answer."""
+    if app.openapi_schema is None:
+        told = get_openapi(title=app.title, version=version("motionsplice"), description=ABOUT, routes=app.routes)
+        told["components"]["schemas"]["Problem"] = Problem.model_json_schema()
+        told["components"]["schemas"]["Frames"] = FRAMES
+        told["components"]["schemas"]["Batch"] = BATCH
+        told["paths"] |= _direct(shared.serving.bank)
+        told["paths"] = dict(sorted(told["paths"].items()))
+        if shared.settings.token is not None:
+            told["components"]["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
+            told["security"] = [{"token": []}]
+        _fill_in(told["paths"], shared)
+        app.openapi_schema = told
+    return app.openapi_schema
+
+
+FRAMES = {
+    "type": "object",
+    "example": {
+        "bank": "b6093d240d320be34211b036cccaa68d",
+        "root_positions": [0.603, 0.964, 1.602],
+        "rotations": [[0.032, 0.314, -0.006, 0.949], [-0.067, 0.022, -0.012, 0.997]],
+    },
+    "title": "Frames",
+    "description": "F frames of n characters of J joints (docs/protocol.md, Frames). F or n are left out where they "
+    "are always one. In MessagePack arrays are blobs of little-endian numbers.",
+    "required": ["bank", "root_positions"],
+    "properties": {
+        "bank": {"type": "string", "description": "digest"},
+        "frame": {"type": "integer", "description": "number of the first frame"},
+        "count": {"type": "integer", "description": "how many frames"},
+        "rate": {"type": "number", "description": "frames per second"},
+        "root_positions": {"type": "array", "items": {}, "description": "[F, n, 3] float32"},
+        "rotations": {"type": "array", "items": {}, "description": "[F, n, J, 4] float32 or int16"},
+        "world_positions": {"type": "array", "items": {}, "description": "[F, n, J, 3] float32"},
+    },
+}
+BATCH = {
+    "type": "object",
+    "title": "Batch",
+    "additionalProperties": False,
+    "required": ["clips", "locomotion", "time"],
+    "properties": {
+        "clips": {"type": "array", "items": {"type": "string"}},
+        "locomotion": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips"},
+        "time": {"type": "array", "items": {"type": "number"}, "description": "[n] seconds into the locomotion"},
+        "action": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: none"},
+        "start": {"type": "array", "items": {"type": "number"}, "description": "[n] seconds into the action"},
+        "method": {"type": "string", "enum": ["splice", "naive", "none"]},
+        "posture": {"type": "string", "enum": ["relative", "absolute", "off"]},
+    },
+}
+
+
+def _direct(bank: Bank) -> dict[str, Any]:
+    """The operations that FastAPI does not know."""
+    frames = {JSON: {"schema": {"$ref": "#/components/schemas/Frames"}}, MSGPACK: {"schema": OCTETS}}
+    batch = _batch_example(bank)
+    return {
+        "/v1/pose": {
+            "get": {
+                **_told(
+                    "One pose", "The splice at one moment: it costs the same at the end of a clip as at its start."
+                ),
+                "operationId": "get_pose",
+                "parameters": _parameters(POSE),
+                "responses": _responses(frames, NOT_MODIFIED, UNKNOWN, REFUSED, NOT_READY),
+            }
+        },
+        "/v1/poses": {
+            "post": {
+                **_told("Poses of many characters", "The call that a game makes once a tick."),
+                "operationId": "post_poses",
+                "parameters": _parameters(POSES),
+                "requestBody": {
+                    "required": True,
+                    "content": {
+                        JSON: {"schema": {"$ref": "#/components/schemas/Batch"}, "example": batch},
+                        MSGPACK: {"schema": OCTETS},
+                    },
+                },
+                "responses": _responses(
+                    frames,
+                    UNKNOWN,
+                    LIMITED,
+                    NOT_READY,
+                    problem_response(408, "The body did not arrive"),
+                    problem_response(413, "The body is too large"),
+                    problem_response(415, "A body of another type"),
+                ),
+            }
+        },
+        "/v1/splice": {
+            "get": {
+                **_told("A whole splice", "All frames, or a range of them, in one piece that any cache can keep."),
+                "operationId": "get_splice",
+                "parameters": _parameters(SPLICE),
+                "responses": _responses(
+                    {**frames, BVH.decode(): {"schema": OCTETS}}, NOT_MODIFIED, UNKNOWN, LIMITED, BUSY, NOT_READY
+                ),
+            }
+        },
+        "/v1/stream": {
+            "get": {
+                **_told(
+                    "A splice as a stream",
+                    "Messages, each with its length before it, four bytes big-endian: a header, then `ahead` frames in "
+                    "each, as MessagePack maps.",
+                ),
+                "operationId": "get_stream",
+                "parameters": _parameters(STREAM),
+                "responses": _responses({STREAM_TYPE.decode(): {"schema": OCTETS}}, UNKNOWN, LIMITED, BUSY, NOT_READY),
+            }
+        },
+        "/v1/characters": {
+            "get": {
+                **_told(
+                    "Characters, over a WebSocket",
+                    "Commands are sent as JSON text, frames come as MessagePack. Without an upgrade to a WebSocket "
+                    "there is nothing here.",
+                ),
+                "operationId": "characters",
+                "parameters": _parameters(CHARACTERS),
+                "responses": {
+                    "101": {"description": "The handshake is done"},
+                    **_responses(None, problem_response(404, "No WebSocket handshake"), LIMITED, BUSY, NOT_READY),
+                },
+            }
+        },
+    }
+
+
+def _told(summary: str, description: str) -> dict[str, Any]:
+    return {"tags": ["motion"], "summary": summary, "description": description}
+
+
+def _parameters(query: Query) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": one.name,
+            "in": "query",
+            "required": one.default is REQUIRED,
+            "description": one.description[0].upper() + one.description[1:],
+            "schema": dict(one.schema),
+        }
+        for one in query.parameters.values()
+    ]
+
+
+def _responses(content: dict[str, Any] | None, *others: Responses) -> dict[str, Any]:
+    good = {"200": {"description": "The frames", "content": content}} if content else {}
+    return good | {str(status): told for one in others for status, told in one.items()}
+
+
+def _fill_in(paths: dict[str, Any], shared: Shared) -> None:
+    """Puts examples into what the interactive page asks, and shows in answers what there is."""
+    bank = shared.serving.bank
+    locomotion, action = _clips(bank)
+    asked = {"name": locomotion, "locomotion": locomotion, "action": action, "time": 0.5, "count": 10, "rate": 30}
+    for path, operations in paths.items():
+        for parameter in operations.get("get", {}).get("parameters", []):
+            if (name := parameter["name"]) in asked:
+                parameter["example"] = "postures" if path == "/v1/tables/{name}" else asked[name]
+    clip = ClipInfo.of(bank, bank.clip(locomotion))
+    for path, answer in (
+        ("/v1/server", ServerInfo.of(bank, shared.settings, ready=True)),
+        ("/v1/bank", BankInfo.of(bank)),
+        ("/v1/skeleton", SkeletonInfo.of(bank, AXES["gltf"])),
+        ("/v1/clips/{name}", clip),
+    ):
+        _answer(paths, path)["example"] = answer.model_dump()
+    _answer(paths, "/v1/clips")["example"] = [clip.model_dump()]
+
+
+def _answer(paths: dict[str, Any], path: str) -> dict[str, Any]:
+    told: dict[str, Any] = paths[path]["get"]["responses"]["200"]["content"][JSON]
+    return told
+
+
+def _clips(bank: Bank) -> tuple[str, str]:
+    first = {clip.kind: clip.name for clip in reversed(bank.clips)}
+    return first.get("locomotion", bank.clips[0].name), first.get("action", bank.clips[0].name)
+
+
+def _batch_example(bank: Bank) -> dict[str, Any]:
+    return {"clips": list(_clips(bank)), "locomotion": [0, 0], "time": [0.5, 1.0], "action": [1, -1]}

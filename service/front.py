@@ -14,7 +14,7 @@ from fastapi import FastAPI
 from motion.errors import MotionError
 from service.admission import Admission
 from service.answers.answer import Answer, Headers, Receive, Scope, Send
-from service.answers.pose import pose
+from service.answers.pose import PoseAnswers
 from service.answers.poses import poses
 from service.answers.splice import splice
 from service.answers.stream import stream
@@ -47,8 +47,9 @@ class Front:
         self.hub = Hub(shared)
         self._admission = Admission(shared.settings)
         self._kept = b"private" if shared.settings.token else b"public"
+        self._poses = PoseAnswers()
         self._direct: dict[tuple[str, str], Handler] = {
-            ("GET", "/v1/pose"): _pose,
+            ("GET", "/v1/pose"): self._pose,
             ("POST", "/v1/poses"): _poses,
             ("GET", "/v1/splice"): _splice,
             ("GET", "/v1/stream"): _stream,
@@ -134,6 +135,10 @@ class Front:
         await self.app(scope, receive, with_headers)  # type: ignore[arg-type]
         return status
 
+    async def _pose(self, shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
+        await self._poses.answer(shared.serving.edition, scope["query_string"]).send(send, headers)
+        return 200
+
     async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
         identity = new_request_id()
         request_id.set(identity)
@@ -146,11 +151,6 @@ class Front:
         except MotionError as error:
             status, kind = told(error)
             await _refuse_handshake(send, status, kind, str(error), identity)
-
-
-async def _pose(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
-    await pose(shared, scope["query_string"]).send(send, headers)
-    return 200
 
 
 async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:

@@ -1,30 +1,84 @@
-"""GET /v1/pose: one character at one moment."""
+"""GET /v1/pose: one character at one moment.
+
+Games ask for the same splice again and again, at other times. So what a query says beside its time is read once, and
+kept ready.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from runtime.requests import METHODS, POSTURES, Poses, Requests
 from service.answers.answer import Answer
-from service.shared import Shared
+from service.serving import Edition
+from service.wire.encoding import Arrays, Encoding
 from service.wire.messages import MEDIA_TYPES, json, packed
 from service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from service.wire.query import REQUIRED, Query, number
 
-POSE = Query(*WHAT, number("time", "seconds into the locomotion", REQUIRED), *HOW, format_parameter("json", "msgpack"))
+POSE = Query(
+    *WHAT, number("time", "seconds into the locomotion", REQUIRED), *HOW, format_parameter("json", "msgpack")
+)
+TIME = b"time="
+MOST_READY, LONGEST_READY = 1024, 512  # queries that are kept ready, and bytes of one
 
 
-def pose(shared: Shared, query: bytes) -> Answer:
-    """The splice at one moment. Raises MotionError."""
-    values = POSE.read(query)
-    edition = shared.serving.edition
-    poses = edition.evaluator.pose(
-        values["locomotion"],
-        values["time"],
-        values["action"],
-        start=values["start"],
-        method=values["method"],
-        posture=values["posture"],
-    )
-    arrays = encoding(values).arrays(edition.evaluator, poses)
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """A query but for its time: a request, room for its pose, and how that is answered."""
+
+    requests: Requests
+    poses: Poses
+    encoding: Encoding
+    write: Callable[[dict[str, str], Arrays], bytes]
+    media_type: bytes
+
+
+class PoseAnswers:
+    """Answers queries for poses of one edition after the other."""
+
+    def __init__(self) -> None:
+        self._edition: Edition | None = None
+        self._ready: dict[bytes, Ready] = {}
+
+    def answer(self, edition: Edition, query: bytes) -> Answer:
+        """The splice at one moment. Raises MotionError."""
+        if edition is not self._edition:
+            self._edition, self._ready = edition, {}
+        before, _, rest = query.partition(TIME)
+        value, _, after = rest.partition(b"&")
+        beside = before + b"&" + after
+        ready, time = self._ready.get(beside), _seconds(value)
+        if ready is None or time is None:
+            values = POSE.read(query)
+            time, ready = values["time"], _made_ready(edition, values)
+            if len(beside) <= LONGEST_READY:
+                if len(self._ready) >= MOST_READY:
+                    self._ready.clear()
+                self._ready[beside] = ready
+        ready.requests.time[0] = time
+        edition.evaluator.evaluate(ready.requests, ready.poses)
+        arrays = ready.encoding.arrays(edition.evaluator, ready.poses)
+        body = ready.write({"bank": edition.bank.digest}, {name: one[0] for name, one in arrays.items()})
+        return Answer(body, ready.media_type)
+
+
+def _seconds(value: bytes) -> float | None:
+    """A plain number of seconds; None if it is anything else, about which the query's own check knows more."""
+    try:
+        seconds = float(value)
+    except ValueError:
+        return None
+    return seconds if 0.0 <= seconds < math.inf else None
+
+
+def _made_ready(edition: Edition, values: dict[str, str]) -> Ready:
+    bank, requests, action = edition.bank, Requests.empty(1), values["action"]
+    locomotion = bank.number(values["locomotion"])
+    played, method = (locomotion, "none") if action is None else (bank.number(action), values["method"])
+    requests.records[0] = (locomotion, played, 0, 0.0, values["start"], METHODS[method], POSTURES[values["posture"]])
     form = values["format"]
     write = json if form == "json" else packed
-    body = write({"bank": edition.bank.digest}, {name: one[0] for name, one in arrays.items()})
-    return Answer(body, MEDIA_TYPES[form].encode())
+    return Ready(requests, edition.evaluator.poses(1), encoding(values), write, MEDIA_TYPES[form].encode())

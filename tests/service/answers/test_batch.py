@@ -1,0 +1,155 @@
+from __future__ import annotations
+
+import json
+import tracemalloc
+from typing import Any
+
+import msgpack
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motion.errors import MotionError, UnknownClipError
+from runtime.bank import Bank
+from runtime.requests import METHODS, POSTURES
+from service.answers.batch import Batch
+from service.problems import LimitError, RequestError
+
+MOST = 50
+KINDS = {"locomotion": "<i4", "action": "<i4", "time": "<f8", "start": "<f8"}
+
+
+def as_msgpack(batch: dict[str, Any]) -> bytes:
+    body: bytes = msgpack.packb(
+        {key: np.array(value, KINDS[key]).tobytes() if key in KINDS else value for key, value in batch.items()}
+    )
+    return body
+
+
+GOOD = {
+    "clips": ["walk", "wave", "run"],
+    "locomotion": [0, 2, 2],
+    "action": [1, -1, 1],
+    "time": [0.5, 1.0, 0.0],
+    "start": [0.25, 0.0, 0.0],
+    "posture": "absolute",
+}
+
+
+@pytest.mark.parametrize("form", ["msgpack", "json"])
+def test_columns_become_requests(bank: Bank, form: str) -> None:
+    batch = Batch.from_msgpack(as_msgpack(GOOD), MOST) if form == "msgpack" else Batch.from_json(_json(GOOD), MOST)
+    requests = batch.requests(bank)
+    walk, wave, run = (bank.number(name) for name in GOOD["clips"])
+    assert requests.locomotion.tolist() == [walk, run, run]
+    assert requests.action.tolist() == [wave, run, wave]
+    assert requests.method.tolist() == [METHODS["splice"], METHODS["none"], METHODS["splice"]]
+    assert set(requests.posture.tolist()) == {POSTURES["absolute"]}
+    assert requests.time.tolist() == GOOD["time"]
+    assert requests.start.tolist() == GOOD["start"]
+
+
+def _json(batch: dict[str, Any]) -> bytes:
+    return json.dumps(batch).encode()
+
+
+def test_no_characters_are_none(bank: Bank) -> None:
+    batch = Batch.from_json(_json({"clips": [], "locomotion": [], "time": []}), MOST)
+    assert len(batch.requests(bank)) == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"clips": None}, "clips: it should be a list of names"),
+        ({"clips": ["walk", 3, "run"]}, "clips: it should be a list of names"),
+        ({"time": [0.5, 1.0]}, "time: it has 2 numbers for 3 characters"),
+        ({"locomotion": [0, 3, 0]}, "locomotion: 3 of character 1 is none of 3 clips"),
+        ({"locomotion": [0, 0, -1]}, "locomotion: -1 of character 2"),
+        ({"action": [0, 0, -2]}, "action: -2 of character 2"),
+        ({"method": "splise"}, "method: it is 'splise', and should be one of splice"),
+        ({"posture": 3}, "posture: it is 3"),
+        ({"postur": "off"}, "there is no key 'postur'. Did you mean 'posture'"),
+    ],
+)
+@pytest.mark.parametrize("form", ["msgpack", "json"])
+def test_what_is_wrong_is_named(change: dict[str, Any], words: str, form: str) -> None:
+    batch = GOOD | change
+    with pytest.raises(RequestError) as caught:
+        if form == "json":
+            Batch.from_json(_json(batch), MOST)
+        else:
+            Batch.from_msgpack(as_msgpack(batch), MOST)
+    assert words in str(caught.value) or "no MessagePack map of names" in str(caught.value)
+
+
+@pytest.mark.parametrize("key", ["clips", "locomotion", "time"])
+def test_what_is_missing_is_named(key: str) -> None:
+    less = {name: value for name, value in GOOD.items() if name != key}
+    with pytest.raises(RequestError, match=f"{key}: it is missing"):
+        Batch.from_msgpack(as_msgpack(less), MOST)
+    with pytest.raises(RequestError, match=f"{key}: it is missing"):
+        Batch.from_json(_json(less), MOST)
+
+
+@pytest.mark.parametrize("times", [[0.5, 1.0, "2"], [0.5, None, 1.0], [True, 1.0, 1.0], 3])
+def test_json_takes_numbers_only(times: Any) -> None:
+    with pytest.raises(RequestError, match="time: it should be a list of numbers"):
+        Batch.from_json(_json(GOOD | {"time": times}), MOST)
+    with pytest.raises(RequestError, match="locomotion: it should be a list of whole numbers"):
+        Batch.from_json(_json(GOOD | {"locomotion": [0, 1.5, 0]}), MOST)
+    with pytest.raises(RequestError, match="too large"):
+        Batch.from_json(_json(GOOD | {"locomotion": [0, 2**40, 0]}), MOST)
+
+
+def test_blobs_of_odd_size_are_refused() -> None:
+    packed = msgpack.packb(GOOD | {"locomotion": b"123"} | {key: b"" for key in ("time", "action", "start")})
+    with pytest.raises(RequestError, match="locomotion: it should be a blob of 4 bytes a character"):
+        Batch.from_msgpack(packed, MOST)
+
+
+def test_too_many_are_refused() -> None:
+    many = {"clips": ["walk"], "locomotion": [0] * 51, "time": [0.0] * 51}
+    with pytest.raises(LimitError, match="more than 50"):
+        Batch.from_msgpack(as_msgpack(many), MOST)
+    with pytest.raises(LimitError, match="more than 50"):
+        Batch.from_msgpack(as_msgpack(GOOD | {"clips": ["walk"] * 51}), MOST)
+
+
+def test_unknown_clips_are_answered_with_the_near_ones(bank: Bank) -> None:
+    batch = Batch.from_json(_json(GOOD | {"clips": ["wlak", "wave", "run"]}), MOST)
+    with pytest.raises(UnknownClipError, match="Did you mean 'walk'"):
+        batch.requests(bank)
+
+
+@given(st.binary(max_size=300))
+def test_any_bytes_are_read_or_refused(body: bytes) -> None:
+    for read in (Batch.from_msgpack, Batch.from_json):
+        try:
+            read(body, MOST)
+        except MotionError as error:
+            assert isinstance(error, RequestError | LimitError)
+
+
+@given(st.data())
+def test_a_damaged_body_is_read_or_refused(data: st.DataObject) -> None:
+    body = bytearray(as_msgpack(GOOD))
+    for _ in range(data.draw(st.integers(1, 4))):
+        body[data.draw(st.integers(0, len(body) - 1))] = data.draw(st.integers(0, 255))
+    body = body[: data.draw(st.integers(0, len(body)))]
+    try:
+        Batch.from_msgpack(bytes(body), MOST)
+    except MotionError as error:
+        assert isinstance(error, RequestError | LimitError)
+
+
+@pytest.mark.parametrize("prefix", [b"\x81\xa5clips\xdd\x7f\xff\xff\xff", b"\xdf\x7f\xff\xff\xff", b"\x81\xa4time"])
+def test_a_small_body_does_not_grow_in_memory(prefix: bytes) -> None:
+    body = prefix + 100_000 * b"\x91"
+    tracemalloc.start()
+    with pytest.raises(MotionError):
+        Batch.from_msgpack(body, 10_000)
+    grown = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert grown < 3_000_000

@@ -1,0 +1,31 @@
+"""Reading what the service sends, as docs/protocol.md says, and not by the service's own code."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgpack
+import numpy as np
+
+
+
+def unpacked(stream: bytes) -> list[dict[str, Any]]:
+    """The messages of a length-delimited stream."""
+    read = []
+    while stream:
+        size = int.from_bytes(stream[:4], "big")
+        assert len(stream) >= 4 + size
+        read.append(msgpack.unpackb(stream[4 : 4 + size]))
+        stream = stream[4 + size :]
+    return read
+
+
+def arrays(message: dict[str, Any], joints: int, *leading: int, short: bool = False) -> dict[str, Any]:
+    """A message's blobs as arrays of leading shape, int16 made numbers from -1 to 1."""
+    found = {}
+    for name, inner in (("root_positions", (3,)), ("rotations", (joints, 4)), ("world_positions", (joints, 3))):
+        if name in message:
+            kind = "<i2" if short and name == "rotations" else "<f4"
+            numbers = np.frombuffer(message[name], kind).reshape(*leading, *inner)
+            found[name] = np.maximum(numbers / 32767.0, -1.0) if kind == "<i2" else numbers
+    return found

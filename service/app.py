@@ -46,6 +46,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     app.add_exception_handler(MotionError, _motion_problem)
     app.add_exception_handler(RequestValidationError, _request_problem)
     app.add_exception_handler(HTTPException, _http_problem)
+    app.add_exception_handler(Exception, _failure)
 
     @app.get("/", include_in_schema=False)
     async def get_root() -> RedirectResponse:
@@ -70,6 +71,10 @@ async def _http_problem(_: Request, error: Exception) -> Response:
     answer = _problem(error.status_code, "http", str(error.detail))
     answer.headers.update(error.headers or {})
     return answer
+
+
+async def _failure(_: Request, __: Exception) -> Response:
+    return _problem(500, "failure", "the service failed; its log says how")
 
 
 def _problem(status: int, kind: str, detail: str) -> Response:

@@ -132,7 +132,10 @@ class Front:
                 message["headers"] = [one for one in message["headers"] if one[0] not in replaced] + ours
             await send(message)
 
-        await self.app(scope, receive, with_headers)  # type: ignore[arg-type]
+        try:
+            await self.app(scope, receive, with_headers)  # type: ignore[arg-type]
+        except Exception:
+            logger.exception("failed", extra={"path": scope["path"]})  # the client has been told
         return status
 
     async def _pose(self, shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:

@@ -8,7 +8,6 @@ import msgpack
 import numpy as np
 
 
-
 def unpacked(stream: bytes) -> list[dict[str, Any]]:
     """The messages of a length-delimited stream."""
     read = []

@@ -1,0 +1,414 @@
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import threading
+import time
+from typing import Any
+
+import msgpack
+import numpy as np
+import pytest
+from fastapi.openapi.models import OpenAPI
+from fastapi.testclient import TestClient
+
+from motion.errors import SettingsError
+from motion.formats.bvh import parse
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from runtime.requests import Memory, Posture
+from service.answers.frames import Frames
+from service.answers.stream import STREAM, Clock, messages
+from service.app import create_app
+from service.models import BankInfo
+from service.serving import Edition
+from service.settings import Settings
+from service.wire.encoding import Encoding
+from tests.service.messages import arrays, unpacked
+
+
+def test_the_bank_and_its_clips_are_told(client: TestClient, bank: Bank) -> None:
+    told = client.get("/v1/bank").json()
+    assert told["digest"] == bank.digest
+    assert {table["name"] for table in told["tables"]} == set(bank.tables)
+    skeleton = client.get("/v1/skeleton").json()
+    assert skeleton["joints"] == list(bank.skeleton.names)
+    assert skeleton["parents"][0] == -1
+    assert skeleton["roles"]["pelvis"] == bank.skeleton.names[bank.roles.pelvis]
+    np.testing.assert_allclose(skeleton["offsets"], bank.skeleton.offsets)
+    unreal = client.get("/v1/skeleton?axes=unreal").json()
+    np.testing.assert_allclose(np.array(unreal["offsets"])[:, 2], 100.0 * bank.skeleton.offsets[:, 1])
+    clips = client.get("/v1/clips").json()
+    assert [clip["name"] for clip in clips] == [clip.name for clip in bank.clips]
+    box = client.get("/v1/clips/carry_box").json()
+    assert (box["kind"], box["neutral"], box["tags"]) == ("action", "walk", ["carry"])
+
+
+def test_the_service_tells_its_limits(client: TestClient, bank: Bank) -> None:
+    told = client.get("/v1/server").json()
+    assert (told["bank"], told["ready"], told["uploads"]) == (bank.digest, True, False)
+    assert told["limits"]["max_frames"] == 5000
+    assert [axes["name"] for axes in told["axes"]] == ["gltf", "unity", "unreal", "godot"]
+
+
+@pytest.mark.parametrize("method", ["splice", "naive", "none"])
+@pytest.mark.parametrize("posture", ["relative", "absolute", "off"])
+def test_a_pose_is_the_evaluators(client: TestClient, bank: Bank, method: Any, posture: Any) -> None:
+    query = f"locomotion=run&time=1.25&action=wave&start=0.5&method={method}&posture={posture}&parts=both"
+    told = client.get(f"/v1/pose?{query}").json()
+    blobs = arrays(msgpack.unpackb(client.get(f"/v1/pose?{query}&format=msgpack").content), bank.skeleton.joint_count)
+    evaluator = Evaluator(bank)
+    poses = evaluator.pose("run", 1.25, "wave", start=0.5, method=method, posture=posture)
+    world = np.empty((1, bank.skeleton.joint_count, 3), np.float32)
+    evaluator.world_positions(poses, world)
+    for name, wanted in (
+        ("root_positions", poses.root_positions),
+        ("rotations", poses.rotations),
+        ("world_positions", world),
+    ):
+        np.testing.assert_allclose(told[name], wanted[0], atol=1e-7)
+        np.testing.assert_array_equal(blobs[name], wanted[0])
+
+
+def test_a_query_that_is_kept_ready_is_answered_as_one_that_is_not(client: TestClient) -> None:
+    for time_, wave in ((0.5, "wave"), (1.25, "wave"), (0.5, "carry_box"), (1.25, "wave")):
+        ready = client.get(f"/v1/pose?locomotion=walk&time={time_}&action={wave}").json()
+        fresh = client.get(f"/v1/pose?action={wave}&locomotion=walk&start=0.0&posture=relative&time=%30{time_}").json()
+        assert ready == fresh
+    answer = client.get("/v1/pose?locomotion=walk&time=0.5&action=wave&time=0.5")
+    assert "time: it is given twice" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("form", ["json", "msgpack"])
+@pytest.mark.parametrize("axes", ["gltf", "unity"])
+def test_a_batch_is_its_poses_one_by_one(client: TestClient, bank: Bank, form: str, axes: str) -> None:
+    joints, times = bank.skeleton.joint_count, [0.0, 0.7, 1.9]
+    batch: dict[str, Any] = {"clips": ["run", "wave"], "locomotion": [0, 0, 0], "action": [1, -1, 1], "time": times}
+    options = f"axes={axes}&parts=both&format={form}"
+    if form == "json":
+        told = client.post(f"/v1/poses?{options}", json=batch).json()
+    else:
+        kinds = {"locomotion": "<i4", "action": "<i4", "time": "<f8"}
+        packed = {key: np.array(one, kinds[key]).tobytes() if key in kinds else one for key, one in batch.items()}
+        headers = {"content-type": "application/msgpack"}
+        answer = client.post(f"/v1/poses?{options}", content=msgpack.packb(packed), headers=headers)
+        told = arrays(msgpack.unpackb(answer.content), joints, 3)
+    for number, action in enumerate(("&action=wave", "", "&action=wave")):
+        alone = client.get(
+            f"/v1/pose?locomotion=run&time={times[number]}{action}&{options.replace(form, 'json')}"
+        ).json()
+        for name in ("root_positions", "rotations", "world_positions"):
+            np.testing.assert_allclose(told[name][number], alone[name], atol=1e-7)
+
+
+def test_a_batch_has_to_be_of_a_known_type_and_size(client: TestClient) -> None:
+    assert client.post("/v1/poses", content=b"x", headers={"content-type": "text/plain"}).status_code == 415
+    big = client.post("/v1/poses", content=b"x" * 5_000_000, headers={"content-type": "application/msgpack"})
+    assert (big.status_code, big.json()["type"]) == (413, "urn:motionsplice:too-large")
+    many = {"clips": ["walk"], "locomotion": [0] * 700, "time": [0.0] * 700}
+    assert "Ask for format=msgpack" in client.post("/v1/poses", json=many).json()["detail"]
+    assert client.post("/v1/poses?format=msgpack", json=many).status_code == 200
+
+
+def expected(bank: Bank, locomotion: str, action: str, posture: Posture = "relative") -> Any:
+    evaluator = Evaluator(bank)
+    times, memory = evaluator.frame_times(locomotion), Memory.begin(1, bank.clip(locomotion).rate)
+    return evaluator.sequence(locomotion, times, action, posture=posture, memory=memory)
+
+
+@pytest.mark.parametrize("posture", ["relative", "running"])
+def test_a_splice_is_the_evaluators_frames_to_the_bit(client: TestClient, bank: Bank, posture: Posture) -> None:
+    query = f"/v1/splice?locomotion=run&action=carry_box&posture={posture}"
+    poses, joints = expected(bank, "run", "carry_box", posture), bank.skeleton.joint_count
+    told = msgpack.unpackb(client.get(f"{query}&format=msgpack").content)
+    count = len(poses.rotations)
+    assert (told["bank"], told["frame"], told["count"]) == (bank.digest, 0, count)
+    assert told["rate"] == bank.clip("run").rate
+    found = arrays(told, joints, count)
+    np.testing.assert_array_equal(found["rotations"], poses.rotations)
+    np.testing.assert_array_equal(found["root_positions"], poses.root_positions)
+    some = client.get(f"{query}&first=70&count=80").json()
+    assert (some["frame"], some["count"]) == (70, 80)
+    np.testing.assert_allclose(some["rotations"], poses.rotations[70:150], atol=1e-7)
+    short = msgpack.unpackb(client.get(f"{query}&format=msgpack&encoding=int16&first=70").content)
+    np.testing.assert_allclose(
+        arrays(short, joints, count - 70, short=True)["rotations"], poses.rotations[70:], atol=2e-5
+    )
+
+
+@pytest.mark.parametrize("count", [1, 100])
+def test_a_splice_as_a_file_is_the_same_motion(client: TestClient, bank: Bank, count: int) -> None:
+    answer = client.get(f"/v1/splice?locomotion=run&action=carry_box&format=bvh&count={count}")
+    assert answer.headers["content-disposition"] == 'attachment; filename="run+carry_box.bvh"'
+    nodes, rate = parse(answer.content)
+    assert (len(nodes.rotations), round(rate)) == (count, bank.clip("run").rate)
+    poses = expected(bank, "run", "carry_box")
+    same = np.abs(np.sum(nodes.rotations * poses.rotations[:count], axis=-1))
+    np.testing.assert_allclose(same, 1.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(("ahead", "count"), [(1, 150), (7, 22), (100, 2)])
+def test_a_stream_is_the_splice_in_messages(client: TestClient, bank: Bank, ahead: int, count: int) -> None:
+    query = f"locomotion=run&action=carry_box&first=10&count=150&ahead={ahead}"
+    answer = client.get(f"/v1/stream?{query}&parts=both&axes=unity&encoding=int16")
+    assert answer.headers["content-type"] == "application/vnd.motionsplice.stream"
+    header, *frames = unpacked(answer.content)
+    assert (header["stream"], header["bank"], header["first"], header["frames"]) == (2, bank.digest, 10, 150)
+    assert (header["axes"], header["encoding"], header["parts"]) == ("unity", "int16", "both")
+    assert header["joints"] == list(bank.skeleton.names)
+    assert header["parents"] == bank.skeleton.parents.tolist()
+    assert len(frames) == count
+    whole = msgpack.unpackb(
+        client.get(
+            f"/v1/splice?{query.replace(f'&ahead={ahead}', '')}&parts=both&axes=unity&encoding=int16&format=msgpack"
+        ).content
+    )
+    assert [frame["frame"] for frame in frames] == list(range(10, 160, ahead))
+    assert sum(frame["count"] for frame in frames) == 150
+    for name in ("root_positions", "rotations", "world_positions"):
+        assert b"".join(frame[name] for frame in frames) == whole[name]
+
+
+def test_a_paced_stream_keeps_the_clips_time_without_drift(bank: Bank) -> None:
+    edition = Edition.warm(bank)
+    frames = Frames.asked(edition, STREAM.read(b"locomotion=walk&action=wave"), 10**6)
+    now, sent = 100.0, []
+
+    async def sleep(seconds: float) -> None:
+        nonlocal now
+        now += seconds + 0.003  # each wait is a little late, and lateness must not add up
+
+    async def collect() -> None:
+        async for _ in messages(frames, Encoding(), 1, "realtime", Clock(lambda: now, sleep)):
+            sent.append(now - 100.0)
+
+    asyncio.run(collect())
+    late = np.array(sent[1:]) - frames.times()
+    assert late.min() >= 0.0
+    assert late.max() < 0.0031
+
+
+def test_a_fast_stream_yields_to_others_between_blocks(bank: Bank) -> None:
+    frames = Frames.asked(Edition.warm(bank), STREAM.read(b"locomotion=walk&rate=1000"), 10**6)
+    yields = 0
+
+    async def sleep(seconds: float) -> None:
+        nonlocal yields
+        assert seconds == 0.0
+        yields += 1
+
+    async def collect() -> list[bytes]:
+        clock = Clock(lambda: 0.0, sleep)
+        return [chunk async for _, chunk in messages(frames, Encoding(), 1, "fast", clock)]
+
+    chunks = asyncio.run(collect())
+    assert yields == len(chunks) - 1 > 50
+    assert max(map(len, chunks)) < 200_000
+
+
+@pytest.mark.parametrize(
+    ("path", "status", "kind", "words"),
+    [
+        ("/v1/clips/wlak", 404, "unknown-clip", "Did you mean 'walk'"),
+        ("/v1/pose?locomotion=wlak&time=0", 404, "unknown-clip", "Did you mean 'walk'"),
+        ("/v1/pose?locomotion=walk&time=0&action=wafe", 404, "unknown-clip", "Did you mean 'wave'"),
+        ("/v1/pose?locomotion=walk&time=99", 422, "time-range", "Give a time from 0 to 5.000"),
+        ("/v1/pose?locomotion=walk&time=-1", 422, "request", "time: "),
+        ("/v1/pose?locomotion=walk&time=nan", 422, "request", "time: "),
+        ("/v1/pose?locomotion=walk&time=soon", 422, "request", "time: "),
+        ("/v1/pose?locomotion=walk", 422, "request", "time: "),
+        ("/v1/pose?locomotion=walk&time=0&method=splise", 422, "request", "method: "),
+        ("/v1/pose?locomotion=walk&time=0&posture=upright", 422, "request", "posture: "),
+        ("/v1/pose?locomotion=walk&time=0&action=wave&posture=running", 422, "request", "ask for a whole clip"),
+        ("/v1/pose?locomotion=walk&time=0&action=wave&start=9", 422, "time-range", "start 9.0 s lies outside"),
+        ("/v1/pose?locomotion=walk&time=0&acton=wave", 422, "request", "Did you mean 'action'"),
+        ("/v1/splice?locomotion=walk&acton=wave", 422, "request", "Did you mean 'action'"),
+        ("/v1/skeleton?axis=unity", 422, "request", "Did you mean 'axes'"),
+        ("/v1/clips?name=walk", 422, "request", "It takes none"),
+        ("/v1/splice?locomotion=wlak", 404, "unknown-clip", "Did you mean 'walk'"),
+        ("/v1/splice?locomotion=walk&rate=0", 422, "request", "rate: "),
+        ("/v1/splice?locomotion=walk&rate=1e9", 422, "request", "rate: "),
+        ("/v1/splice?locomotion=walk&rate=100&action=wave&start=9", 422, "time-range", "start 9.0 s"),
+        ("/v1/splice?locomotion=turn_180&rate=1000", 422, "limit", "more than the 5000"),
+        ("/v1/splice?locomotion=walk&first=301", 422, "request", "first: frame 301 lies behind the last, 300"),
+        ("/v1/splice?locomotion=walk&format=bvh&axes=unity", 422, "request", "Leave axes and parts out"),
+        ("/v1/splice?locomotion=walk&format=xml", 422, "request", "format: "),
+        ("/v1/stream?locomotion=walk&ahead=121", 422, "limit", "ahead: 121 is more than 120"),
+        ("/v1/stream?locomotion=walk&rate=500&pace=realtime", 422, "limit", "rate: 500 is more than 120"),
+        ("/v1/tables/lowe", 404, "unknown-bank", "Did you mean 'lower'"),
+        ("/v1/tables/..%2Fmanifest.msgpack", 404, "http", "Not Found"),
+        ("/v1/banks/00ff/pose?locomotion=walk&time=0", 404, "unknown-bank", "no bank '00ff'"),
+        ("/v1/nothing", 404, "http", "Not Found"),
+    ],
+)
+def test_errors_are_problems_that_say_what_to_do(
+    client: TestClient, path: str, status: int, kind: str, words: str
+) -> None:
+    answer = client.get(path)
+    assert answer.headers["content-type"] == "application/problem+json"
+    problem = answer.json()
+    assert words in problem["detail"]
+    assert (answer.status_code, problem["status"], problem["type"]) == (status, status, f"urn:motionsplice:{kind}")
+    assert problem["request_id"] == answer.headers["x-request-id"]
+
+
+@pytest.mark.parametrize("path", ["pose?locomotion=walk&time=1", "splice?locomotion=walk", "clips", "tables/postures"])
+def test_what_depends_on_the_bank_alone_can_be_cached_for_ever_under_its_digest(
+    client: TestClient, bank: Bank, path: str
+) -> None:
+    below = client.get(f"/v1/banks/{bank.digest}/{path}")
+    assert below.headers["cache-control"] == "public, max-age=31536000, immutable"
+    plain = client.get(f"/v1/{path}")
+    assert plain.content == below.content
+    assert plain.headers["cache-control"] == "no-cache"
+    tag = plain.headers["etag"]
+    assert tag == below.headers["etag"]
+    for known in (tag, f"W/{tag}", f'"other", {tag}', "*"):
+        again = client.get(f"/v1/{path}", headers={"if-none-match": known})
+        assert (again.status_code, again.content) == (304, b"")
+        assert again.headers["etag"] == tag
+    assert client.get(f"/v1/{path}", headers={"if-none-match": '"other"'}).status_code == 200
+
+
+def test_errors_are_not_cached(client: TestClient, bank: Bank) -> None:
+    for path in ("pose?locomotion=wlak&time=1", "clips/wlak", "tables/lowe"):
+        assert "cache-control" not in client.get(f"/v1/banks/{bank.digest}/{path}").headers
+
+
+def test_tables_are_the_banks_files(client: TestClient, bank: Bank) -> None:
+    assert client.get("/v1/manifest").content == (bank.path / "manifest.msgpack").read_bytes()
+    for name, file in bank.files.items():
+        whole = file.read_bytes()
+        assert client.get(f"/v1/tables/{name}").content == whole
+        part = client.get(f"/v1/tables/{name}", headers={"range": "bytes=100-199"})
+        assert (part.status_code, part.content) == (206, whole[100:200])
+        assert client.head(f"/v1/tables/{name}").headers["content-length"] == str(len(whole))
+    assert client.get("/v1/tables/lower", headers={"range": "bytes=999999999-"}).status_code == 416
+
+
+def test_it_lives_at_once_and_is_ready_when_kernels_are_warm(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled = threading.Event()
+    monkeypatch.setattr(Evaluator, "warm", lambda _: compiled.wait(30))
+    with TestClient(create_app(bank)) as client:
+        assert client.get("/healthz").status_code == 204
+        assert client.get("/readyz").status_code == 503
+        answer = client.get("/v1/pose?locomotion=walk&time=0")
+        assert (answer.status_code, answer.json()["type"]) == (503, "urn:motionsplice:not-ready")
+        assert client.get("/v1/clips").status_code == 200
+        compiled.set()
+        deadline = time.monotonic() + 30.0
+        while client.get("/readyz").status_code == 503:
+            assert time.monotonic() < deadline
+        assert client.get("/v1/pose?locomotion=walk&time=0").status_code == 200
+
+
+def test_kernels_that_cannot_be_compiled_are_told(
+    bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def warm(_: Evaluator) -> None:
+        raise RuntimeError("no compiler here")
+
+    monkeypatch.setattr(Evaluator, "warm", warm)
+    with TestClient(create_app(bank)) as client:
+        deadline = time.monotonic() + 30.0
+        while "could not be compiled" not in client.get("/readyz").json()["detail"]:
+            assert time.monotonic() < deadline
+        assert client.get("/v1/splice?locomotion=walk").status_code == 503
+        assert client.get("/healthz").status_code == 204
+    assert "no compiler here" in caplog.text
+
+
+def test_what_no_client_caused_is_a_problem_too(
+    bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail(*_: Any) -> None:
+        raise RuntimeError("secret")
+
+    monkeypatch.setattr(BankInfo, "of", fail)
+    answer = TestClient(create_app(bank), raise_server_exceptions=False).get("/v1/bank")
+    assert (answer.status_code, answer.json()["type"]) == (500, "urn:motionsplice:failure")
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert "secret" not in answer.text
+    assert "secret" in caplog.text
+
+
+def test_a_method_that_is_not_allowed_says_which_is(client: TestClient) -> None:
+    answer = client.post("/v1/bank")
+    assert answer.status_code == answer.json()["status"] == 405
+    assert answer.headers["allow"] == "GET"
+
+
+def test_streams_are_counted_and_too_many_refused(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
+    front = create_app(bank, Settings(max_streams=1))
+    with TestClient(front) as client:
+        wait_until_ready(client)
+        front.shared.admit("another")
+        for path in ("stream", "splice"):
+            answer = client.get(f"/v1/{path}?locomotion=walk")
+            assert (answer.status_code, answer.json()["type"]) == (429, "urn:motionsplice:busy")
+        front.shared.streams.discard("another")
+        assert client.get("/v1/stream?locomotion=walk").status_code == 200
+        assert not front.shared.streams
+
+
+def test_settings_of_the_environment_are_read_and_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MOTIONSPLICE_PORT", "8123")
+    monkeypatch.setenv("MOTIONSPLICE_ORIGINS", "http://one.example, http://two.example")
+    assert Settings().port == 8123
+    assert Settings().origins == ("http://one.example", "http://two.example")
+    monkeypatch.setenv("MOTIONSPLICE_PORT", "soon")
+    with pytest.raises(SettingsError, match="MOTIONSPLICE_PORT is 'soon'"):
+        Settings()
+
+
+def test_the_documentation_needs_no_other_host(client: TestClient) -> None:
+    page = client.get("/", follow_redirects=True)
+    assert page.url.path == "/docs"
+    sources = re.findall(r"""(?:src|href)=["']([^"']+)""", page.text)
+    assert sources
+    for source in sources:
+        assert source.startswith("/")
+        assert client.get(source).status_code == 200
+
+
+def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -> None:
+    document = client.get("/openapi.json").json()
+    OpenAPI.model_validate(document)
+    assert set(document["paths"]) >= {
+        "/v1/server", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/clips/{name}", "/v1/pose", "/v1/poses",
+        "/v1/splice", "/v1/stream", "/v1/characters", "/v1/manifest", "/v1/tables/{name}",
+        "/healthz", "/readyz", "/metrics",
+    }  # fmt: skip
+    names = {one["name"] for one in document["paths"]["/v1/pose"]["get"]["parameters"]}
+    assert names == {
+        "locomotion", "time", "action", "start", "method", "posture", "axes", "parts", "encoding", "format",
+    }  # fmt: skip
+    references = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(document)))
+    assert references <= set(document["components"]["schemas"])
+    for path, operations in document["paths"].items():
+        for operation in operations.values():
+            assert operation["summary"], path
+            assert operation["description"], path
+            for status, answer in operation["responses"].items():
+                if int(status) >= 400 and status != "416":
+                    assert "application/problem+json" in answer["content"], path
+
+
+def test_what_the_interactive_page_fills_in_can_be_answered(client: TestClient) -> None:
+    for path, operations in client.get("/openapi.json").json()["paths"].items():
+        if path == "/v1/characters":
+            continue
+        for method, operation in operations.items():
+            filled = {one["name"]: one["example"] for one in operation.get("parameters", []) if "example" in one}
+            body = operation.get("requestBody", {}).get("content", {}).get("application/json", {}).get("example")
+            query = {name: value for name, value in filled.items() if f"{{{name}}}" not in path}
+            answer = client.request(method, path.format_map(filled), params=query, json=body)
+            assert answer.is_success, (path, answer.text)
+
+
+def wait_until_ready(client: TestClient) -> None:
+    deadline = time.monotonic() + 60.0
+    while client.get("/readyz").status_code == 503:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)

@@ -51,6 +51,6 @@ def demo_command(
         console.print(f"  {what:9} {file}", highlight=False)
     settings = Settings()
     if sys.stdout.isatty():
-        command_serve.start(bank, settings)
+        command_serve.start(bank_folder, settings)
     else:
         console.print(f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/docs")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hmac
 
-from service.answers.answer import Scope
+from starlette.types import Scope
+
 from service.problems import OriginError, TokenError
 from service.settings import Settings
 

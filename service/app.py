@@ -28,6 +28,7 @@ from service.shared import Shared
 def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     """An application that serves a bank. It is ready (`/readyz`) once the kernels are warm."""
     shared = Shared(settings or Settings(), Serving(bank), Metrics())
+    shared.serving.listeners.append(lambda edition: shared.metrics.serves(edition.bank.digest))
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:

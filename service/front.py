@@ -5,21 +5,22 @@ FastAPI's routing and models take several times as long as a pose does, so those
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from typing import Any
 
 from fastapi import FastAPI
+from starlette.types import Message, Receive, Scope, Send
 
 from motion.errors import MotionError
 from service.admission import Admission
-from service.answers.answer import Answer, Headers, Receive, Scope, Send
+from service.answers.answer import Answer, Headers
 from service.answers.pose import PoseAnswers
 from service.answers.poses import poses
 from service.answers.splice import splice
 from service.answers.stream import stream
 from service.characters.hub import Hub
-from service.logs import new_request_id, request_id
+from service.logs import request_id, request_ids
 from service.problems import MEDIA_TYPE, UnknownBankError, problem, told
 from service.shared import Shared
 
@@ -45,6 +46,7 @@ class Front:
         self.shared = shared
         self.app = app
         self.hub = Hub(shared)
+        self._request_ids = request_ids()
         self._admission = Admission(shared.settings)
         self._kept = b"private" if shared.settings.token else b"public"
         self._poses = PoseAnswers()
@@ -61,15 +63,20 @@ class Front:
         elif scope["type"] == "websocket":
             await self._websocket(scope, receive, send)
         else:
-            await self.app(scope, receive, send)  # type: ignore[arg-type]
+            await self.app(scope, receive, send)
 
-    async def begin_stop(self) -> None:
-        """Tells all streams that the service stops."""
-        self.shared.stopping.set()
-        await self.hub.stop()
+    def begin_stop(self) -> None:
+        """Tells all streams that the service stops, as often as it is called once."""
+        if not self.shared.stopping.is_set():
+            self.shared.stopping.set()
+            self._stopping = asyncio.ensure_future(self.hub.stop())
+
+    def next_request_id(self) -> str:
+        """Under which the log has a request."""
+        return f"{next(self._request_ids):x}"
 
     async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
-        identity = new_request_id()
+        identity = self.next_request_id()
         request_id.set(identity)
         method = scope["method"]
         headers: Headers = [(b"x-request-id", identity.encode())]
@@ -109,7 +116,7 @@ class Front:
             logger.exception("failed", extra={"path": path})
             await _refuse(send, 500, "failure", "the service failed; its log says how", headers)
         finally:
-            self.shared.metrics.count(path if (method, path) in self._direct else "other", status)
+            self.shared.metrics.answered(path if (method, path) in self._direct else "other", status)
 
     def _below_a_bank(self, path: str) -> tuple[str, bool]:
         """A path, without the digest of the bank that it may name, and whether it does. Raises UnknownBankError."""
@@ -124,7 +131,7 @@ class Front:
         """What FastAPI answers, with our headers."""
         status = 500
 
-        async def with_headers(message: dict[str, Any]) -> None:
+        async def with_headers(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status, ours = message["status"], [*headers, *(cached if message["status"] < 300 else [])]
@@ -133,7 +140,7 @@ class Front:
             await send(message)
 
         try:
-            await self.app(scope, receive, with_headers)  # type: ignore[arg-type]
+            await self.app(scope, receive, with_headers)
         except Exception:
             logger.exception("failed", extra={"path": scope["path"]})  # the client has been told
         return status
@@ -143,7 +150,7 @@ class Front:
         return 200
 
     async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
-        identity = new_request_id()
+        identity = self.next_request_id()
         request_id.set(identity)
         try:
             self._admission.check(scope)

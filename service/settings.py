@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Field, ModelWrapValidatorHandler, SecretStr, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from motion.errors import SettingsError
@@ -76,8 +77,12 @@ class Settings(BaseSettings):
         try:
             return handler(values)
         except ValidationError as error:
-            wrong = [f"{_variable(one['loc'])} is {one['input']!r}: {one['msg']}" for one in error.errors()]
+            wrong = [f"{_variable(one['loc'])} {_given(one)}: {one['msg']}" for one in error.errors()]
             raise SettingsError("; ".join(wrong), mend="Set it to another value, or unset it") from None
+
+
+def _given(error: ErrorDetails) -> str:
+    return "cannot be used" if "token" in error["loc"] else f"is {error['input']!r}"
 
 
 def _variable(place: tuple[int | str, ...]) -> str:

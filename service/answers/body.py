@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator
 
-from service.answers.answer import Receive, Scope
+from starlette.types import Receive, Scope
+
 from service.problems import RequestError, TooLargeError, TooSlowError
 
 

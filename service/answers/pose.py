@@ -18,9 +18,7 @@ from service.wire.messages import MEDIA_TYPES, json, packed
 from service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from service.wire.query import REQUIRED, Query, number
 
-POSE = Query(
-    *WHAT, number("time", "seconds into the locomotion", REQUIRED), *HOW, format_parameter("json", "msgpack")
-)
+POSE = Query(*WHAT, number("time", "seconds into the locomotion", REQUIRED), *HOW, format_parameter("json", "msgpack"))
 TIME = b"time="
 MOST_READY, LONGEST_READY = 1024, 512  # queries that are kept ready, and bytes of one
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from time import perf_counter
 
-from service.answers.answer import Answer, Receive, Scope
+from starlette.types import Receive, Scope
+
+from service.answers.answer import Answer
 from service.answers.batch import Batch
 from service.answers.body import header, whole_body
 from service.problems import LimitError, MediaTypeError

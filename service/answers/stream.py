@@ -8,7 +8,9 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any
 
-from service.answers.answer import Headers, Receive, Send
+from starlette.types import Receive, Send
+
+from service.answers.answer import Headers
 from service.answers.frames import WHICH, Frames
 from service.problems import LimitError
 from service.shared import Shared

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import orjson
+from starlette.types import Receive, Send
 
 from motion.errors import MotionError
-from service.answers.answer import Receive, Send
 from service.characters.commands import Command, checked, parse, ref_of
 from service.characters.scene import Scene
 from service.metrics import Metrics

@@ -10,10 +10,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from starlette.types import Receive, Scope, Send
 
 from runtime.requests import Memory, Requests
 from service.admission import SUBPROTOCOL
-from service.answers.answer import Receive, Scope, Send
 from service.characters.commands import Command
 from service.characters.connection import FAILED, RESTART, Connection, Play
 from service.characters.scene import Scene

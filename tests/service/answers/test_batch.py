@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import tracemalloc
+from contextlib import suppress
 from typing import Any
 
 import msgpack
@@ -27,7 +28,7 @@ def as_msgpack(batch: dict[str, Any]) -> bytes:
     return body
 
 
-GOOD = {
+GOOD: dict[str, Any] = {
     "clips": ["walk", "wave", "run"],
     "locomotion": [0, 2, 2],
     "action": [1, -1, 1],
@@ -76,11 +77,9 @@ def test_no_characters_are_none(bank: Bank) -> None:
 @pytest.mark.parametrize("form", ["msgpack", "json"])
 def test_what_is_wrong_is_named(change: dict[str, Any], words: str, form: str) -> None:
     batch = GOOD | change
+    read, body = (Batch.from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
     with pytest.raises(RequestError) as caught:
-        if form == "json":
-            Batch.from_json(_json(batch), MOST)
-        else:
-            Batch.from_msgpack(as_msgpack(batch), MOST)
+        read(body, MOST)
     assert words in str(caught.value) or "no MessagePack map of names" in str(caught.value)
 
 
@@ -104,7 +103,7 @@ def test_json_takes_numbers_only(times: Any) -> None:
 
 
 def test_blobs_of_odd_size_are_refused() -> None:
-    packed = msgpack.packb(GOOD | {"locomotion": b"123"} | {key: b"" for key in ("time", "action", "start")})
+    packed = msgpack.packb(GOOD | {"locomotion": b"123"} | dict.fromkeys(("time", "action", "start"), b""))
     with pytest.raises(RequestError, match="locomotion: it should be a blob of 4 bytes a character"):
         Batch.from_msgpack(packed, MOST)
 
@@ -126,10 +125,8 @@ def test_unknown_clips_are_answered_with_the_near_ones(bank: Bank) -> None:
 @given(st.binary(max_size=300))
 def test_any_bytes_are_read_or_refused(body: bytes) -> None:
     for read in (Batch.from_msgpack, Batch.from_json):
-        try:
+        with suppress(RequestError, LimitError):
             read(body, MOST)
-        except MotionError as error:
-            assert isinstance(error, RequestError | LimitError)
 
 
 @given(st.data())
@@ -138,10 +135,8 @@ def test_a_damaged_body_is_read_or_refused(data: st.DataObject) -> None:
     for _ in range(data.draw(st.integers(1, 4))):
         body[data.draw(st.integers(0, len(body) - 1))] = data.draw(st.integers(0, 255))
     body = body[: data.draw(st.integers(0, len(body)))]
-    try:
+    with suppress(RequestError, LimitError):
         Batch.from_msgpack(bytes(body), MOST)
-    except MotionError as error:
-        assert isinstance(error, RequestError | LimitError)
 
 
 @pytest.mark.parametrize("prefix", [b"\x81\xa5clips\xdd\x7f\xff\xff\xff", b"\xdf\x7f\xff\xff\xff", b"\x81\xa4time"])

@@ -6,17 +6,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from motion.quaternion import Floats
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 from service.wire.axes import AXES, Axes
-from service.wire.encoding import INT16_ERROR, Encoding
 from service.wire.encode_kernels import convert, shorten
+from service.wire.encoding import INT16_ERROR, Encoding
 
 seeds = st.integers(0, 2**32 - 1)
 every = pytest.mark.parametrize("axes", AXES.values(), ids=AXES.keys())
 
 
-def matrix(axes: Axes) -> np.ndarray:  # type: ignore[type-arg]
+def matrix(axes: Axes) -> Floats:
     """The change of axes as a matrix, unit left out."""
     found = np.zeros((3, 3))
     for row, (column, sign) in enumerate(zip(axes.order, axes.signs, strict=True)):

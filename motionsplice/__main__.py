@@ -1,0 +1,5 @@
+"""`python -m motionsplice`."""
+
+from motionsplice.cli import main
+
+main()

@@ -1,0 +1,57 @@
+"""How uvicorn is to run the service: its configuration, with what our protocols need to know."""
+
+from __future__ import annotations
+
+from functools import cached_property, partial
+from pathlib import Path
+
+import uvicorn
+
+from runtime.bank import Bank
+from service.app import create_app
+from service.edge.http_protocol import HttpProtocol
+from service.edge.ledger import Ledger
+from service.edge.websocket_protocol import WebSocketProtocol
+from service.front import Front
+from service.logs import log_config
+from service.settings import Settings
+
+
+def _application(path: Path, settings: Settings) -> Front:
+    return create_app(Bank.open(path, verify=False), settings)  # whoever made this configuration has verified it
+
+
+class EdgeConfig(uvicorn.Config):
+    """The configuration of one process, or of each of several workers, which it is sent to."""
+
+    def __init__(self, path: Path, settings: Settings) -> None:
+        self.settings = settings
+        super().__init__(
+            partial(_application, path, settings),
+            factory=True,
+            workers=settings.workers,
+            http=HttpProtocol,
+            ws=WebSocketProtocol,
+            ws_max_size=settings.max_message,
+            ws_per_message_deflate=False,  # poses hardly shrink, and it costs twenty times what they do
+            ws_ping_interval=settings.stall_seconds / 2.0,
+            ws_ping_timeout=settings.stall_seconds / 2.0,
+            timeout_keep_alive=settings.idle_seconds,  # type: ignore[arg-type]  # it may be a fraction
+            timeout_graceful_shutdown=settings.stop_seconds,  # type: ignore[arg-type]
+            proxy_headers=False,  # an address that a client states is none to count by
+            server_header=False,
+            access_log=False,  # the front logs what is worth a line
+            log_config=log_config(),
+        )
+
+    @cached_property
+    def front(self) -> Front:
+        """The application, loaded."""
+        assert isinstance(self.loaded_app, Front)
+        return self.loaded_app
+
+    @cached_property
+    def ledger(self) -> Ledger:
+        settings = self.settings
+        gauge = self.front.shared.metrics.connections("http")
+        return Ledger(settings.max_connections, settings.max_connections_per_address, gauge)

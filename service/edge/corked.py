@@ -1,0 +1,48 @@
+"""A transport that sends what is written in one turn of the event loop as one piece.
+
+uvicorn writes a response's head and its body apart, which costs a system call and a packet each.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+
+class Corked(asyncio.Transport):
+    """Stands before the real transport."""
+
+    def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:
+        self.transport = transport
+        self._loop = loop
+        self._pieces: list[bytes] = []
+
+    def write(self, data: bytes | bytearray | memoryview[Any]) -> None:
+        if not self._pieces:
+            self._loop.call_soon(self.flush)
+        self._pieces.append(bytes(data))
+
+    def flush(self) -> None:
+        """Sends what was written."""
+        if self._pieces:
+            pieces, self._pieces = self._pieces, []
+            self.transport.write(b"".join(pieces))
+
+    def close(self) -> None:
+        self.flush()
+        self.transport.close()
+
+    def is_closing(self) -> bool:
+        return self.transport.is_closing()
+
+    def get_extra_info(self, name: str, default: Any = None) -> Any:
+        return self.transport.get_extra_info(name, default)
+
+    def pause_reading(self) -> None:
+        self.transport.pause_reading()
+
+    def resume_reading(self) -> None:
+        self.transport.resume_reading()
+
+    def set_protocol(self, protocol: asyncio.BaseProtocol) -> None:
+        self.transport.set_protocol(protocol)

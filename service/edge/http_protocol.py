@@ -1,0 +1,142 @@
+"""uvicorn's HTTP protocol, with limits: who may connect, how large and slow a request may be, and who must read."""
+
+from __future__ import annotations
+
+import asyncio
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Any, cast
+
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
+from uvicorn.server import ServerState
+
+from service.edge.corked import Corked
+from service.edge.stall import StallGuard
+from service.problems import MEDIA_TYPE, problem
+
+if TYPE_CHECKING:
+    from service.edge.config import EdgeConfig
+
+
+class HttpProtocol(HttpToolsProtocol):
+    """One connection, until it becomes a WebSocket."""
+
+    config: EdgeConfig
+
+    def __init__(
+        self,
+        config: EdgeConfig,
+        server_state: ServerState,
+        app_state: dict[str, Any],
+        _loop: asyncio.AbstractEventLoop | None = None,
+    ) -> None:
+        super().__init__(config, server_state, app_state, _loop)
+        self._guard: StallGuard | None = None
+        self._deadline: asyncio.TimerHandle | None = None
+        self._head_size = 0
+        self._in_head = True
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(Corked(transport, self.loop))
+        self._guard = StallGuard(transport, self.loop, self.config.settings.stall_seconds)
+        if reason := self.config.ledger.admit(transport):
+            self._refuse(HTTPStatus.TOO_MANY_REQUESTS, "busy", f"{reason}. Try again later.")
+        else:
+            self._expect_a_request()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        super().connection_lost(exc)
+        self._stop_waiting()
+        if self._guard is not None:
+            self._guard.resume_writing()
+        self.config.ledger.forget(self._real_transport)
+
+    def data_received(self, data: bytes) -> None:
+        if self._in_head:
+            self._expect_a_request()
+            self._head_size += len(data)
+        super().data_received(data)
+        if self._in_head and self._head_size > self.config.settings.max_header:
+            self._refuse_head()
+
+    def on_message_begin(self) -> None:
+        super().on_message_begin()
+        self._in_head = True
+
+    def on_headers_complete(self) -> None:
+        self._stop_waiting()
+        self._in_head, self._head_size = False, 0
+        size = len(self.url) + sum(len(name) + len(value) for name, value in self.headers)
+        if size > self.config.settings.max_header:
+            self._refuse_head()
+        else:
+            super().on_headers_complete()
+
+    def on_body(self, body: bytes) -> None:
+        if not self.transport.is_closing():
+            super().on_body(body)
+
+    def on_message_complete(self) -> None:
+        self._in_head = True
+        if not self.transport.is_closing():
+            super().on_message_complete()
+
+    def pause_writing(self) -> None:
+        super().pause_writing()
+        if self._guard is not None:
+            self._guard.pause_writing()
+
+    def resume_writing(self) -> None:
+        super().resume_writing()
+        if self._guard is not None:
+            self._guard.resume_writing()
+
+    def handle_websocket_upgrade(self) -> None:
+        self._stop_waiting()
+        self._unset_keepalive_if_required()
+        corked = cast("Corked", self.transport)
+        corked.flush()
+        self.transport = corked.transport
+        super().handle_websocket_upgrade()
+
+    def send_400_response(self, msg: str) -> None:
+        self._refuse(HTTPStatus.BAD_REQUEST, "http", "this is not HTTP/1.1. Send a request line, headers and a body.")
+
+    def shutdown(self) -> None:
+        self.config.front.begin_stop()
+        super().shutdown()
+
+    @property
+    def _real_transport(self) -> asyncio.Transport:
+        return self.transport.transport if isinstance(self.transport, Corked) else self.transport
+
+    def _expect_a_request(self) -> None:
+        if self._deadline is None:
+            self._deadline = self.loop.call_later(self.config.settings.request_seconds, self._refuse_slow)
+
+    def _stop_waiting(self) -> None:
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
+
+    def _refuse_slow(self) -> None:
+        seconds = self.config.settings.request_seconds
+        detail = f"the request did not arrive within {seconds:g} s. Send it at once."
+        self._refuse(HTTPStatus.REQUEST_TIMEOUT, "timeout", detail)
+
+    def _refuse_head(self) -> None:
+        detail = f"the request's line and headers have more than {self.config.settings.max_header} bytes. Send fewer."
+        self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, "too-large", detail)
+
+    def _refuse(self, status: HTTPStatus, kind: str, detail: str) -> None:
+        """Answers without the application, and closes."""
+        self._stop_waiting()
+        if self.transport.is_closing():
+            return
+        identity = self.config.front.next_request_id()
+        body = problem(status, kind, detail, identity)
+        head = (
+            f"HTTP/1.1 {status.value} {status.phrase}\r\ncontent-type: {MEDIA_TYPE}\r\ncontent-length: {len(body)}\r\n"
+            f"x-request-id: {identity}\r\nconnection: close\r\n\r\n"
+        )
+        self.transport.write(head.encode() + body)
+        self.transport.close()

@@ -1,0 +1,45 @@
+"""Who is connected: how many at all, and from each address."""
+
+from __future__ import annotations
+
+from asyncio import BaseTransport
+from collections import Counter
+
+from prometheus_client import Gauge
+
+
+class Ledger:
+    """The connections of one process. A transport counts once, whatever protocols it changes between."""
+
+    def __init__(self, most: int, most_per_address: int, gauge: Gauge) -> None:
+        self._most = most
+        self._most_per_address = most_per_address
+        self._gauge = gauge
+        self._addresses: dict[BaseTransport, str] = {}
+        self._counts: Counter[str] = Counter()
+
+    def __len__(self) -> int:
+        return len(self._addresses)
+
+    def admit(self, transport: BaseTransport) -> str:
+        """Counts a connection in. Returns why it may not be, if it may not."""
+        peer = transport.get_extra_info("peername")
+        address = str(peer[0]) if peer else ""
+        if len(self._addresses) >= self._most:
+            return f"there are {self._most} connections already"
+        if self._counts[address] >= self._most_per_address:
+            return f"there are {self._most_per_address} connections of this address already"
+        self._addresses[transport] = address
+        self._counts[address] += 1
+        self._gauge.inc()
+        return ""
+
+    def forget(self, transport: BaseTransport) -> None:
+        """Counts a connection out, if it was in."""
+        address = self._addresses.pop(transport, None)
+        if address is None:
+            return
+        self._gauge.dec()
+        self._counts[address] -= 1
+        if not self._counts[address]:
+            del self._counts[address]

@@ -59,7 +59,7 @@ def log_config() -> dict[str, Any]:
         "formatters": {"lines": {"()": formatter}},
         "handlers": {"stderr": {"class": "logging.StreamHandler", "formatter": "lines"}},
         "root": {"handlers": ["stderr"], "level": "INFO"},
-        "loggers": {"uvicorn.error": {"level": "WARNING"}},
+        "loggers": {"uvicorn.error": {"level": "WARNING"}, "uvicorn.access": {"handlers": [], "propagate": False}},
     }
 
 

@@ -80,6 +80,11 @@ class HttpProtocol(HttpToolsProtocol):
         if not self.transport.is_closing():
             super().on_message_complete()
 
+    def on_response_complete(self) -> None:
+        super().on_response_complete()
+        if self._deadline is not None:  # the next request has begun to arrive
+            self._unset_keepalive_if_required()
+
     def pause_writing(self) -> None:
         super().pause_writing()
         if self._guard is not None:

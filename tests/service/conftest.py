@@ -9,19 +9,22 @@ from fastapi.testclient import TestClient
 from runtime.bank import Bank
 from service.app import create_app
 from service.settings import Settings
+from tests.service.running import Running, running
 
 
 @pytest.fixture(scope="session")
 def client(bank: Bank) -> Iterator[TestClient]:
-    """A client of a running, warm service."""
+    """A client of a warm service, without sockets."""
     with TestClient(create_app(bank, Settings(max_frames=5000))) as client:
-        wait_until_ready(client)
+        deadline = time.monotonic() + 60.0
+        while client.get("/readyz").status_code == 503:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
         yield client
 
 
-def wait_until_ready(client: TestClient) -> None:
-    """Returns when the kernels are warm, and fails if that takes more than a minute."""
-    deadline = time.monotonic() + 60.0
-    while client.get("/readyz").status_code == 503:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+@pytest.fixture(scope="module")
+def service(bank: Bank) -> Iterator[Running]:
+    """A running, warm service."""
+    with running(bank.path, Settings(stall_seconds=2.0, idle_seconds=1.0, max_load=20_000.0)) as service:
+        yield service

@@ -1,0 +1,72 @@
+"""A client of the WebSocket, as docs/protocol.md describes it."""
+
+from __future__ import annotations
+
+import json
+from types import TracebackType
+from typing import Any, Self
+
+import msgpack
+import numpy as np
+from websockets.sync.client import connect
+
+from tests.service.messages import arrays
+from tests.service.running import PATIENCE, Running
+
+
+class Player:
+    """Sends commands, and takes events and frames apart."""
+
+    def __init__(self, service: Running, query: str = "", **options: Any) -> None:
+        url = f"ws://127.0.0.1:{service.port}/v1/characters{query}"
+        self._connection = connect(url, compression=None, max_size=None, **options)
+        self.socket = self._connection.__enter__()
+        self.frames: list[dict[str, Any]] = []
+        self.events: list[dict[str, Any]] = []
+        self.welcome = self.event("welcome")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._connection.__exit__(kind, error, trace)
+
+    def take(self) -> None:
+        """Takes the next message."""
+        message = self.socket.recv(timeout=PATIENCE)
+        if isinstance(message, str):
+            self.events.append(json.loads(message))
+        else:
+            frame = msgpack.unpackb(message)
+            ids = np.frombuffer(frame["ids"], "<u4")
+            leading = (frame["count"], len(ids))
+            joints = len(self.welcome["joints"])
+            self.frames.append({**frame, **arrays(frame, joints, *leading, short=False), "ids": ids.tolist()})
+
+    def event(self, *kinds: str) -> dict[str, Any]:
+        """The next event of some kinds; others before it are passed over."""
+        while True:
+            while self.events:
+                if (told := self.events.pop(0))["event"] in kinds:
+                    return told
+            self.take()
+
+    def frame(self) -> dict[str, Any]:
+        """The next message of frames."""
+        while not self.frames:
+            self.take()
+        return self.frames.pop(0)
+
+    def do(self, *commands: dict[str, Any]) -> dict[str, Any]:
+        """Sends a message of commands, and returns its answer; frames before it are kept."""
+        self.socket.send(json.dumps(commands[0] if len(commands) == 1 else commands))
+        return self.event("done", "refused")
+
+    def frames_until(self, number: int) -> list[dict[str, Any]]:
+        """All messages up to that which has a frame."""
+        taken = [self.frame()]
+        while taken[-1]["frame"] + taken[-1]["count"] <= number:
+            taken.append(self.frame())
+        return taken

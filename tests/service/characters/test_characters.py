@@ -1,0 +1,256 @@
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from runtime.in_step import WaysBack, action_phase, cycles_to, phase_at
+from runtime.requests import Poses, Requests
+from service.settings import Settings
+from tests.service.characters.player import Player
+from tests.service.running import Running, eventually, running
+
+WALK = {"do": "create", "id": 7, "locomotion": "walk"}
+FRAGMENTS = b"\x01\x80mask" + 1023 * b"\x00\x80mask"  # of one message that does not end
+
+
+def locomotion_alone(bank: Bank, name: str, times: Any) -> Poses:
+    return Evaluator(bank).sequence(name, np.asarray(times))
+
+
+def test_frames_are_the_evaluators_numbered_by_their_own_clock(service: Running, bank: Bank) -> None:
+    with Player(service, "?rate=50") as player:
+        assert player.welcome["bank"] == bank.digest
+        assert (player.welcome["rate"], player.welcome["ahead"]) == (50.0, 1)
+        first = player.do(WALK)["frame"]
+        frames = player.frames_until(first + 10)
+        assert frames[0]["frame"] == first
+        times = np.array([frame["frame"] - first for frame in frames]) / 50.0
+        poses = locomotion_alone(bank, "walk", times)
+        np.testing.assert_allclose([frame["rotations"][0, 0] for frame in frames], poses.rotations, atol=1e-6)
+        np.testing.assert_allclose([frame["root_positions"][0, 0] for frame in frames], poses.root_positions, atol=1e-6)
+        due = np.array([frame["time"] for frame in frames])
+        np.testing.assert_allclose(np.diff(due), np.diff(times), atol=1e-3)
+        assert all(frame["ids"] == [7] and frame["count"] == 1 for frame in frames)
+
+
+def test_an_action_begins_in_step_at_its_beginning(service: Running, bank: Bank) -> None:
+    evaluator, walk, wave = Evaluator(bank), bank.number("walk"), bank.number("wave")
+    for start in (0.0, 0.8):
+        with Player(service) as player:
+            first = player.do({**WALK, "time": 2.0})["frame"]
+            done = player.do({"do": "act", "id": 7, "action": "wave", "start": start})["frame"]
+            frame = player.frames_until(done)[-1]
+        time = 2.0 + (done - first) / 60.0
+        requests, poses = Requests.empty(1), evaluator.poses(1)
+        requests.locomotion[:], requests.action[:], requests.time[:] = walk, wave, time
+        begin = phase_at(evaluator.arrays, wave, start)
+        requests.cycles[:] = cycles_to(evaluator.arrays, walk, time, wave, begin)
+        evaluator.evaluate(requests, poses)
+        np.testing.assert_allclose(frame["rotations"][0, 0], poses.rotations[0], atol=1e-6)
+        phase = action_phase(evaluator.arrays, walk, time, wave, int(requests.cycles[0]))
+        assert begin - 0.0011 <= phase < begin + 1.0
+
+
+def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
+    with Player(service) as player:
+        player.do(WALK, {**WALK, "id": 9, "locomotion": "run"}, {"do": "create", "id": [3, 4], "locomotion": "run"})
+        assert player.frame()["ids"] == [7, 9, 3, 4]
+        done = player.do({"do": "remove", "id": [9, 4]})["frame"]
+        assert player.frames_until(done)[-1]["ids"] == [7, 3]
+        done = player.do({"do": "speed", "id": [7, 3], "speed": 0.0})["frame"]
+        player.frames_until(done + 1)
+        one, two = player.frame(), player.frame()
+        np.testing.assert_array_equal(one["rotations"], two["rotations"])
+        done = player.do({"do": "seek", "id": 3, "time": 1.25})["frame"]
+        frame = player.frames_until(done)[-1]
+        np.testing.assert_allclose(
+            frame["rotations"][0, 1], locomotion_alone(bank, "run", [1.25]).rotations[0], atol=1e-6
+        )
+        done = player.do({"do": "play", "id": 3, "locomotion": "side_step", "time": 0.5})["frame"]
+        frame = player.frames_until(done)[-1]
+        wanted = locomotion_alone(bank, "side_step", [0.5]).rotations[0]
+        np.testing.assert_allclose(frame["rotations"][0, 1], wanted, atol=1e-6)
+        done = player.do({"do": "act", "id": 3, "action": "wave", "method": "naive", "start": 1.0})["frame"]
+        frame = player.frames_until(done)[-1]
+        upper = bank.skeleton.subtree(bank.roles.pelvis)
+        wave = bank.motion("wave").sampled([1.0 * bank.clip("wave").rate])[1][0, upper]
+        np.testing.assert_allclose(frame["rotations"][0, 1][upper], wave, atol=1e-5)
+        done = player.do({"do": "stop", "id": 3})["frame"]
+        frame = player.frames_until(done)[-1]
+        np.testing.assert_allclose(frame["rotations"][0, 1], wanted, atol=1e-6)
+
+
+def test_a_locomotion_goes_back_by_whole_strides_or_holds_its_end(service: Running, bank: Bank) -> None:
+    duration, way = bank.clip("run").duration, WaysBack.of(bank)
+    with Player(service) as player:
+        near = duration - 2.5 / 60.0
+        run = {"do": "create", "locomotion": "run", "time": near}
+        first = player.do({**run, "id": 1}, {**run, "id": 2, "loop": False})["frame"]
+        told = player.event("ended")
+        assert (told["id"], told["frame"]) == (2, first + 3)
+        frame = player.frames_until(first + 5)[-1]
+        number = bank.number("run")
+        back = way.times[number] + near + 5.0 / 60.0 - duration
+        poses = locomotion_alone(bank, "run", [back, duration])
+        np.testing.assert_allclose(frame["rotations"][0], poses.rotations, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("commands", "kind", "words"),
+    [
+        ([{"do": "create", "id": 8, "locomotion": "wlak"}], "unknown-clip", "Did you mean 'walk'"),
+        ([{"do": "create", "id": 7, "locomotion": "walk"}], "request", "there is a character 7 already"),
+        ([{"do": "create", "id": -1, "locomotion": "walk"}], "request", "id: it should be a whole number"),
+        ([{"do": "create", "id": [8, 8], "locomotion": "walk"}], "request", "in the list twice"),
+        ([{"do": "create", "id": 8}], "request", "locomotion: create needs it"),
+        ([{"do": "create", "id": 8, "locomotion": "walk", "sped": 2}], "request", "create takes no 'sped'"),
+        ([{"do": "dance", "id": 7}], "request", "there is no command 'dance'"),
+        ([{"do": "seek", "id": 7, "time": 99}], "time-range", "Give a time from 0 to 5.000"),
+        ([{"do": "seek", "id": 7, "time": -1}], "request", "time: it is -1, and should be seconds"),
+        ([{"do": "act", "id": 7, "action": "wave", "start": 9}], "time-range", "start 9 s lies outside clip 'wave'"),
+        ([{"do": "act", "id": 7, "action": "wave", "posture": "up"}], "request", "posture: it is 'up'"),
+        ([{"do": "speed", "id": 6, "speed": 1}], "request", "there is no character 6"),
+        ([{"do": "speed", "id": 7, "speed": 9}], "request", "speed: it is 9, and should be a number from 0 to 8"),
+        ([{"do": "set", "rate": 121}], "limit", "rate: 121 is more than 120"),
+        ([{"do": "set", "ahead": 121}], "limit", "ahead: 121 is more than 120"),
+        ([{"do": "set", "id": 7, "rate": 30}], "request", "set takes no 'id'"),
+        ([{"do": "create", "id": list(range(10, 400)), "locomotion": "walk"}], "busy", "at most 20000 characters"),
+        ([{"do": "remove", "id": 7}, {"do": "remove", "id": 6}], "request", "there is no character 6"),
+        ([{"do": "remove", "id": 7}, {"do": "remoov", "id": 6}], "request", "command 1: do: there is no command"),
+        ([3], "request", "a command is a map"),
+        ([{"id": 7}], "request", "there is no command None"),
+    ],
+)
+def test_what_is_wrong_is_refused_and_nothing_of_it_done(
+    service: Running, commands: list[Any], kind: str, words: str
+) -> None:
+    with Player(service) as player:
+        player.do(WALK)
+        player.frame()
+        commands = [{**one, "ref": "mine"} if isinstance(one, dict) else one for one in commands]
+        told = player.do(*commands)
+        assert (told["event"], told["type"]) == ("refused", f"urn:motionsplice:{kind}")
+        assert words in told["detail"]
+        assert told["ref"] == ("mine" if isinstance(commands[0], dict) else None)
+        player.frames.clear()
+        assert player.frame()["ids"] == [7]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "[" * 30_000, "null", '"x"', "1e999", '{"do": "create", "do": 3}', "[[]]"]
+)
+def test_text_that_is_no_command_is_refused(service: Running, text: str) -> None:
+    with Player(service) as player:
+        player.socket.send(text)
+        assert player.event("done", "refused")["event"] == "refused"
+        assert player.do(WALK)["event"] == "done"
+
+
+def test_frames_ahead_are_those_that_would_have_come_one_by_one(service: Running, bank: Bank) -> None:
+    with Player(service, "?ahead=20") as player:
+        first = player.do(WALK, {"do": "act", "id": 7, "action": "wave", "posture": "running"})["frame"]
+        ahead = [player.frame() for _ in range(2)]
+        assert [frame["frame"] for frame in ahead] == [first, first + 20]
+    with Player(service) as player:
+        first = player.do(WALK, {"do": "act", "id": 7, "action": "wave", "posture": "running"})["frame"]
+        alone = player.frames_until(first + 30)
+    for frame in alone:
+        number = frame["frame"] - first
+        np.testing.assert_allclose(ahead[number // 20]["rotations"][number % 20], frame["rotations"][0], atol=1e-6)
+
+
+def test_a_command_makes_wrong_what_was_sent_ahead(service: Running, bank: Bank) -> None:
+    with Player(service, "?ahead=60") as player:
+        first = player.do(WALK)["frame"]
+        sent = player.frame()
+        assert (sent["frame"], sent["count"]) == (first, 60)
+        done = player.do({"do": "speed", "id": 7, "speed": 0.0, "ref": 5})
+        assert done["ref"] == 5
+        assert first < done["frame"] < first + 60
+        again = player.frame()
+        assert again["frame"] == done["frame"]
+        held = sent["rotations"][done["frame"] - first, 0]
+        np.testing.assert_allclose(again["rotations"][:, 0], np.broadcast_to(held, (60, *held.shape)), atol=1e-6)
+
+
+def test_rate_and_look_ahead_can_be_changed(service: Running) -> None:
+    with Player(service) as player:
+        player.do(WALK)
+        done = player.do({"do": "set", "rate": 30, "ahead": 4})["frame"]
+        frames = player.frames_until(done + 5)
+        assert frames[-1]["count"] == 4
+        assert frames[-1]["rate"] == 30.0
+        assert frames[-1]["time"] - frames[-2]["time"] == pytest.approx(4 / 30, abs=1e-3)
+
+
+def test_clients_of_one_rate_are_due_at_the_same_moment(service: Running) -> None:
+    with Player(service) as one, Player(service) as two:
+        one.do(WALK)
+        two.do(WALK)
+        apart = [abs(one.frame()["time"] - two.frame()["time"]) * 60.0 for _ in range(5)]
+        assert max(abs(part - round(part)) for part in apart) < 0.1
+
+
+def test_a_newer_bank_is_played_on_from_the_next_frame(service: Running, bank: Bank) -> None:
+    hub = service.config.front.hub
+    with Player(service) as player:
+        player.do(WALK, {"do": "act", "id": 7, "action": "wave"})
+        old = service.config.front.shared.serving.edition
+        twin = type(old)(Bank.open(bank.path), Evaluator(Bank.open(bank.path)), old.ways_back)
+        loop = service.server.servers[0].get_loop()
+        loop.call_soon_threadsafe(service.config.front.shared.serving.exchange, twin)
+        told = player.event("bank")
+        frames = player.frames_until(told["frame"] + 3)
+        numbers = [frame["frame"] for frame in frames]
+        assert numbers == list(range(numbers[0], numbers[-1] + 1))
+        assert all(one.play.scene.edition is twin for one in hub.connections)
+
+
+@pytest.mark.parametrize(
+    ("send", "code"),
+    [
+        (lambda socket: socket.send(b"binary"), 1003),
+        (lambda socket: socket.send("x" * 70_000), 1009),
+        (lambda socket: socket.socket.sendall(FRAGMENTS), 1009),
+        (lambda socket: None, 4408),
+    ],
+)
+def test_it_closes_with_defined_codes(service: Running, send: Any, code: int) -> None:
+    player = Player(service)
+    send(player.socket)
+    with pytest.raises(ConnectionClosed) as caught:
+        player.frames_until(10**6)
+    assert caught.value.rcvd is not None
+    assert caught.value.rcvd.code == code
+    eventually(lambda: service.held[2:] == (0, 0))
+
+
+def test_a_handshake_that_is_refused_says_why(service: Running) -> None:
+    for query, status, words in (
+        ("?rate=0", 422, "rate: it is 0"),
+        ("?rate=200", 422, "more than 120"),
+        ("?axis=unity", 422, "Did you mean 'axes'"),
+        ("/nothing", 404, "/v1/characters"),
+    ):
+        with pytest.raises(InvalidStatus) as caught:
+            Player(service, query)
+        assert caught.value.response.status_code == status
+        assert words in json.loads(caught.value.response.body or b"")["detail"]
+
+
+def test_a_service_that_stops_tells_its_clients(bank: Bank) -> None:
+    with running(bank.path, Settings()) as service:
+        player = Player(service)
+        player.do(WALK)
+        service.server.should_exit = True
+        assert "stops" in player.event("bye")["reason"]
+        with pytest.raises(ConnectionClosed) as caught:
+            player.frames_until(10**6)
+        assert caught.value.rcvd is not None
+        assert caught.value.rcvd.code == 1012

@@ -1,0 +1,151 @@
+"""Random clients: whatever they send, they are answered or closed with a defined code, and the service lives."""
+
+from __future__ import annotations
+
+import json
+import logging
+import urllib.request
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
+from websockets.exceptions import ConnectionClosed
+
+from tests.service.characters.player import Player
+from tests.service.running import Running, eventually
+
+CODES = {1002, 1003, 1007, 1009, 4408}
+
+ids = st.integers(0, 5) | st.lists(st.integers(0, 5), max_size=4) | st.integers() | st.none()
+clips = st.sampled_from(["walk", "run", "wave", "carry_box", "turn_180", "nobody"])
+numbers = st.floats() | st.integers(-2, 10)
+options = st.fixed_dictionaries(
+    {},
+    optional={
+        "time": numbers,
+        "speed": numbers,
+        "start": numbers,
+        "loop": st.booleans(),
+        "method": st.sampled_from(["splice", "naive", "none", "x"]),
+        "posture": st.sampled_from(["relative", "absolute", "running", "off", "x"]),
+        "ref": st.integers(-(2**63), 2**63) | st.text(max_size=5) | st.none(),
+        "locomotion": clips,
+        "action": clips,
+        "rate": numbers,
+        "ahead": st.integers(-1, 130),
+    },
+)
+commands = st.builds(
+    lambda do, id_, rest: {"do": do, "id": id_, **rest},
+    st.sampled_from(["create", "play", "act", "stop", "seek", "speed", "remove", "set", "x"]),
+    ids,
+    options,
+)
+likely = st.sampled_from(
+    [
+        {"do": "create", "id": 1, "locomotion": "walk"},
+        {"do": "create", "id": [2, 3], "locomotion": "run", "loop": False, "speed": 8},
+        {"do": "act", "id": 1, "action": "wave", "posture": "running"},
+        {"do": "act", "id": 1, "action": "carry_box", "method": "naive", "start": 0.5},
+        {"do": "play", "id": 1, "locomotion": "turn_180"},
+        {"do": "seek", "id": 1, "time": 2.0},
+        {"do": "stop", "id": 1},
+        {"do": "remove", "id": 2},
+        {"do": "set", "rate": 120, "ahead": 1},
+        {"do": "set", "rate": 120, "ahead": 30},
+    ]
+)
+junk = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.text(),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=8,
+)
+
+
+class Clients(RuleBasedStateMachine):
+    """One client after the other, each with whatever it thinks of."""
+
+    service: Running
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.player: Player | None = None
+
+    @precondition(lambda self: self.player is None)
+    @rule(ahead=st.integers(1, 120), how=st.sampled_from(["", "&axes=unreal&encoding=int16&parts=both"]))
+    def connect(self, ahead: int, how: str) -> None:
+        self.player = Player(self.service, f"?rate=120&ahead={ahead}{how}")
+
+    @precondition(lambda self: self.player is not None)
+    @rule(told=likely | commands | st.lists(likely | commands | junk, max_size=5) | junk)
+    def command(self, told: Any) -> None:
+        assert self.player is not None
+        self.player.socket.send(json.dumps(told))
+        answer = self.player.event("done", "refused")
+        if answer["event"] == "refused":
+            assert answer["type"].startswith("urn:motionsplice:")
+            assert answer["detail"]
+
+    @precondition(lambda self: self.player is not None)
+    @rule(text=st.text(max_size=100))
+    def text(self, text: str) -> None:
+        assert self.player is not None
+        self.player.socket.send(text)
+        self.player.event("done", "refused")
+
+    @precondition(lambda self: self.player is not None)
+    @rule(sent=st.binary(min_size=1, max_size=40))
+    def bytes_that_are_no_websocket(self, sent: bytes) -> None:
+        assert self.player is not None
+        self.player.socket.socket.sendall(sent)
+        self.leave()
+
+    @precondition(lambda self: self.player is not None)
+    @rule()
+    def binary(self) -> None:
+        assert self.player is not None
+        self.player.socket.send(b"x")
+        with pytest.raises(ConnectionClosed) as caught:
+            self.player.frames_until(10**9)
+        assert caught.value.rcvd is not None
+        assert caught.value.rcvd.code in CODES
+        self.leave()
+
+    @precondition(lambda self: self.player is not None)
+    @rule()
+    def leave(self) -> None:
+        assert self.player is not None
+        self.player.socket.socket.close()
+        self.player = None
+
+    @invariant()
+    def it_lives(self) -> None:
+        assert urllib.request.urlopen(f"{self.service.url}/readyz", timeout=30).status == 204
+
+    def teardown(self) -> None:
+        if self.player is not None:
+            self.leave()
+
+
+@pytest.fixture
+def failures(caplog: pytest.LogCaptureFixture) -> Iterator[list[str]]:
+    """What the service logged as its own failure."""
+    told: list[str] = []
+    yield told
+    told += [one.getMessage() for one in caplog.records if one.name.startswith(("service", "uvicorn", "asyncio"))
+             and one.levelno >= logging.ERROR]  # fmt: skip
+    assert not told
+
+
+def test_random_clients_do_no_harm(service: Running, failures: list[str]) -> None:
+    Clients.service = service
+    run_state_machine_as_test(  # type: ignore[no-untyped-call]
+        Clients,
+        settings=settings(
+            max_examples=25, stateful_step_count=15, deadline=None, suppress_health_check=list(HealthCheck)
+        ),
+    )
+    eventually(lambda: service.held[2:] == (0, 0))

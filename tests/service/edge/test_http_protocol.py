@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import json
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+
+import pytest
+
+from runtime.bank import Bank
+from service.settings import Settings
+from tests.service.running import Running, eventually, received, running
+
+GET = b"GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n"
+STREAM = b"GET /v1/stream?locomotion=walk&rate=1000&ahead=100 HTTP/1.1\r\nHost: x\r\n\r\n"
+
+
+@pytest.fixture(scope="module")
+def impatient(bank: Bank) -> Iterator[Running]:
+    """A service that waits for nobody."""
+    settings = Settings(
+        request_seconds=0.3, idle_seconds=0.3, stall_seconds=0.3, max_header=2048, max_connections_per_address=8
+    )
+    with running(bank.path, settings) as service:
+        yield service
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_left(impatient: Running) -> Iterator[None]:
+    yield
+    eventually(lambda: impatient.held == (0, 0, 0, 0))
+
+
+def problem(answer: bytes) -> tuple[int, str]:
+    head, _, body = answer.partition(b"\r\n\r\n")
+    told = json.loads(body)
+    assert b"application/problem+json" in head
+    assert told["status"] == int(head.split()[1])
+    return told["status"], told["type"].removeprefix("urn:motionsplice:")
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET /healthz HT", b"GET /healthz HTTP/1.1\r\nHost: x\r\n"])
+def test_a_request_that_does_not_arrive_is_not_waited_for(impatient: Running, sent: bytes) -> None:
+    assert problem(received(impatient.connect(sent))) == (408, "timeout")
+
+
+def test_nor_is_the_second_on_a_connection(impatient: Running) -> None:
+    peer = impatient.connect(GET)
+    assert peer.recv(1000).startswith(b"HTTP/1.1 204")
+    peer.sendall(b"GET /heal")
+    assert problem(received(peer)) == (408, "timeout")
+
+
+def test_a_body_that_does_not_arrive_is_not_waited_for(impatient: Running) -> None:
+    head = b"POST /v1/poses HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n{"
+    assert problem(received(impatient.connect(head))) == (408, "timeout")
+
+
+def test_a_connection_that_is_not_used_is_closed(impatient: Running) -> None:
+    assert received(impatient.connect(GET)).startswith(b"HTTP/1.1 204")
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"GET /healthz HTTP/1.1\r\nX: " + 3000 * b"a" + b"\r\n\r\n",
+        b"GET /healthz HTTP/1.1\r\nX: " + 3000 * b"a",
+        b"GET /" + 3000 * b"a",
+        b"GET /healthz HTTP/1.1\r\n" + 800 * b"A: b\r\n",
+    ],
+)
+def test_large_heads_are_refused(impatient: Running, sent: bytes) -> None:
+    assert problem(received(impatient.connect(sent))) == (431, "too-large")
+
+
+@pytest.mark.parametrize("sent", [b"\x16\x03\x01\x02\x00\x01", b"HELLO\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n"])
+def test_what_is_not_http_is_a_problem(impatient: Running, sent: bytes) -> None:
+    assert problem(received(impatient.connect(sent))) == (400, "http")
+
+
+def test_one_address_has_so_many_connections(impatient: Running) -> None:
+    peers = [impatient.connect(b"GET") for _ in range(8)]
+    eventually(lambda: len(impatient.config.ledger) == 8)
+    assert problem(received(impatient.connect())) == (429, "busy")
+    for peer in peers:
+        peer.close()
+    eventually(lambda: len(impatient.config.ledger) == 0)
+    assert received(impatient.connect(GET)).startswith(b"HTTP/1.1 204")
+
+
+def test_who_stops_reading_is_cut_off(impatient: Running) -> None:
+    peer = impatient.connect(STREAM, receive_buffer=4096)
+    eventually(lambda: len(impatient.config.front.shared.streams) == 1)
+    eventually(lambda: impatient.held == (0, 0, 0, 0))
+    peer.close()
+
+
+def test_who_goes_in_the_middle_leaves_nothing(impatient: Running) -> None:
+    for number in range(200):
+        sent = (b"", b"GET /v1", GET, STREAM, b"POST /v1/poses HTTP/1.1\r\nContent-Length: 9\r\n\r\n{")[number % 5]
+        impatient.connect(sent).close()
+        if number % 5 == 4:
+            eventually(lambda: len(impatient.config.ledger) < 4)
+
+
+def test_errors_of_the_application_come_through(impatient: Running) -> None:
+    with pytest.raises(urllib.error.HTTPError) as caught:
+        urllib.request.urlopen(f"{impatient.url}/v1/pose?locomotion=wlak&time=0")
+    assert caught.value.code == 404
+    assert "Did you mean 'walk'" in json.load(caught.value)["detail"]

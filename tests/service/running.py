@@ -1,0 +1,89 @@
+"""A service on a free port of this machine, in a thread, for tests that need real sockets."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import uvicorn
+
+from service.edge.config import EdgeConfig
+from service.server import listen
+from service.settings import Settings
+
+PATIENCE = 30.0  # seconds: far more than anything takes
+
+
+class Running:
+    """A running service, and what it holds."""
+
+    def __init__(self, config: EdgeConfig, server: uvicorn.Server, port: int) -> None:
+        self.config = config
+        self.server = server
+        self.port = port
+        self.url = f"http://127.0.0.1:{port}"
+
+    def connect(self, *sent: bytes, receive_buffer: int | None = None) -> socket.socket:
+        """A connection on which something was sent."""
+        peer = socket.socket()
+        if receive_buffer is not None:
+            peer.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+        peer.settimeout(PATIENCE)
+        peer.connect(("127.0.0.1", self.port))
+        for one in sent:
+            peer.sendall(one)
+        return peer
+
+    @property
+    def held(self) -> tuple[int, int, int, int]:
+        """Connections in the ledger and at uvicorn, tasks, streams."""
+        state, front = self.server.server_state, self.config.front
+        return len(self.config.ledger), len(state.connections), len(state.tasks), len(front.shared.streams)
+
+
+def eventually(holds: Callable[[], bool]) -> None:
+    """Waits until something holds, and fails if it does not come to that."""
+    deadline = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def received(peer: socket.socket) -> bytes:
+    """All that a peer gets until the connection is closed."""
+    chunks = []
+    try:
+        while chunk := peer.recv(65536):
+            chunks.append(chunk)
+    except ConnectionResetError:
+        pass
+    return b"".join(chunks)
+
+
+@contextmanager
+def running(path: Path, settings: Settings) -> Iterator[Running]:
+    """Serves a bank until left."""
+    settings = settings.model_copy(update={"port": 0})
+    listener, config = listen(settings), EdgeConfig(path, settings)
+    server, port = uvicorn.Server(config), listener.getsockname()[1]
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+    thread.start()
+    service = Running(config, server, port)
+    eventually(lambda: _is_ready(service))
+    yield service
+    server.should_exit = True
+    thread.join(PATIENCE)
+    assert not thread.is_alive()
+
+
+def _is_ready(service: Running) -> bool:
+    try:
+        urllib.request.urlopen(f"{service.url}/readyz", timeout=1.0).close()
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,35 @@
+"""The whole schema against the service: no request that it allows, or nearly, is answered by a failure."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from schemathesis import GenerationMode
+
+from tests.service.running import Running
+
+
+@pytest.fixture(scope="module")
+def operations(service: Running) -> list[Any]:
+    schema = schemathesis.openapi.from_url(f"{service.url}/openapi.json")
+    return [found.ok() for found in schema.get_all_operations()]
+
+
+@given(data=st.data())
+@settings(max_examples=300, suppress_health_check=list(HealthCheck))
+def test_no_request_makes_the_service_fail(operations: list[Any], data: st.DataObject) -> None:
+    operation = data.draw(st.sampled_from(operations), label="operation")
+    mode = data.draw(st.sampled_from(list(GenerationMode)), label="mode")
+    case = data.draw(operation.as_strategy(generation_mode=mode), label="case")
+    answer = case.call()
+    assert answer.status_code < 500, answer.content
+    if answer.status_code >= 400:
+        assert answer.headers["content-type"] == ["application/problem+json"]
+        told = json.loads(answer.content)
+        assert told["status"] == answer.status_code
+        assert told["detail"]

@@ -13,7 +13,9 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from motion.errors import MotionError
 from motion.roles import read_roles_file
+from motionsplice.progress_file import ProgressFile
 from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from precompute.job import Outcome, precompute
 from runtime.bank import Bank
@@ -40,20 +42,30 @@ def precompute_command(
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    progress: Annotated[Path | None, typer.Option(help="File that tells how far it is, as JSON, for programs.")] = None,
 ) -> None:
     """Align clips to a baseline locomotion, and write a bank.
 
     A clips.toml beside the clips may say of each its kind ("locomotion" or "action"), neutral, tags, skip_frames and
     unit. A clip that fails is named with its reason, the others finish, and the exit status is 1.
     """
-    outcome = run(
-        clips,
-        out,
-        baseline=None if baseline == AUTOMATIC else baseline,
-        jobs=jobs,
-        settings=ClipSettings(skip_frames=skip_frames, unit=unit),
-        roles_file=roles,
-    )
+    file = ProgressFile(progress) if progress is not None else None
+    try:
+        outcome = run(
+            clips,
+            out,
+            baseline=None if baseline == AUTOMATIC else baseline,
+            jobs=jobs,
+            settings=ClipSettings(skip_frames=skip_frames, unit=unit),
+            roles_file=roles,
+            file=file,
+        )
+    except MotionError as problem:
+        if file is not None:
+            file.give_up(str(problem))
+        raise
+    if file is not None:
+        file.finish(outcome)
     tell_work(outcome, out)
     if not outcome.unchanged:
         show_bank(Bank.open(out))
@@ -71,6 +83,7 @@ def run(
     jobs: int | None = None,
     settings: ClipSettings = DEFAULT_SETTINGS,
     roles_file: Path | None = None,
+    file: ProgressFile | None = None,
 ) -> Outcome:
     """The offline job behind a progress bar."""
     columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
@@ -81,6 +94,8 @@ def run(
             if stage not in tasks:  # what has nothing to do has no bar
                 tasks[stage] = bar.add_task(stage)
             bar.update(tasks[stage], completed=done, total=total)
+            if file is not None:
+                file.show(stage, done, total)
 
         return precompute(
             clips,

@@ -14,13 +14,16 @@ from starlette.exceptions import HTTPException
 
 from motion.errors import MotionError
 from runtime.bank import Bank
+from service.exchange.job import Job
+from service.exchange.routes import exchange_routes
+from service.exchange.watch import watch
 from service.front import Front
 from service.logs import request_id
 from service.metrics import Metrics
 from service.openapi import document
 from service.problems import MEDIA_TYPE, problem, told
 from service.routes import bank_routes, health_routes
-from service.serving import Serving
+from service.serving import Edition, Serving
 from service.settings import Settings
 from service.shared import Shared
 
@@ -28,26 +31,39 @@ from service.shared import Shared
 def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     """An application that serves a bank. It is ready (`/readyz`) once the kernels are warm."""
     shared = Shared(settings or Settings(), Serving(bank), Metrics())
+    clips = shared.settings.clips if shared.settings.token is not None else None
+    job = Job(clips, bank.path) if clips is not None else None
     shared.serving.listeners.append(lambda edition: shared.metrics.serves(edition.bank.digest))
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         warming = asyncio.create_task(shared.serving.warm())
-        ticking = asyncio.create_task(front.hub.run())
+        lasting = [asyncio.create_task(front.hub.run())]
+        if shared.settings.watch or job is not None:
+            lasting.append(asyncio.create_task(watch(shared.serving, shared.metrics)))
+        if job is not None:
+            lasting.append(asyncio.create_task(job.run()))
         yield
-        ticking.cancel()
-        await asyncio.gather(warming, ticking, return_exceptions=True)
+        for task in lasting:
+            task.cancel()
+        await asyncio.gather(warming, *lasting, return_exceptions=True)
 
     # Its documentation pages bring their own scripts and styles, where FastAPI's own need the internet.
     app = FastAPIOffline(title="motionsplice", lifespan=lifespan)
     front = Front(shared, app)
     app.include_router(bank_routes(shared))
+    app.include_router(exchange_routes(shared, job))
     app.include_router(health_routes(shared))
     app.openapi = lambda: document(app, shared)  # type: ignore[method-assign]
     app.add_exception_handler(MotionError, _motion_problem)
     app.add_exception_handler(RequestValidationError, _request_problem)
     app.add_exception_handler(HTTPException, _http_problem)
     app.add_exception_handler(Exception, _failure)
+
+    def describe_anew(_: Edition) -> None:
+        app.openapi_schema = None  # its examples are of the bank that was
+
+    shared.serving.listeners.append(describe_anew)
 
     @app.get("/", include_in_schema=False)
     async def get_root() -> RedirectResponse:

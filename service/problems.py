@@ -44,6 +44,10 @@ class BusyError(MotionError):
     """Too many streams at once."""
 
 
+class UploadError(MotionError):
+    """A clip for a service that takes none."""
+
+
 class UnknownBankError(MotionError):
     """A bank that is not served, or not any more."""
 
@@ -59,6 +63,7 @@ class OriginError(MotionError):
 PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
     TokenError: (401, "token"),
     OriginError: (403, "origin"),
+    UploadError: (403, "uploads"),
     UnknownClipError: (404, "unknown-clip"),
     UnknownBankError: (404, "unknown-bank"),
     TooSlowError: (408, "timeout"),

@@ -377,7 +377,7 @@ def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -
     OpenAPI.model_validate(document)
     assert set(document["paths"]) >= {
         "/v1/server", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/clips/{name}", "/v1/pose", "/v1/poses",
-        "/v1/splice", "/v1/stream", "/v1/characters", "/v1/manifest", "/v1/tables/{name}",
+        "/v1/splice", "/v1/stream", "/v1/characters", "/v1/job", "/v1/job/events", "/v1/manifest", "/v1/tables/{name}",
         "/healthz", "/readyz", "/metrics",
     }  # fmt: skip
     names = {one["name"] for one in document["paths"]["/v1/pose"]["get"]["parameters"]}
@@ -397,9 +397,11 @@ def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -
 
 def test_what_the_interactive_page_fills_in_can_be_answered(client: TestClient) -> None:
     for path, operations in client.get("/openapi.json").json()["paths"].items():
-        if path == "/v1/characters":
+        if path in ("/v1/characters", "/v1/job", "/v1/job/events"):
             continue
         for method, operation in operations.items():
+            if (method, path) == ("post", "/v1/clips"):
+                continue
             filled = {one["name"]: one["example"] for one in operation.get("parameters", []) if "example" in one}
             body = operation.get("requestBody", {}).get("content", {}).get("application/json", {}).get("example")
             query = {name: value for name, value in filled.items() if f"{{{name}}}" not in path}

@@ -142,7 +142,7 @@ def failures(caplog: pytest.LogCaptureFixture) -> Iterator[list[str]]:
 
 def test_random_clients_do_no_harm(service: Running, failures: list[str]) -> None:
     Clients.service = service
-    run_state_machine_as_test(  # type: ignore[no-untyped-call]
+    run_state_machine_as_test(
         Clients,
         settings=settings(
             max_examples=25, stateful_step_count=15, deadline=None, suppress_health_check=list(HealthCheck)

@@ -1,0 +1,187 @@
+"""The offline job of a folder of clips, as a process of its own: started when there is work, and asked how far it is.
+
+What is to be done, what was tried and how far it is lies in the folder, so a service that was restarted, or another
+worker, tells the same.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import fcntl
+import logging
+import os
+import subprocess
+import sys
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any, Literal
+
+import orjson
+from pydantic import BaseModel, Field
+
+from motion.errors import BankError
+from runtime.manifest import Manifest
+from service.exchange.pending import Folder
+
+logger = logging.getLogger(__name__)
+
+LOCK, ASKED, TRIED, PROGRESS = ".job.lock", ".job-asked", ".job-tried.json", ".job-progress.json"
+INTERVAL = 0.3  # seconds between two looks
+PATIENCE = 2.0  # seconds before a job that was killed is started again
+NICE = 10  # streams come first
+
+
+class JobInfo(BaseModel):
+    """How far the offline job is."""
+
+    state: Literal["idle", "waiting", "running", "failed"]
+    stage: str = Field(default="", description="what is being done")
+    done: int = 0
+    total: int = 0
+    clips: list[str] = Field(default=[], description="clips that are not in the bank yet")
+    failed: dict[str, str] = Field(default={}, description="why each clip that failed did")
+    bank: str = Field(default="", description="digest of the bank on disk")
+
+
+class Job:
+    """The job of one folder of clips and the bank made from it."""
+
+    def __init__(self, clips: Path, bank: Path) -> None:
+        self._clips = clips
+        self._bank = bank
+        self._folder = Folder(clips, bank)
+        self._changed = asyncio.Event()
+        self._process: subprocess.Popen[bytes] | None = None
+        self.info = JobInfo(state="idle")
+
+    def ask(self) -> None:
+        """Has the job look at the folder again, whatever it looks like from here: a neutral may have changed."""
+        (self._clips / ASKED).touch()
+
+    async def look(self) -> JobInfo:
+        """The state as it is now."""
+        info, _ = await asyncio.to_thread(self._look)
+        self._tell(info)
+        return info
+
+    async def run(self) -> None:
+        """Starts the job whenever there is work, for as long as the service lives. The job itself lives on."""
+        last = -PATIENCE
+        while True:
+            try:
+                now = asyncio.get_running_loop().time()
+                info, todo = await asyncio.to_thread(self._look)
+                if info.state == "waiting" and now - last >= PATIENCE and self._start(todo):
+                    last, info = now, info.model_copy(update={"state": "running"})
+                self._tell(info)
+            except Exception:
+                logger.exception("the folder of clips could not be looked at")
+            await asyncio.sleep(INTERVAL)
+
+    async def changes(self, stopping: Callable[[], bool]) -> AsyncIterator[JobInfo | None]:
+        """The state now and whenever it changes, and None after each second without a change, until the stop."""
+        told = None
+        while not stopping():
+            if self.info != told:
+                told = self.info
+                yield told
+                continue
+            waiting = self._changed
+            try:
+                async with asyncio.timeout(1.0):
+                    await waiting.wait()
+            except TimeoutError:
+                yield None
+
+    def _tell(self, info: JobInfo) -> None:
+        if info != self.info:
+            self.info = info
+            self._changed.set()
+            self._changed = asyncio.Event()
+
+    def _look(self) -> tuple[JobInfo, dict[str, str]]:
+        """What is going on, and what is to be done that was not tried in vain."""
+        if self._process is not None and self._process.poll() is not None:
+            self._process = None
+        pending, progress, tried = self._folder.pending(), _read(self._clips / PROGRESS), _read(self._clips / TRIED)
+        running, asked = self._is_running(), (self._clips / ASKED).exists()
+        failed: dict[str, str] = {}
+        if not running and not asked and progress.get("finished"):
+            reasons, error = progress.get("failed", {}), progress.get("error", "")
+            vain = {name: what for name, what in pending.items() if tried.get(name) == what}
+            failed = {name: reasons.get(name) or error or "it is not in the bank" for name in vain}
+        todo = {name: what for name, what in pending.items() if name not in failed}
+        state: Literal["idle", "waiting", "running", "failed"]
+        state = "running" if running else "waiting" if todo or asked else "failed" if failed else "idle"
+        seen = progress if running else {}
+        info = JobInfo(
+            state=state,
+            stage=seen.get("stage", ""),
+            done=seen.get("done", 0),
+            total=seen.get("total", 0),
+            clips=sorted(pending),
+            failed=failed,
+            bank=self._digest(),
+        )
+        return info, todo
+
+    def _digest(self) -> str:
+        try:
+            return Manifest.read(self._bank).digest
+        except BankError:
+            return ""
+
+    def _is_running(self) -> bool:
+        with (self._clips / LOCK).open("ab") as lock:
+            return not _take(lock.fileno())
+
+    def _start(self, todo: dict[str, str]) -> bool:
+        """Starts the job, which holds the lock until it ends; False if another worker's holds it."""
+        with (self._clips / LOCK).open("ab") as lock:
+            if not _take(lock.fileno()):
+                return False
+            (self._clips / ASKED).unlink(missing_ok=True)
+            _write(self._clips / TRIED, self._folder.pending())
+            _write(self._clips / PROGRESS, {"stage": "starting"})
+            command = [sys.executable, "-m", "motionsplice", "precompute", str(self._clips), "--out", str(self._bank)]
+            command += ["--baseline", self._baseline(), "--progress", str(self._clips / PROGRESS)]
+            self._process = subprocess.Popen(
+                command,
+                pass_fds=(lock.fileno(),),
+                start_new_session=True,  # it is not ended by what ends the service
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
+            os.setpriority(os.PRIO_PROCESS, self._process.pid, NICE)
+        logger.info("the offline job is started", extra={"clips": sorted(todo)})
+        return True
+
+    def _baseline(self) -> str:
+        """The present bank's, so that its clips need not be aligned again."""
+        try:
+            return Manifest.read(self._bank).baseline.clip
+        except BankError:
+            return "auto"
+
+
+def _take(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _read(file: Path) -> dict[str, Any]:
+    try:
+        told = orjson.loads(file.read_bytes())
+    except (OSError, orjson.JSONDecodeError):
+        return {}
+    return told if isinstance(told, dict) else {}
+
+
+def _write(file: Path, told: dict[str, Any]) -> None:
+    fresh = file.with_suffix(f".{os.getpid()}.new")
+    fresh.write_bytes(orjson.dumps(told))
+    os.replace(fresh, file)

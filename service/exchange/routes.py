@@ -1,0 +1,88 @@
+"""New clips, and the offline job that works them in."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Literal
+
+import orjson
+from fastapi import APIRouter, Depends, Query, Request
+from fastapi.responses import StreamingResponse
+
+from service.answers.body import chunks
+from service.exchange.job import Job, JobInfo
+from service.exchange.uploads import Said, take_in
+from service.problems import UploadError
+from service.routes import OCTETS, Responses, only_known_parameters, problem_response
+from service.shared import Shared
+
+QUIET = 15  # seconds without a change after which a comment keeps the connection alive
+CLOSED = problem_response(403, "This service takes no clips")
+EVENTS: Responses = {
+    200: {"description": "An event for each change", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
+}
+BODY = {"requestBody": {"required": True, "content": {"application/octet-stream": {"schema": OCTETS}}}}
+
+
+def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
+    """Routes below /v1; without a job, they say what is missing."""
+    router = APIRouter(prefix="/v1", tags=["clips"], dependencies=[Depends(only_known_parameters)])
+
+    def opened() -> Job:
+        settings = shared.settings
+        for name, given in (("token", settings.token), ("clips", settings.clips)):
+            if given is None:
+                raise UploadError("this service takes no clips", mend=f"Start it with --{name}")
+        assert job is not None
+        return job
+
+    @router.post(
+        "/clips",
+        summary="A new clip",
+        status_code=202,
+        openapi_extra=BODY,
+        responses={
+            **CLOSED,
+            **problem_response(413, "The file is too large"),
+            **problem_response(422, "No motion, or a name or parameter that means nothing"),
+        },
+    )
+    async def post_clip(
+        request: Request,
+        name: Annotated[str, Query(description="File name", examples=["jump.bvh"])],
+        kind: Annotated[Literal["locomotion", "action"] | None, Query(description="What it is")] = None,
+        neutral: Annotated[str | None, Query(description="The clip that its posture is relative to")] = None,
+        tags: Annotated[str | None, Query(description="Comma-separated")] = None,
+    ) -> JobInfo:
+        """Takes a motion file as the body, in place of one of the same name, and has the offline job work it in."""
+        job, settings = opened(), shared.settings
+        assert settings.clips is not None
+        listed = None if tags is None else tuple(tag.strip() for tag in tags.split(",") if tag.strip())
+        body = chunks(request.scope, request.receive, settings.max_upload)
+        await take_in(settings.clips, name, Said(kind, neutral, listed), body)
+        job.ask()
+        return await job.look()
+
+    @router.get("/job", summary="The offline job", responses=CLOSED)
+    async def get_job() -> JobInfo:
+        """How far it is, which clips are not in the bank yet, and why some failed."""
+        return opened().info
+
+    @router.get("/job/events", summary="The offline job, event by event", response_class=StreamingResponse,
+                responses={**EVENTS, **CLOSED})  # fmt: skip
+    async def get_job_events() -> StreamingResponse:
+        """The same, as server-sent events: one now, and one at each change."""
+        told = _events(opened(), shared)
+        return StreamingResponse(told, media_type="text/event-stream", headers={"cache-control": "no-store"})
+
+    return router
+
+
+async def _events(job: Job, shared: Shared) -> AsyncIterator[bytes]:
+    quiet = 0
+    async for info in job.changes(shared.stopping.is_set):
+        if info is not None:
+            quiet = 0
+            yield b"data: " + orjson.dumps(info.model_dump()) + b"\n\n"
+        elif (quiet := quiet + 1) % QUIET == 0:
+            yield b":\n\n"

@@ -1,0 +1,63 @@
+"""Noticing a new bank in the place of the one that is served."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from pathlib import Path
+
+from motion.errors import MotionError
+from runtime.bank import Bank
+from runtime.manifest import MANIFEST
+from service.metrics import Metrics
+from service.serving import Edition, Serving
+
+logger = logging.getLogger(__name__)
+
+INTERVAL = 0.5  # seconds between two looks
+
+
+async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) -> None:
+    """Serves each new bank that is written, once it is verified and its kernels are warm.
+
+    One that is damaged is refused, and not looked at again until its manifest changes: the bank that is served goes on.
+    """
+    path = serving.bank.path
+    seen = _mark(path)
+    while True:
+        await asyncio.sleep(interval)
+        mark = _mark(path)
+        if mark == seen or not serving.ready:
+            continue
+        seen = mark
+        try:
+            edition = await asyncio.to_thread(_open, path, serving.bank.digest)
+        except MotionError as error:
+            metrics.exchanges.labels("refused").inc()
+            logger.warning("a new bank was refused", extra={"detail": str(error), "serving": serving.bank.digest})
+        except Exception:
+            metrics.exchanges.labels("refused").inc()
+            logger.exception("a new bank could not be opened")
+        else:
+            if edition is not None:
+                serving.exchange(edition)
+                metrics.exchanges.labels("ok").inc()
+                logger.info("a new bank is served", extra={"bank": edition.bank.digest})
+
+
+def _mark(path: Path) -> tuple[int, int, int] | None:
+    """Changes whenever the manifest does."""
+    try:
+        found = (path / MANIFEST).stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size
+
+
+def _open(path: Path, served: str) -> Edition | None:
+    """The bank that is there now, unless it is the one that is served. Raises BankError."""
+    bank = Bank.open(path, verify=False)
+    if bank.digest == served:
+        return None
+    bank.verify()
+    return Edition.warm(bank)

@@ -1,0 +1,187 @@
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import threading
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+from pydantic import SecretStr
+
+from motion.formats.bvh import dump
+from motion.procedural.library import make
+from runtime.bank import Bank
+from service.app import create_app
+from service.exchange.pending import Folder
+from service.exchange.uploads import checked_name
+from service.problems import RequestError
+from service.settings import Settings
+from tests.service.running import Running, eventually, running
+
+TOKEN = "open sesame"
+
+
+@pytest.fixture
+def folder(clip_folder: Path, bank: Bank, tmp_path: Path) -> Path:
+    """A folder of clips beside the bank that is made from it, both to be changed."""
+    shutil.copytree(clip_folder, tmp_path / "clips")
+    shutil.copytree(bank.path, tmp_path / "bank")
+    return tmp_path / "clips"
+
+
+@pytest.fixture
+def service(folder: Path) -> Iterator[Running]:
+    settings = Settings(token=SecretStr(TOKEN), clips=folder, max_upload=3_000_000)
+    with running(folder.parent / "bank", settings) as service:
+        yield service
+
+
+def ask(service: Running, path: str, body: bytes | None = None, token: str = TOKEN) -> tuple[int, dict[str, Any]]:
+    headers = {"Authorization": f"Bearer {token}", "Content-Type": "application/octet-stream"}
+    request = urllib.request.Request(f"{service.url}/v1/{path}", data=body, headers=headers)
+    try:
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            return answer.status, json.load(answer)
+    except urllib.error.HTTPError as error:
+        return error.code, json.load(error)
+
+
+def state(service: Running) -> dict[str, Any]:
+    return ask(service, "job")[1]
+
+
+def left(folder: Path) -> list[str]:
+    """What lies in the folder beside its clips and the job's own files."""
+    return [one.name for one in folder.iterdir() if one.name.startswith(".upload")]
+
+
+def visible(folder: Path) -> list[Path]:
+    return sorted(one for one in folder.iterdir() if not one.name.startswith("."))
+
+
+def test_an_uploaded_clip_is_worked_in_and_served(service: Running, folder: Path) -> None:
+    old = service.config.front.shared.serving.bank.digest
+    eventually(lambda: state(service)["state"] == "idle")
+    jog = dump(make("run", seed=20, seconds=3.0))
+    status, told = ask(service, "clips?name=jog.bvh&tags=fast,%20new", jog)
+    assert (status, told["clips"]) == (202, ["jog"])
+    assert told["state"] in ("waiting", "running")
+    eventually(lambda: service.config.front.shared.serving.bank.digest != old)
+    assert ask(service, "clips/jog")[1]["tags"] == ["fast", "new"]
+    assert ask(service, "pose?locomotion=jog&time=1")[0] == 200
+    eventually(lambda: state(service)["state"] == "idle")
+    assert state(service)["clips"] == []
+    assert (folder / "jog.bvh").read_bytes() == jog
+    assert "carry_box" in (folder / "clips.toml").read_text()
+    assert not left(folder)
+
+
+def test_what_is_no_motion_is_refused_and_leaves_nothing(service: Running, folder: Path) -> None:
+    before = visible(folder)
+    for name, body, status, kind, words in (
+        ("jump.bvh", b"HIERARCHY\nROOT Hips", 422, "clip", "jump.bvh"),
+        ("jump.bvh", b"\x00\xff" * 50, 422, "clip", "jump.bvh"),
+        ("jump.bvh", b"x" * 3_000_001, 413, "too-large", "more than 3000000 bytes"),
+        ("walk.amc", b"x", 422, "request", "there is a clip walk.bvh already"),
+        ("..%2Fjump.bvh", b"x", 422, "request", "no name of a clip's file"),
+        ("jump.txt", b"x", 422, "request", "no name of a clip's file"),
+    ):
+        found, told = ask(service, f"clips?name={name}", body)
+        assert (found, told["type"]) == (status, f"urn:motionsplice:{kind}"), told
+        assert words in told["detail"]
+        assert str(folder) not in told["detail"]
+    assert visible(folder) == before
+    assert not left(folder)
+
+
+@pytest.mark.parametrize(
+    "name", ["", ".bvh", ".x.bvh", "a/b.bvh", "a\\b.bvh", "..", "a.bvh\n", "ä.bvh", "a.bvh.exe", "a" * 101 + ".bvh"]
+)
+def test_names_are_no_paths(name: str) -> None:
+    with pytest.raises(RequestError, match="is no name of a clip's file"):
+        checked_name(name)
+    assert checked_name("Jump_2+x-y.bvh")
+
+
+def test_a_body_cut_short_leaves_nothing(service: Running, folder: Path) -> None:
+    head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\nAuthorization: Bearer {TOKEN}\r\nContent-Length: 999\r\n\r\n"
+    peer = service.connect(head.encode(), b"HIERARCHY")
+    eventually(lambda: bool(left(folder)))
+    peer.close()
+    eventually(lambda: not left(folder))
+    assert not (folder / "jump.bvh").exists()
+
+
+def test_two_uploads_at_once_lose_nothing_of_each_other(service: Running, folder: Path) -> None:
+    names = ["one", "two", "three"]
+    clip = dump(make("walk", "wave", seed=30, seconds=2.5))
+    threads = [
+        threading.Thread(target=ask, args=(service, f"clips?name={name}.bvh&kind=action&tags={name}", clip))
+        for name in names
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    written = (folder / "clips.toml").read_text()
+    assert all(f"[{name}]" in written and (folder / f"{name}.bvh").exists() for name in names)
+    eventually(lambda: state(service)["state"] == "idle")
+    assert {clip["name"] for clip in ask(service, "clips")[1]} >= set(names)  # type: ignore[index]
+
+
+def test_a_clip_that_fails_is_told_and_not_tried_for_ever(service: Running, folder: Path) -> None:
+    eventually(lambda: state(service)["state"] == "idle")
+    (folder / "broken.bvh").write_text("HIERARCHY\n")
+    eventually(lambda: state(service)["state"] == "failed")
+    told = state(service)
+    assert list(told["failed"]) == told["clips"] == ["broken"]
+    assert told["failed"]["broken"]
+    (folder / "broken.bvh").unlink()
+    eventually(lambda: state(service)["state"] == "idle")
+
+
+def test_a_job_that_was_killed_is_done_by_the_next_service(folder: Path) -> None:
+    (folder / "jog.bvh").write_bytes(dump(make("run", seed=20, seconds=3.0)))
+    settings = Settings(token=SecretStr(TOKEN), clips=folder)
+    path = folder.parent / "bank"
+    with running(path, settings) as service:
+        eventually(lambda: state(service)["state"] == "running")
+        found = subprocess.run(["pgrep", "-f", f"precompute {folder}"], capture_output=True, text=True, check=True)
+        for process in found.stdout.split():
+            os.kill(int(process), signal.SIGKILL)
+        assert state(service)["clips"] == ["jog"]
+    with running(path, settings) as service:
+        assert Folder(folder, path).pending() or ask(service, "clips/jog")[0] == 200
+        eventually(lambda: state(service)["state"] == "idle")
+        eventually(lambda: ask(service, "clips/jog")[0] == 200)
+
+
+def test_progress_comes_as_events(service: Running, folder: Path) -> None:
+    eventually(lambda: state(service)["state"] == "idle")
+    request = urllib.request.Request(f"{service.url}/v1/job/events", headers={"Authorization": f"Bearer {TOKEN}"})
+    with urllib.request.urlopen(request, timeout=60) as events:
+        assert events.headers["content-type"].startswith("text/event-stream")
+        told: list[dict[str, Any]] = []
+        (folder / "jog.bvh").write_bytes(dump(make("run", seed=20, seconds=3.0)))
+        while not (told and told[-1]["state"] == "idle" and any(one["state"] == "running" for one in told)):
+            line = events.readline()
+            if line.startswith(b"data: "):
+                told.append(json.loads(line[6:]))
+    assert told[0]["state"] == "idle"
+    eventually(lambda: service.held[2] <= 1)
+
+
+def test_without_a_token_or_a_folder_no_clips_are_taken(bank: Bank, folder: Path) -> None:
+    for settings, missing in ((Settings(clips=folder), "--token"), (Settings(token=SecretStr(TOKEN)), "--clips")):
+        client = TestClient(create_app(bank, settings), headers={"Authorization": f"Bearer {TOKEN}"})
+        for answer in (client.post("/v1/clips?name=a.bvh", content=b"x"), client.get("/v1/job")):
+            assert (answer.status_code, answer.json()["type"]) == (403, "urn:motionsplice:uploads")
+            assert missing in answer.json()["detail"]

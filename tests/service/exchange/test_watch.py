@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from motion.formats.bvh import dump
+from motion.procedural.library import make
+from precompute.job import precompute
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from runtime.manifest import MANIFEST
+from service.exchange import watch as watching
+from service.settings import Settings
+from tests.service.characters.player import Player
+from tests.service.running import Running, eventually, running
+
+
+def put(bank: Path, place: Path) -> None:
+    """Puts a bank in the place of another, as the offline job does: tables first, the manifest last, by a rename."""
+    for table in (bank / "tables").iterdir():
+        if not (place / "tables" / table.name).exists():
+            shutil.copy(table, place / "tables" / table.name)
+    shutil.copy(bank / MANIFEST, place / "manifest.new")
+    (place / "manifest.new").replace(place / MANIFEST)
+
+
+@pytest.fixture(scope="module")
+def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """A bank with a longer run and without the side-step."""
+    clips = tmp_path_factory.mktemp("other") / "clips"
+    shutil.copytree(clip_folder, clips)
+    (clips / "run.bvh").write_bytes(dump(make("run", seed=12, seconds=4.0)))
+    (clips / "side_step.bvh").unlink()
+    precompute([clips], clips.parent / "bank", baseline="walk", jobs=1)
+    return Bank.open(clips.parent / "bank")
+
+
+@pytest.fixture
+def place(bank: Bank, tmp_path: Path) -> Path:
+    """A copy of the bank, to be written over."""
+    shutil.copytree(bank.path, tmp_path / "bank", ignore=shutil.ignore_patterns("cache"))
+    return tmp_path / "bank"
+
+
+@pytest.fixture
+def service(place: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Running]:
+    monkeypatch.setattr(watching, "INTERVAL", 0.05)
+    monkeypatch.setattr(watching.watch, "__defaults__", (0.05,))
+    with running(place, Settings(watch=True)) as service:
+        yield service
+
+
+def served(service: Running) -> str:
+    return service.config.front.shared.serving.bank.digest
+
+
+def refusals(service: Running) -> float:
+    return float(service.config.front.shared.metrics.exchanges.labels("refused")._value.get())
+
+
+def test_a_new_bank_is_served_and_streams_move_over(service: Running, bank: Bank, other: Bank, place: Path) -> None:
+    with Player(service) as mover, Player(service) as stayer:
+        mover.do({"do": "create", "id": 1, "locomotion": "run"})
+        stayer.do({"do": "create", "id": 1, "locomotion": "side_step"})
+        put(other.path, place)
+        told = mover.event("bank")
+        assert told["bank"] == other.digest
+        frames = mover.frames_until(told["frame"] + 2)
+        numbers = [frame["frame"] for frame in frames]
+        assert numbers == list(range(numbers[0], numbers[-1] + 1))
+        assert {frame["bank"] for frame in frames if frame["frame"] < told["frame"]} <= {bank.digest}
+        assert {frame["bank"] for frame in frames if frame["frame"] >= told["frame"]} == {other.digest}
+        kept = stayer.event("kept")
+        assert (kept["bank"], kept["gone"]) == (other.digest, ["side_step"])
+        stayer.frames.clear()
+        assert stayer.frame()["bank"] == bank.digest
+        assert stayer.do({"do": "play", "id": 1, "locomotion": "walk"})["event"] == "done"
+        assert stayer.event("bank")["bank"] == other.digest
+    with Player(service) as late:
+        assert late.welcome["bank"] == other.digest
+
+
+@pytest.mark.parametrize("damage", ["manifest cut short", "table altered", "table missing", "manifest gone"])
+def test_a_damaged_bank_is_refused_and_the_old_one_serves_on(
+    service: Running, bank: Bank, other: Bank, place: Path, damage: str, tmp_path: Path
+) -> None:
+    broken = tmp_path / "broken"
+    shutil.copytree(other.path, broken, ignore=shutil.ignore_patterns("cache"))
+    table = broken / "tables" / f"{other.manifest.tables['phase_of_frame']}.npy"
+    if damage == "manifest cut short":
+        (broken / MANIFEST).write_bytes((broken / MANIFEST).read_bytes()[:-9])
+    elif damage == "table altered":
+        table.write_bytes(table.read_bytes()[:-8] + bytes(8))
+    elif damage == "table missing":
+        table.unlink()
+    with Player(service) as player:
+        player.do({"do": "create", "id": 1, "locomotion": "run"})
+        if damage == "manifest gone":
+            (place / MANIFEST).unlink()
+        else:
+            put(broken, place)
+        eventually(lambda: refusals(service) == 1)
+        player.frames.clear()
+        assert player.frame()["bank"] == served(service) == bank.digest
+        put(other.path, place)
+        for file in (other.path / "tables").iterdir():
+            shutil.copy(file, place / "tables" / file.name)
+        (place / MANIFEST).touch()
+        assert player.event("bank")["bank"] == other.digest
+
+
+def test_twenty_exchanges_tear_no_frame(service: Running, bank: Bank, other: Bank, place: Path) -> None:
+    evaluators = {one.digest: Evaluator(one) for one in (bank, other)}
+    with Player(service, "?rate=120") as player:
+        player.do({"do": "create", "id": 1, "locomotion": "run"}, {"do": "speed", "id": 1, "speed": 0.0})
+        for number in range(20):
+            new = (other, bank)[number % 2]
+            put(new.path, place)
+            assert player.event("bank")["bank"] == new.digest
+        frames = player.frames
+    numbers = [frame["frame"] for frame in frames]
+    assert numbers == list(range(numbers[0], numbers[-1] + 1))
+    for digest, evaluator in evaluators.items():
+        wanted = evaluator.pose("run", 0.0).rotations[0]
+        some = [frame["rotations"][0, 0] for frame in frames if frame["bank"] == digest]
+        assert len(some) > 5
+        assert all(abs(one - wanted).max() < 1e-6 for one in some)

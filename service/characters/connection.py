@@ -18,6 +18,7 @@ from service.characters.commands import Command, checked, parse, ref_of
 from service.characters.scene import Scene
 from service.metrics import Metrics
 from service.problems import URN, told
+from service.serving import Edition
 from service.settings import Settings
 from service.wire.encoding import Encoding
 
@@ -63,6 +64,7 @@ class Connection:
         self.play = play
         self.sent: Play | None = None
         self.wanted = play.due
+        self.stayed_from: Edition | None = None  # the newer edition that it was told to have no place in
         self.encoding = encoding
         self.settings = settings
         self.metrics = metrics

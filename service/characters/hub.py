@@ -186,8 +186,8 @@ class Hub:
                 play.scene.do(command)
         self._check(play, connection.play.load)
         connection.change(play, now)
-        if play.scene.edition is not self._shared.serving.edition:
-            self._move(connection, self._shared.serving.edition, now)
+        if play.scene.edition is not self._shared.serving.edition:  # once what was done is told
+            asyncio.get_running_loop().call_soon(self._move, connection, self._shared.serving.edition)
         self._changed.set()
 
     def _check(self, play: Play, load: float) -> None:
@@ -205,15 +205,17 @@ class Hub:
             raise BusyError(problem, mend="Ask for fewer characters or a lower rate, or ask another process")
 
     def _exchange(self, edition: Edition) -> None:
-        now = asyncio.get_running_loop().time()
         for connection in self.connections:
-            self._move(connection, edition, now)
+            self._move(connection, edition)
 
-    def _move(self, connection: Connection, edition: Edition, now: float) -> None:
+    def _move(self, connection: Connection, edition: Edition) -> None:
         """Moves a connection over to another edition from its next frame on, if that has all clips that it plays."""
+        now = asyncio.get_running_loop().time()
         play = connection.rewound(now)
         if gone := play.scene.missing(edition):
-            connection.tell("kept", bank=edition.bank.digest, gone=gone)
+            if connection.stayed_from is not edition:
+                connection.stayed_from = edition
+                connection.tell("kept", bank=edition.bank.digest, gone=gone)
             return
         play.scene.move(edition)
         connection.change(play, now)

@@ -15,7 +15,7 @@ from starlette.types import Receive, Scope, Send
 from runtime.requests import Memory, Requests
 from service.admission import SUBPROTOCOL
 from service.characters.commands import Command
-from service.characters.connection import FAILED, RESTART, Connection, Play
+from service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play
 from service.characters.scene import Scene
 from service.problems import BusyError, LimitError
 from service.serving import Edition
@@ -51,7 +51,8 @@ class Hub:
         scene = Scene(edition, rate, self._shared.settings.max_characters)
         play = Play(scene, 0, _next_tick(loop.time(), rate), rate, values["ahead"])
         self._check(play, 0.0)
-        connection = Connection(play, how, self._shared.settings, self._shared.metrics)
+        transport = scope.get("extensions", {}).get(TRANSPORT)
+        connection = Connection(play, how, self._shared.settings, self._shared.metrics, transport)
         self._shared.admit(connection)
         sending = receiving = None
         try:
@@ -156,17 +157,15 @@ class Hub:
     def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
         """All characters of some scenes, as arrays [n, ...]."""
         began = time.perf_counter()
-        if len(scenes) == 1:
-            requests, memory = scenes[0].requests, scenes[0].memory
-        else:
-            requests = Requests(np.concatenate([scene.requests.records for scene in scenes]))
-            memory = Memory(np.concatenate([scene.memory.state for scene in scenes]), scenes[0].memory.share)
-        poses = edition.evaluator.poses(len(requests))
-        edition.evaluator.evaluate(requests, poses, memory)
-        if len(scenes) > 1:
+        alone = len(scenes) == 1
+        records = scenes[0].records if alone else np.concatenate([scene.records for scene in scenes])
+        state = scenes[0].state if alone else np.concatenate([scene.state for scene in scenes])
+        poses = edition.evaluator.poses(len(records))
+        edition.evaluator.evaluate(Requests(records), poses, Memory(state, scenes[0].share))
+        if not alone:
             first = 0
             for scene in scenes:
-                scene.memory.state[:] = memory.state[first : first + len(scene)]
+                scene.state[:] = state[first : first + len(scene)]
                 first += len(scene)
         arrays = how.arrays(edition.evaluator, poses)
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)

@@ -1,0 +1,78 @@
+"""Streams beside the control: how even they are, what they lose, what they cost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from bench.service.banks import names
+from bench.service.clients import Streams, Taken, create
+from bench.service.findings import Findings
+from bench.service.process import control, serving
+from bench.service.statistics import jitter, lost, percentiles
+from bench.service.stream_client import Job
+
+RATE = 60.0
+PATH = "/v1/characters?rate=60&encoding=int16"
+
+
+def streams(bank: Path, *, connections: int = 64, seconds: float = 10.0, rounds: int = 3) -> Findings:
+    """Streams of one character each, in turns with as many of constant bytes from a server that does nothing else."""
+    commands = create(1, names(bank, "locomotion"), names(bank, "action"))
+    found: dict[str, list[float]] = {"ours": [], "control": []}
+    medians: dict[str, list[float]] = {"ours": [], "control": []}
+    gaps = frames = 0
+    share = other_share = memory = 0.0
+    with serving(bank) as server:
+        sample = Streams(Job(server.port, PATH, 1, 0.5, commands)).taken()[0]
+        size = sample.bytes // len(sample.arrivals)
+        with control(str(size), str(RATE)) as other:
+            for _ in range(rounds):
+                for name, one in (("ours", server), ("control", other)):
+                    before = one.cpu()
+                    sent = commands if name == "ours" else []
+                    taken = Streams(Job(one.port, PATH, connections, seconds, sent)).taken()
+                    used = (one.cpu() - before) / (seconds + 0.5)
+                    p50, p99 = spread(taken, numbered=name == "ours")
+                    medians[name].append(p50)
+                    found[name].append(p99)
+                    if name == "ours":
+                        gaps += sum(lost(stream.numbers) for stream in taken) + sum(stream.lost for stream in taken)
+                        frames += sum(len(stream.numbers) for stream in taken)
+                        share, memory = max(share, used), server.memory()
+                    else:
+                        other_share = max(other_share, used)
+    told = Findings(
+        f"{connections} streams of one character, {RATE:g} Hz, {rounds} times {seconds:g} s, {size} bytes a frame"
+    )
+    told.add("jitter p50, ms", float(np.median(medians["ours"])))
+    told.add("jitter p50 of the control, ms", float(np.median(medians["control"])))
+    told.add("jitter p99, ms", float(np.median(found["ours"])))
+    told.add("jitter p99 of the control, ms", float(np.median(found["control"])))
+    ratios = np.array(found["ours"]) / np.array(found["control"])
+    told.add("jitter p99, times the control's (median of rounds)", float(np.median(ratios)), most=1.3)
+    told.add("frames lost", gaps, "{:.0f}", most=0)
+    told.add("frames per second", frames / (rounds * seconds), "{:.0f}")
+    told.add("share of a core", share)
+    told.add("share of a core, control", other_share)
+    told.add("memory, MB", memory, "{:.0f}")
+    return told
+
+
+def spread(taken: list[Taken], *, numbered: bool = True, skip: int = 30) -> tuple[float, float]:
+    """p50 and p99 of the jitter of all streams, milliseconds, but for their first frames."""
+    every = []
+    for one in taken:
+        numbers = one.numbers if numbered else _counted(one.arrivals)
+        if len(numbers) > skip:
+            every.append(jitter(one.arrivals[skip:], numbers[skip:], RATE))
+    return percentiles(np.concatenate(every))
+
+
+def _counted(arrivals: list[float]) -> list[int]:
+    """Numbers for messages that have none: the nearest on the grid."""
+    if not arrivals:
+        return []
+    steps = np.asarray(arrivals) - np.median(np.asarray(arrivals) - np.arange(len(arrivals)) / RATE)
+    return [int(one) for one in np.round(steps * RATE)]

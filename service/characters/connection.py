@@ -36,6 +36,9 @@ class Transport(Protocol):
     def send_at_once(self, message: bytes) -> bool:
         """Sends a binary message if nothing waits to be sent before it, and says whether it did."""
 
+    async def nothing_waits(self) -> None:
+        """Returns when nothing waits to be sent. Raises OSError if the client has gone."""
+
 
 @dataclass(frozen=True, eq=False)
 class Play:
@@ -50,7 +53,7 @@ class Play:
 
     def after(self, count: int) -> Play:
         """So many frames later, of a scene that was advanced by as many."""
-        return replace(self, frame=self.frame + count, due=self.due + count / self.rate)
+        return Play(self.scene, self.frame + count, self.due + count / self.rate, self.rate, self.ahead)
 
     @property
     def load(self) -> float:
@@ -92,15 +95,18 @@ class Connection:
         self._events.append(orjson.dumps({"event": event, **values}))
         self._waiting.set()
 
-    def show(self, count: int, message: bytes) -> None:
-        """Has a message of `count` frames sent: at once if nothing waits, else in place of one that still waits."""
+    def show(self, count: int, message: bytes) -> int:
+        """Has a message of `count` frames sent: at once if nothing waits, else in place of one that still waits.
+
+        Returns how many were sent at once.
+        """
         if self._message is not None:
             self.metrics.frames_skipped.inc(self._message[0])
         elif self._transport is not None and not self._waiting.is_set() and self._transport.send_at_once(message):
-            self.metrics.frames_sent.inc(count)
-            return
+            return count
         self._message = count, message
         self._waiting.set()
+        return 0
 
     def close(self, code: int, reason: str) -> None:
         """Has the connection closed, after the events that wait."""
@@ -124,8 +130,11 @@ class Connection:
                 await send({"type": "websocket.close", "code": code, "reason": reason})
                 return
             if self._message is not None:
+                if self._transport is not None:
+                    await self._transport.nothing_waits()
                 (count, message), self._message = self._message, None
-                await send({"type": "websocket.send", "bytes": message})
+                if self._transport is None or not self._transport.send_at_once(message):
+                    await send({"type": "websocket.send", "bytes": message})
                 self.metrics.frames_sent.inc(count)
 
     def rewound(self, now: float) -> Play:

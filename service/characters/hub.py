@@ -140,6 +140,7 @@ class Hub:
                 for ended in one.play.scene.advance(1.0 / rate):
                     one.tell("ended", id=ended, frame=one.play.frame + later + 1)
         wall, loop = time.time(), asyncio.get_running_loop().time()
+        sent = 0
         for one, first, end in zip(group, [0, *ends], ends, strict=False):
             play = one.play
             told = {
@@ -150,19 +151,18 @@ class Hub:
                 "time": wall + play.due - loop,
             }
             arrays = {name: _stacked([frame[name][first:end] for frame in frames]) for name in frames[0]}
-            one.show(ahead, packed(told, {"ids": play.scene.ids, **arrays}))
+            sent += one.show(ahead, packed(told, {"ids": play.scene.ids, **arrays}))
             one.play = play.after(ahead)
             one.wanted = one.play.due
+        self._shared.metrics.frames_sent.inc(sent)
 
     def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
         """All characters of some scenes, as arrays [n, ...]."""
         began = time.perf_counter()
-        alone = len(scenes) == 1
-        records = scenes[0].records if alone else np.concatenate([scene.records for scene in scenes])
-        state = scenes[0].state if alone else np.concatenate([scene.state for scene in scenes])
+        records, state = Scene.together(scenes)
         poses = edition.evaluator.poses(len(records))
         edition.evaluator.evaluate(Requests(records), poses, Memory(state, scenes[0].share))
-        if not alone:
+        if len(scenes) > 1:
             first = 0
             for scene in scenes:
                 scene.state[:] = state[first : first + len(scene)]

@@ -47,6 +47,15 @@ class Scene:
         """What the characters play now, [n] REQUEST."""
         return self._records[: len(self)]
 
+    @staticmethod
+    def together(scenes: Sequence[Scene]) -> tuple[NDArray[np.void], NDArray[np.float64]]:
+        """The records and the state of all characters of some scenes; of one alone its own, not a copy."""
+        if len(scenes) == 1:
+            return scenes[0].records, scenes[0].state
+        # NumPy joins rows of bytes a hundred times as fast as records, whose types it compares in Python
+        rows = np.concatenate([scene.records.view(np.uint8).reshape(-1, REQUEST.itemsize) for scene in scenes])
+        return rows.view(REQUEST)[:, 0], np.concatenate([scene.state for scene in scenes])
+
     @property
     def state(self) -> NDArray[np.float64]:
         """What the evaluator remembers of them, the state of a Memory."""

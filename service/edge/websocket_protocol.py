@@ -7,6 +7,7 @@ import struct
 from http import HTTPStatus
 from typing import TYPE_CHECKING, cast
 
+from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
 from websockets.http11 import Request
@@ -79,6 +80,12 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             head = struct.pack("!BBQ", WHOLE_BINARY, 127, size)
         self.transport.writelines((head, message))
         return True
+
+    async def nothing_waits(self) -> None:
+        """Returns when nothing waits to be sent. Raises OSError if the client has gone."""
+        await self.writable.wait()
+        if self.disconnected:
+            raise ClientDisconnected
 
     def shutdown(self) -> None:
         """The application tells its clients, and closes: here there is nothing to be cut."""

@@ -13,6 +13,7 @@ from bench.service.process import Process, serving
 from bench.service.stream_client import HANDSHAKE, Job
 from bench.service.streams import PATH, spread
 
+KINDS = ("http", "stream", "characters")
 HEALTHY = 20
 STALLED = 20
 CREATE = b'{"do": "create", "id": 1, "locomotion": "walk"}'
@@ -72,7 +73,7 @@ def connects(bank: Path, *, times: int = 1000) -> Findings:
         _cut(server, stages, times)
         told.add("descriptors more than before", server.descriptors() - descriptors, "{:.0f}", most=0)
         told.add("memory grown, MB", server.memory() - memory, "{:.1f}", most=5.0)
-        for kind in ("http", "stream", "characters"):
+        for kind in KINDS:
             left = server.metric(f'motionsplice_connections{{kind="{kind}"}}') - (kind == "http")
             told.add(f"connections left, {kind}", left, "{:.0f}", most=0)
     return told
@@ -87,5 +88,9 @@ def _cut(server: Process, stages: tuple[bytes, ...], times: int) -> None:
             if number % 2:  # a reset instead of an end
                 peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
     deadline = time.monotonic() + 20.0
-    while server.metric('motionsplice_connections{kind="http"}') > 1 and time.monotonic() < deadline:
+    while _left(server) > 1 and time.monotonic() < deadline:  # one asks
         time.sleep(0.1)
+
+
+def _left(server: Process) -> float:
+    return sum(server.metric(f'motionsplice_connections{{kind="{kind}"}}') for kind in KINDS)

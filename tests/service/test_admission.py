@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+from pydantic import SecretStr
+from starlette.websockets import WebSocketDisconnect
+
+from motion.errors import SettingsError
+from runtime.bank import Bank
+from service.app import create_app
+from service.settings import Settings
+
+TOKEN = "open sesame"
+PAGE = "https://editor.example"
+
+
+@pytest.fixture(scope="module")
+def guarded(bank: Bank) -> Any:
+    with TestClient(create_app(bank, Settings(token=SecretStr(TOKEN), origins=(PAGE,)))) as client:
+        yield client
+
+
+@pytest.mark.parametrize(
+    "header",
+    [{}, {"authorization": "Bearer wrong"}, {"authorization": f"Basic {TOKEN}"}, {"authorization": f"Bearer {TOKEN}x"}],
+)
+@pytest.mark.parametrize("path", ["/v1/bank", "/v1/pose?locomotion=walk&time=0", "/metrics", "/v1/nothing"])
+def test_without_the_token_nothing_is_told(guarded: TestClient, path: str, header: dict[str, str]) -> None:
+    answer = guarded.get(path, headers=header)
+    assert (answer.status_code, answer.json()["type"]) == (401, "urn:motionsplice:token")
+    assert answer.headers["www-authenticate"] == "Bearer"
+    assert TOKEN not in answer.text
+
+
+@pytest.mark.parametrize("path", ["/healthz", "/docs", "/openapi.json"])
+def test_health_and_documentation_need_none(guarded: TestClient, path: str) -> None:
+    assert guarded.get(path).is_success
+
+
+def test_with_the_token_all_is_answered_and_kept_to_oneself(guarded: TestClient, bank: Bank) -> None:
+    for name in ("Bearer", "bearer"):
+        answer = guarded.get(f"/v1/banks/{bank.digest}/clips", headers={"authorization": f"{name} {TOKEN}"})
+        assert answer.is_success
+        assert answer.headers["cache-control"].startswith("private")
+
+
+def test_a_browser_offers_the_token_as_a_subprotocol(guarded: TestClient) -> None:
+    with guarded.websocket_connect("/v1/characters", subprotocols=["motionsplice", f"bearer.{TOKEN}"]) as socket:
+        assert socket.accepted_subprotocol == "motionsplice"
+        assert socket.receive_json()["event"] == "welcome"
+    with (
+        pytest.raises(WebSocketDisconnect),
+        guarded.websocket_connect("/v1/characters", subprotocols=["motionsplice", "bearer.wrong"]),
+    ):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("origin", "status"), [(None, 200), (PAGE, 200), ("http://testserver", 200), ("https://evil.example", 403)]
+)
+def test_pages_have_to_be_allowed(guarded: TestClient, origin: str | None, status: int) -> None:
+    headers = {"authorization": f"Bearer {TOKEN}"} | ({"origin": origin} if origin else {})
+    answer = guarded.get("/v1/bank", headers=headers)
+    assert answer.status_code == status
+    assert answer.headers.get("access-control-allow-origin") == (origin if status == 200 else None)
+    preflight = {"origin": PAGE, "access-control-request-method": "POST"}
+    answer = guarded.options("/v1/poses", headers=preflight)
+    assert answer.status_code == 204
+    assert answer.headers["access-control-allow-origin"] == PAGE
+
+
+def test_a_token_is_not_told_by_its_settings() -> None:
+    assert TOKEN not in repr(Settings(token=SecretStr(TOKEN)))
+    with pytest.raises(SettingsError, match="MOTIONSPLICE_TOKEN cannot be used") as caught:
+        Settings(token=SecretStr("shorty"))
+    assert "shorty" not in str(caught.value)

@@ -1,0 +1,86 @@
+"""The command as it is run: processes, signals, logs."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from motion.errors import SettingsError
+from runtime.bank import Bank
+from service.server import listen
+from service.settings import Settings
+from tests.service.running import PATIENCE, eventually
+
+ROOT = Path(__file__).parents[2]
+
+
+@contextmanager
+def served(bank: Bank, log: Path, *flags: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    command = [sys.executable, "-m", "motionsplice", "serve", str(bank.path), "--port", "0", *flags]
+    with (
+        log.open("w") as errors,
+        subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=ROOT, env={**os.environ, "COLUMNS": "200"}
+        ) as server,
+    ):
+        assert server.stdout is not None
+        for line in server.stdout:
+            if found := re.search(r"(http://127\.0\.0\.1:\d+)/docs", line):
+                break
+        assert found is not None
+        url = found.group(1)
+        eventually(lambda: all(_status(f"{url}/readyz") == 204 for _ in range(20)))  # of all workers
+        try:
+            yield server, url
+        finally:
+            server.kill()
+
+
+def _status(url: str) -> int:
+    try:
+        with urllib.request.urlopen(url, timeout=PATIENCE) as answer:
+            return int(answer.status)
+    except OSError:
+        return 0
+
+
+def test_workers_share_a_port_and_their_numbers_and_stop_together(bank: Bank, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with served(bank, log, "--workers", "2", "--stop-seconds", "1") as (server, url):
+        for _ in range(30):
+            assert _status(f"{url}/v1/pose?locomotion=walk&time=1") == 200
+        _status(f"{url}/v1/pose?locomotion=wlak&time=1")
+        told = urllib.request.urlopen(f"{url}/metrics", timeout=PATIENCE).read().decode()
+        assert 'motionsplice_requests_total{route="/v1/pose",status="200"} 30.0' in told
+        with connect(url.replace("http", "ws") + "/v1/characters", compression=None) as client:
+            client.send('{"do": "create", "id": 1, "locomotion": "walk"}')
+            server.send_signal(signal.SIGTERM)
+            while '"bye"' not in str(client.recv(timeout=PATIENCE)):
+                pass
+            with pytest.raises(ConnectionClosed) as caught:
+                client.recv(timeout=PATIENCE)
+            assert caught.value.rcvd is not None
+            assert caught.value.rcvd.code == 1012
+        assert server.wait(PATIENCE) == 0
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    (refused,) = [line for line in lines if line["message"] == "refused"]
+    assert refused["status"] == 404
+    assert refused["request_id"]
+    assert "wlak" in refused["detail"]
+
+
+def test_a_port_that_is_taken_is_told(bank: Bank) -> None:
+    with listen(Settings(port=0)) as listener, pytest.raises(SettingsError, match="cannot be listened on"):
+        listen(Settings(port=listener.getsockname()[1]))

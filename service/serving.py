@@ -11,6 +11,7 @@ from motion.errors import MotionError
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 from runtime.in_step import WaysBack
+from service.characters.playback import warm as warm_playback
 from service.wire.encoding import warm as warm_encoding
 
 logger = logging.getLogger(__name__)
@@ -34,6 +35,7 @@ class Edition:
         evaluator = Evaluator(bank)
         evaluator.warm()
         warm_encoding()
+        warm_playback()
         return cls(bank, evaluator, WaysBack.of(bank))
 
 

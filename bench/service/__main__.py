@@ -1,8 +1,7 @@
-"""The service under load: `python -m bench.service [WHAT]`; all of it without a word.
+"""`python -m bench.service [WHAT ...] [--soak] [--check]`: what the service does under load.
 
-The server runs in a process of its own and the clients in another, over 127.0.0.1, on a generated bank of 40 clips of
-10 s and 31 joints. Whatever is compared runs in turns. A share of a core, and what is told per core, is of the
-computing time of the server's process, the system's part included: the clients' part of the machine does not count.
+A server and its clients run on this machine, in processes of their own, in turns with a control that does nothing but
+send. --soak runs for minutes; --check ends with status 1 if a figure is not what is wanted.
 """
 
 from __future__ import annotations
@@ -14,80 +13,54 @@ from typing import Annotated
 
 import typer
 
-from bench.generated import generate
-from bench.service import batch, crowd, poses, streams
-from bench.service.cast import BANK
-from bench.service.tables import show_targets
-from bench.targets import Target
+from bench.service.banks import built_in
+from bench.service.crowd import crowd
+from bench.service.exchange import exchange
+from bench.service.findings import Findings
+from bench.service.harm import connects, stalled
+from bench.service.requests import batches, poses
+from bench.service.streams import streams
+from motion.errors import SettingsError, did_you_mean
 from motionsplice.cli import run
 
-app = typer.Typer(help=__doc__, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-Seconds = Annotated[float, typer.Option(min=1.0, help="Of each run")]
-Rounds = Annotated[int, typer.Option(min=1, help="In which runs take turns")]
-Check = Annotated[bool, typer.Option("--check", help="Exit with 1 if a figure is not what is wanted")]
+Measure = Callable[[Path], Findings]
+SHORT: dict[str, Measure] = {
+    "streams": streams,
+    "crowd": crowd,
+    "poses": poses,
+    "batches": batches,
+    "stalled": stalled,
+    "connects": connects,
+    "exchange": exchange,
+}
+LONG: dict[str, Measure] = {
+    "streams": lambda bank: streams(bank, seconds=60.0, rounds=5),
+    "crowd": lambda bank: crowd(bank, seconds=60.0),
+    "stalled": lambda bank: stalled(bank, seconds=60.0),
+    "connects": lambda bank: connects(bank, times=20_000),
+    "exchange": lambda bank: exchange(bank, exchanges=200),
+}
 
 
-@app.callback(invoke_without_command=True)
-def all_commands(context: typer.Context, check: Check = False) -> None:
-    """The service under load. Without a command, all of them."""
-    if context.invoked_subcommand is None:
-        told(check, lambda bank: streams.measure(bank, 64, 1, 10.0, 3))
-
-
-@app.command("streams")
-def streams_command(
-    connections: Annotated[int, typer.Option(min=1)] = 64,
-    characters: Annotated[int, typer.Option(min=1, help="Of each connection")] = 1,
-    seconds: Seconds = 10.0,
-    rounds: Rounds = 3,
-    check: Check = False,
+def main(
+    what: Annotated[list[str] | None, typer.Argument(help="What to measure; all of it if not said.")] = None,
+    soak: Annotated[bool, typer.Option(help="For minutes instead of seconds.")] = False,
+    check: Annotated[bool, typer.Option(help="Fail if a figure is not what is wanted.")] = False,
 ) -> None:
-    """How regularly frames come, against a bare uvicorn that sends constant bytes."""
-    told(check, lambda bank: streams.measure(bank, connections, characters, seconds, rounds))
-
-
-@app.command("crowd")
-def crowd_command(
-    characters: Annotated[int, typer.Option(min=1)] = 4000,
-    seconds: Seconds = 4.0,
-    rounds: Rounds = 3,
-    check: Check = False,
-) -> None:
-    """Thousands of characters on one stream, and what one of their frames costs."""
-    told(check, lambda bank: crowd.measure(bank, characters, seconds, rounds))
-
-
-@app.command("poses")
-def poses_command(
-    connections: Annotated[int, typer.Option(min=1)] = 32,
-    seconds: Seconds = 4.0,
-    rounds: Rounds = 3,
-    check: Check = False,
-) -> None:
-    """Single poses: GET /v1/pose."""
-    told(check, lambda bank: poses.measure(bank, connections, seconds, rounds))
-
-
-@app.command("batch")
-def batch_command(
-    characters: Annotated[int, typer.Option(min=1)] = 1000,
-    seconds: Seconds = 4.0,
-    rounds: Rounds = 3,
-    check: Check = False,
-) -> None:
-    """Poses of many characters: POST /v1/poses."""
-    told(check, lambda bank: batch.measure(bank, characters, seconds, rounds))
-
-
-def told(check: bool, *measures: Callable[[Path], list[Target]]) -> None:
-    """Runs measurements on a generated bank, and says whether they are as wanted."""
-    with tempfile.TemporaryDirectory() as folder:
-        bank = generate(Path(folder) / "bank", BANK).path
-        found = [target for measure in measures for target in measure(bank)]
-    show_targets(found)
-    if check and not all(one.met for one in found):
+    """Measure the service under load."""
+    measures, missed = LONG if soak else SHORT, []
+    for name in what or measures:
+        if name not in measures:
+            raise SettingsError(f"there is nothing called {name!r}", mend=did_you_mean(name, measures))
+        with tempfile.TemporaryDirectory() as folder:
+            found = measures[name](built_in(Path(folder)))
+        found.show()
+        missed += found.missed
+    for one in missed:
+        print(one)
+    if missed and check:
         raise typer.Exit(1)
 
 
 if __name__ == "__main__":
-    run(app)
+    run(lambda: typer.run(main))

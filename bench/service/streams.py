@@ -1,97 +1,78 @@
-"""Many WebSockets at 60 Hz, in turns with as many of a bare uvicorn that sends constant bytes."""
+"""Streams beside the control: how even they are, what they lose, what they cost."""
 
 from __future__ import annotations
 
-import asyncio
-from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
-from time import perf_counter, process_time
 
-import uvloop
+import numpy as np
 
-from bench.precompute import in_process
-from bench.service.cast import CHARACTERS, cast
-from bench.service.control import control
-from bench.service.jitter import Jitter, jitter
-from bench.service.player import Player, connect, numbered
-from bench.service.servers import Endpoint, service
-from bench.service.tables import MEGABYTE, at_most, milliseconds, percent, show
-from bench.targets import Target
+from bench.service.banks import names
+from bench.service.clients import Streams, Taken, create
+from bench.service.findings import Findings
+from bench.service.process import control, serving
+from bench.service.statistics import jitter, lost, percentiles
+from bench.service.stream_client import Job
 
 RATE = 60.0
-SETTLING = 1.0  # seconds before anything is noted
+PATH = "/v1/characters?rate=60&encoding=int16"
 
 
-@dataclass(frozen=True)
-class Streamed:
-    """One run: shares of a core that the server and the client took, bytes of a message, of the server's memory."""
-
-    jitter: Jitter
-    per_second: float
-    cpu: float
-    client_cpu: float
-    message: int
-    memory: int
-
-
-def measure(bank: Path, connections: int, characters: int, seconds: float, rounds: int) -> list[Target]:
-    """Prints both, and says whether the service is as regular as the control."""
-    with service(bank) as ours:
-        size = in_process(load, ours, 1, characters, 1.0).message
-        with control("uvicorn", size) as other:
-            runs: dict[str, list[Streamed]] = {"motionsplice": [], "bare uvicorn": []}
+def streams(bank: Path, *, connections: int = 64, seconds: float = 10.0, rounds: int = 3) -> Findings:
+    """Streams of one character each, in turns with as many of constant bytes from a server that does nothing else."""
+    commands = create(1, names(bank, "locomotion"), names(bank, "action"))
+    found: dict[str, list[float]] = {"ours": [], "control": []}
+    medians: dict[str, list[float]] = {"ours": [], "control": []}
+    gaps = frames = 0
+    share = other_share = memory = 0.0
+    with serving(bank) as server:
+        sample = Streams(Job(server.port, PATH, 1, 0.5, commands)).taken()[0]
+        size = sample.bytes // len(sample.arrivals)
+        with control(str(size), str(RATE)) as other:
             for _ in range(rounds):
-                runs["motionsplice"].append(in_process(load, ours, connections, characters, seconds))
-                runs["bare uvicorn"].append(in_process(load, other, connections, 0, seconds))
-    columns = ["ms", "off the grid", "p99", "worst", "off 1/60 s", "p99", "lost", "frames/s", "CPU", "client", "MB"]
-    title = f"{connections} WebSockets of {characters} characters, {RATE:g} Hz, {rounds} x {seconds:g} s, {size} bytes"
-    show(title, columns, [_row(name, some) for name, some in runs.items()])
-    pairs = list(zip(*runs.values(), strict=True))
-    grid = median(one.jitter.off_grid_p99 / other.jitter.off_grid_p99 for one, other in pairs)
-    between = median(one.jitter.off_interval_p99 / other.jitter.off_interval_p99 for one, other in pairs)
-    return [
-        at_most("streams: p99 off the grid over the control's", grid, 1.3),
-        at_most("streams: p99 off 1/60 s over the control's", between, 1.3),
-        at_most("streams: frames lost", sum(one.jitter.lost for one in runs["motionsplice"]), 0),
-    ]
+                for name, one in (("ours", server), ("control", other)):
+                    before = one.cpu()
+                    sent = commands if name == "ours" else []
+                    taken = Streams(Job(one.port, PATH, connections, seconds, sent)).taken()
+                    used = (one.cpu() - before) / (seconds + 0.5)
+                    p50, p99 = spread(taken, numbered=name == "ours")
+                    medians[name].append(p50)
+                    found[name].append(p99)
+                    if name == "ours":
+                        gaps += sum(lost(stream.numbers) for stream in taken) + sum(stream.lost for stream in taken)
+                        frames += sum(len(stream.numbers) for stream in taken)
+                        share, memory = max(share, used), server.memory()
+                    else:
+                        other_share = max(other_share, used)
+    told = Findings(
+        f"{connections} streams of one character, {RATE:g} Hz, {rounds} times {seconds:g} s, {size} bytes a frame"
+    )
+    told.add("jitter p50, ms", float(np.median(medians["ours"])))
+    told.add("jitter p50 of the control, ms", float(np.median(medians["control"])))
+    told.add("jitter p99, ms", float(np.median(found["ours"])))
+    told.add("jitter p99 of the control, ms", float(np.median(found["control"])))
+    ratios = np.array(found["ours"]) / np.array(found["control"])
+    told.add("jitter p99, times the control's (median of rounds)", float(np.median(ratios)), most=1.3)
+    told.add("frames lost", gaps, "{:.0f}", most=0)
+    told.add("frames per second", frames / (rounds * seconds), "{:.0f}")
+    told.add("share of a core", share)
+    told.add("share of a core, control", other_share)
+    told.add("memory, MB", memory, "{:.0f}")
+    return told
 
 
-def load(endpoint: Endpoint, connections: int, characters: int, seconds: float) -> Streamed:
-    """Takes frames for a while; `characters` 0 is of the control, which has no commands."""
-    return uvloop.run(_load(endpoint, connections, characters, seconds))
+def spread(taken: list[Taken], *, numbered: bool = True, skip: int = 30) -> tuple[float, float]:
+    """p50 and p99 of the jitter of all streams, milliseconds, but for their first frames."""
+    every = []
+    for one in taken:
+        numbers = one.numbers if numbered else _counted(one.arrivals)
+        if len(numbers) > skip:
+            every.append(jitter(one.arrivals[skip:], numbers[skip:], RATE))
+    return percentiles(np.concatenate(every))
 
 
-async def _load(endpoint: Endpoint, connections: int, characters: int, seconds: float) -> Streamed:
-    players = [Player(CHARACTERS, numbered if characters else None) for _ in range(connections)]
-    for seed, player in enumerate(players):
-        await connect(endpoint, player)
-        if characters:
-            await player.do(cast(characters, seed))
-    await asyncio.sleep(SETTLING)
-    for player in players:
-        player.forget()
-    began, own, theirs = perf_counter(), process_time(), endpoint.cpu_seconds
-    await asyncio.sleep(seconds)
-    lasted, own, theirs = perf_counter() - began, process_time() - own, endpoint.cpu_seconds - theirs
-    memory = endpoint.memory
-    found = jitter([player.arrivals for player in players], RATE)
-    messages = sum(len(player.arrivals.times) for player in players)
-    size = sum(player.received for player in players) // messages
-    for player in players:
-        player.transport.abort()
-    return Streamed(found, messages / lasted, theirs / lasted, own / lasted, size, memory)
-
-
-def _row(name: str, runs: list[Streamed]) -> list[str]:
-    """Medians over runs; of what is lost and worst, all."""
-    jitters = [one.jitter for one in runs]
-    fields = ("off_grid", "off_grid_p99", "worst", "off_interval", "off_interval_p99")
-    return [
-        name,
-        *(milliseconds(median(getattr(one, field) for one in jitters)) for field in fields),
-        str(sum(one.lost for one in jitters)),
-        f"{median(one.per_second for one in runs):.0f}",
-        *(percent(median(values)) for values in ([one.cpu for one in runs], [one.client_cpu for one in runs])),
-        f"{runs[-1].memory / MEGABYTE:.0f}",
-    ]
+def _counted(arrivals: list[float]) -> list[int]:
+    """Numbers for messages that have none: the nearest on the grid."""
+    if not arrivals:
+        return []
+    steps = np.asarray(arrivals) - np.median(np.asarray(arrivals) - np.arange(len(arrivals)) / RATE)
+    return [int(one) for one in np.round(steps * RATE)]

@@ -8,7 +8,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import orjson
 from starlette.types import Receive, Send
@@ -18,14 +18,26 @@ from service.characters.commands import Command, checked, parse, ref_of
 from service.characters.scene import Scene
 from service.metrics import Metrics
 from service.problems import URN, told
+from service.serving import Edition
 from service.settings import Settings
 from service.wire.encoding import Encoding
 
 logger = logging.getLogger(__name__)
 
+TRANSPORT = "motionsplice.transport"  # the name of the extension
 BURST = 10_000.0  # commands that may come at once before they have to wait
 MOST_EVENTS = 1000  # that may wait for a client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
+
+
+class Transport(Protocol):
+    """What a server may put into a handshake's extensions, so that frames need not pass through a task each."""
+
+    def send_at_once(self, message: bytes) -> bool:
+        """Sends a binary message if nothing waits to be sent before it, and says whether it did."""
+
+    async def nothing_waits(self) -> None:
+        """Returns when nothing waits to be sent. Raises OSError if the client has gone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +53,7 @@ class Play:
 
     def after(self, count: int) -> Play:
         """So many frames later, of a scene that was advanced by as many."""
-        return replace(self, frame=self.frame + count, due=self.due + count / self.rate)
+        return Play(self.scene, self.frame + count, self.due + count / self.rate, self.rate, self.ahead)
 
     @property
     def load(self) -> float:
@@ -59,13 +71,17 @@ class Connection:
     with, if it reaches into the future: a command leads back into it.
     """
 
-    def __init__(self, play: Play, encoding: Encoding, settings: Settings, metrics: Metrics) -> None:
+    def __init__(
+        self, play: Play, encoding: Encoding, settings: Settings, metrics: Metrics, transport: Transport | None
+    ) -> None:
         self.play = play
         self.sent: Play | None = None
         self.wanted = play.due
+        self.stayed_from: Edition | None = None  # the newer edition that it was told to have no place in
         self.encoding = encoding
         self.settings = settings
         self.metrics = metrics
+        self._transport = transport
         self._events: deque[bytes] = deque()
         self._message: tuple[int, bytes] | None = None
         self._waiting = asyncio.Event()
@@ -79,12 +95,18 @@ class Connection:
         self._events.append(orjson.dumps({"event": event, **values}))
         self._waiting.set()
 
-    def show(self, count: int, message: bytes) -> None:
-        """Has a message of `count` frames sent, in place of one that still waits."""
+    def show(self, count: int, message: bytes) -> int:
+        """Has a message of `count` frames sent: at once if nothing waits, else in place of one that still waits.
+
+        Returns how many were sent at once.
+        """
         if self._message is not None:
             self.metrics.frames_skipped.inc(self._message[0])
+        elif self._transport is not None and not self._waiting.is_set() and self._transport.send_at_once(message):
+            return count
         self._message = count, message
         self._waiting.set()
+        return 0
 
     def close(self, code: int, reason: str) -> None:
         """Has the connection closed, after the events that wait."""
@@ -108,8 +130,11 @@ class Connection:
                 await send({"type": "websocket.close", "code": code, "reason": reason})
                 return
             if self._message is not None:
+                if self._transport is not None:
+                    await self._transport.nothing_waits()
                 (count, message), self._message = self._message, None
-                await send({"type": "websocket.send", "bytes": message})
+                if self._transport is None or not self._transport.send_at_once(message):
+                    await send({"type": "websocket.send", "bytes": message})
                 self.metrics.frames_sent.inc(count)
 
     def rewound(self, now: float) -> Play:

@@ -15,7 +15,7 @@ from starlette.types import Receive, Scope, Send
 from runtime.requests import Memory, Requests
 from service.admission import SUBPROTOCOL
 from service.characters.commands import Command
-from service.characters.connection import FAILED, RESTART, Connection, Play
+from service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play
 from service.characters.scene import Scene
 from service.problems import BusyError, LimitError
 from service.serving import Edition
@@ -51,7 +51,8 @@ class Hub:
         scene = Scene(edition, rate, self._shared.settings.max_characters)
         play = Play(scene, 0, _next_tick(loop.time(), rate), rate, values["ahead"])
         self._check(play, 0.0)
-        connection = Connection(play, how, self._shared.settings, self._shared.metrics)
+        transport = scope.get("extensions", {}).get(TRANSPORT)
+        connection = Connection(play, how, self._shared.settings, self._shared.metrics, transport)
         self._shared.admit(connection)
         sending = receiving = None
         try:
@@ -139,6 +140,7 @@ class Hub:
                 for ended in one.play.scene.advance(1.0 / rate):
                     one.tell("ended", id=ended, frame=one.play.frame + later + 1)
         wall, loop = time.time(), asyncio.get_running_loop().time()
+        sent = 0
         for one, first, end in zip(group, [0, *ends], ends, strict=False):
             play = one.play
             told = {
@@ -149,24 +151,21 @@ class Hub:
                 "time": wall + play.due - loop,
             }
             arrays = {name: _stacked([frame[name][first:end] for frame in frames]) for name in frames[0]}
-            one.show(ahead, packed(told, {"ids": play.scene.ids, **arrays}))
+            sent += one.show(ahead, packed(told, {"ids": play.scene.ids, **arrays}))
             one.play = play.after(ahead)
             one.wanted = one.play.due
+        self._shared.metrics.frames_sent.inc(sent)
 
     def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
         """All characters of some scenes, as arrays [n, ...]."""
         began = time.perf_counter()
-        if len(scenes) == 1:
-            requests, memory = scenes[0].requests, scenes[0].memory
-        else:
-            requests = Requests(np.concatenate([scene.requests.records for scene in scenes]))
-            memory = Memory(np.concatenate([scene.memory.state for scene in scenes]), scenes[0].memory.share)
-        poses = edition.evaluator.poses(len(requests))
-        edition.evaluator.evaluate(requests, poses, memory)
+        records, state = Scene.together(scenes)
+        poses = edition.evaluator.poses(len(records))
+        edition.evaluator.evaluate(Requests(records), poses, Memory(state, scenes[0].share))
         if len(scenes) > 1:
             first = 0
             for scene in scenes:
-                scene.memory.state[:] = memory.state[first : first + len(scene)]
+                scene.state[:] = state[first : first + len(scene)]
                 first += len(scene)
         arrays = how.arrays(edition.evaluator, poses)
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
@@ -186,8 +185,8 @@ class Hub:
                 play.scene.do(command)
         self._check(play, connection.play.load)
         connection.change(play, now)
-        if play.scene.edition is not self._shared.serving.edition:
-            self._move(connection, self._shared.serving.edition, now)
+        if play.scene.edition is not self._shared.serving.edition:  # once what was done is told
+            asyncio.get_running_loop().call_soon(self._move, connection, self._shared.serving.edition)
         self._changed.set()
 
     def _check(self, play: Play, load: float) -> None:
@@ -205,15 +204,17 @@ class Hub:
             raise BusyError(problem, mend="Ask for fewer characters or a lower rate, or ask another process")
 
     def _exchange(self, edition: Edition) -> None:
-        now = asyncio.get_running_loop().time()
         for connection in self.connections:
-            self._move(connection, edition, now)
+            self._move(connection, edition)
 
-    def _move(self, connection: Connection, edition: Edition, now: float) -> None:
+    def _move(self, connection: Connection, edition: Edition) -> None:
         """Moves a connection over to another edition from its next frame on, if that has all clips that it plays."""
+        now = asyncio.get_running_loop().time()
         play = connection.rewound(now)
         if gone := play.scene.missing(edition):
-            connection.tell("kept", bank=edition.bank.digest, gone=gone)
+            if connection.stayed_from is not edition:
+                connection.stayed_from = edition
+                connection.tell("kept", bank=edition.bank.digest, gone=gone)
             return
         play.scene.move(edition)
         connection.change(play, now)

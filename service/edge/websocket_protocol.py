@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import struct
+from http import HTTPStatus
 from typing import TYPE_CHECKING, cast
 
+from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
+from websockets.http11 import Request
 
+from service.characters.connection import TRANSPORT
 from service.edge.stall import StallGuard
 
 if TYPE_CHECKING:
@@ -15,6 +20,7 @@ if TYPE_CHECKING:
 
 MOST_FRAGMENTS = 1024  # of one message: even empty ones take memory
 TOO_LARGE = 1009
+WHOLE_BINARY = 0x82  # the first byte of a message in one frame
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):
@@ -55,6 +61,31 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         if len(self.frames) >= MOST_FRAGMENTS and not self.close_sent:
             self.conn.fail(TOO_LARGE, "too many fragments")
             self.handle_parser_exception()
+
+    def handle_connect(self, event: Request) -> None:
+        super().handle_connect(event)
+        if self.response.status_code == HTTPStatus.SWITCHING_PROTOCOLS:
+            cast("dict[str, object]", self.scope["extensions"])[TRANSPORT] = self
+
+    def send_at_once(self, message: bytes) -> bool:
+        """Sends a binary message without a task and without a copy, unless something waits before it."""
+        if not self.writable.is_set() or self.close_sent or self.transport.is_closing():
+            return False
+        size = len(message)
+        if size < 126:
+            head = struct.pack("!BB", WHOLE_BINARY, size)
+        elif size < 1 << 16:
+            head = struct.pack("!BBH", WHOLE_BINARY, 126, size)
+        else:
+            head = struct.pack("!BBQ", WHOLE_BINARY, 127, size)
+        self.transport.writelines((head, message))
+        return True
+
+    async def nothing_waits(self) -> None:
+        """Returns when nothing waits to be sent. Raises OSError if the client has gone."""
+        await self.writable.wait()
+        if self.disconnected:
+            raise ClientDisconnected
 
     def shutdown(self) -> None:
         """The application tells its clients, and closes: here there is nothing to be cut."""

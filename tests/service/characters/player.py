@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from types import TracebackType
 from typing import Any, Self
 
@@ -47,7 +48,9 @@ class Player:
 
     def event(self, *kinds: str) -> dict[str, Any]:
         """The next event of some kinds; others before it are passed over."""
+        deadline = time.monotonic() + PATIENCE
         while True:
+            assert time.monotonic() < deadline, f"no {kinds}"
             while self.events:
                 if (told := self.events.pop(0))["event"] in kinds:
                     return told

@@ -14,8 +14,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
 from websockets.exceptions import ConnectionClosed
 
+from runtime.bank import Bank
+from service.settings import Settings
 from tests.service.characters.player import Player
-from tests.service.running import Running, eventually
+from tests.service.running import Running, eventually, running
 
 CODES = {1002, 1003, 1007, 1009, 4408}
 
@@ -128,6 +130,13 @@ class Clients(RuleBasedStateMachine):
     def teardown(self) -> None:
         if self.player is not None:
             self.leave()
+
+
+@pytest.fixture(scope="module")
+def service(bank: Bank) -> Iterator[Running]:
+    """A service that waits for slow clients, such as those that think about what to do next."""
+    with running(bank.path, Settings()) as service:
+        yield service
 
 
 @pytest.fixture

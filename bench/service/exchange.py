@@ -1,0 +1,68 @@
+"""Banks exchanged under streams."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import msgpack
+import numpy as np
+
+from bench.service.banks import another, put
+from bench.service.clients import Streams
+from bench.service.findings import Findings
+from bench.service.process import serving
+from bench.service.statistics import lost
+from bench.service.stream_client import Job
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+
+STREAMS = 32
+EXCHANGES = 20
+PATH = "/v1/characters?rate=60"
+INTERVAL = 1.5  # seconds between two exchanges
+
+
+def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
+    """32 streams of a character that stands still in its clip, while the bank is exchanged again and again.
+
+    So each frame must be the pose of the bank that it says it is from. One bank is damaged, and must be refused.
+    """
+    place, other = bank, another(bank.parent)
+    first = bank.parent / "first"
+    put_aside(bank, first)
+    still = [{"do": "create", "id": 1, "locomotion": "run", "time": 1.0}, {"do": "speed", "id": 1, "speed": 0.0}]
+    with serving(place, "--watch") as server:
+        seconds = INTERVAL * (exchanges + 2)
+        streams = Streams(Job(server.port, PATH, STREAMS, seconds, [json.dumps(still)], keep=2))
+        time.sleep(2.0)
+        for number in range(exchanges):
+            put((other, first)[number % 2], place, damaged=number == exchanges // 2)
+            time.sleep(INTERVAL)
+        taken = streams.taken()
+        refused = server.metric('motionsplice_bank_exchanges_total{result="refused"}')
+        done = server.metric('motionsplice_bank_exchanges_total{result="ok"}')
+    wanted = {}
+    for folder in (first, other):
+        opened = Bank.open(folder)
+        wanted[opened.digest] = Evaluator(opened).pose("run", 1.0).rotations.tobytes()
+    frames = [msgpack.unpackb(message) for one in taken for message in one.kept]
+    torn = sum(frame["rotations"] != wanted[frame["bank"]] for frame in frames)
+    told = Findings(f"{exchanges} exchanges under {STREAMS} streams at 60 Hz")
+    told.add("exchanged", done, "{:.0f}", least=exchanges - 2)
+    told.add("damaged ones refused", refused, "{:.0f}", least=1, most=None)
+    told.add("connections dropped", sum(one.lost for one in taken), "{:.0f}", most=0)
+    told.add("frames lost", sum(lost(one.numbers) for one in taken), "{:.0f}", most=0)
+    told.add("frames looked at", len(frames), "{:.0f}", least=STREAMS)
+    told.add("frames torn", torn, "{:.0f}", most=0)
+    told.add("banks seen", len({frame["bank"] for frame in frames}), "{:.0f}", least=2)
+    gaps = np.concatenate([np.diff(one.arrivals) for one in taken])
+    told.add("longest pause between two frames, ms", 1e3 * float(gaps.max()), "{:.0f}")
+    return told
+
+
+def put_aside(bank: Path, place: Path) -> None:
+    """A copy of a bank."""
+    (place / "tables").mkdir(parents=True)
+    put(bank, place)

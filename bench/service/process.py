@@ -1,0 +1,100 @@
+"""A server in a process of its own, and what the system says of it."""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+TICKS = os.sysconf("SC_CLK_TCK")
+PATIENCE = 60.0  # seconds
+
+
+@dataclass(frozen=True)
+class Process:
+    """A running server."""
+
+    pid: int
+    port: int
+
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    def cpu(self) -> float:
+        """Seconds of processor time so far."""
+        fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / TICKS
+
+    def memory(self) -> float:
+        """Megabytes that it has in memory."""
+        found = re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{self.pid}/status").read_text())
+        return int(found.group(1)) / 1024.0 if found else 0.0
+
+    def descriptors(self) -> int:
+        """Files and sockets that it has open."""
+        return len(os.listdir(f"/proc/{self.pid}/fd"))
+
+    def metric(self, name: str) -> float:
+        """A number of /metrics, 0 if it is not there."""
+        with urllib.request.urlopen(f"{self.url}/metrics", timeout=PATIENCE) as answer:
+            found = re.search(rf"^{re.escape(name)} (\S+)$", answer.read().decode(), re.MULTILINE)
+        return float(found.group(1)) if found else 0.0
+
+
+@contextmanager
+def serving(bank: Path, *flags: str) -> Iterator[Process]:
+    """The service on a bank, ready, on a free port."""
+    command = [sys.executable, "-m", "motionsplice", "serve", str(bank), "--port", "0", *flags]
+    with _started(command, r"http://127\.0\.0\.1:(\d+)", "/readyz") as process:
+        yield process
+
+
+@contextmanager
+def control(*arguments: str) -> Iterator[Process]:
+    """The server that does nothing but send (bench/service/control.py)."""
+    command = [sys.executable, "-m", "bench.service.control", *arguments]
+    with _started(command, r"port (\d+)", "/") as process:
+        yield process
+
+
+@contextmanager
+def _started(command: list[str], port: str, path: str) -> Iterator[Process]:
+    resource.setrlimit(resource.RLIMIT_NOFILE, (resource.getrlimit(resource.RLIMIT_NOFILE)[1],) * 2)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, bufsize=1) as server:
+        assert server.stdout is not None
+        try:
+            found = next(filter(None, (re.search(port, line) for line in server.stdout)), None)
+            if found is None:
+                raise SystemExit(f"{' '.join(command)} ended with status {server.wait()}")
+            process = Process(server.pid, int(found.group(1)))
+            deadline = time.monotonic() + PATIENCE
+            while not _answers(process.url + path):
+                if time.monotonic() > deadline:
+                    raise SystemExit(f"{process.url} does not become ready")
+                time.sleep(0.05)
+            yield process
+        finally:
+            server.send_signal(signal.SIGTERM)
+            try:
+                server.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                server.kill()
+
+
+def _answers(url: str) -> bool:
+    try:
+        urllib.request.urlopen(url, timeout=1.0).close()
+    except OSError:
+        return False
+    return True

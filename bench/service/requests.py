@@ -1,0 +1,106 @@
+"""Requests per second and what they wait: one pose, and a batch of them."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.service.banks import names
+from bench.service.clients import Asked, ask, get, post
+from bench.service.findings import Findings
+from bench.service.process import control, serving
+from bench.service.statistics import percentiles
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from runtime.requests import METHODS, Requests
+from service.wire.encoding import Encoding, warm
+from service.wire.messages import packed
+
+CONNECTIONS = 32
+BATCH = 1000
+
+
+def poses(bank: Path, *, seconds: float = 5.0, rounds: int = 3) -> Findings:
+    """Single poses at 32 connections, in turns with a server that answers as many bytes and does nothing."""
+    locomotions, actions = names(bank, "locomotion"), names(bank, "action")
+    told = Findings(f"One pose a request, {CONNECTIONS} connections, {rounds} times {seconds:g} s")
+    rates: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
+    waits: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
+    with serving(bank) as server:
+        asked = {form: _queries(locomotions, actions, form) for form in ("msgpack", "json")}
+        with control("450", "1") as other:
+            for _ in range(rounds):
+                for name in rates:
+                    one, requests = (other, [get("/")]) if name == "control" else (server, asked[name])
+                    found = ask(one, requests, CONNECTIONS, seconds)
+                    assert not found.failed
+                    rates[name].append(len(found.latencies) / found.server)
+                    waits[name].append(1e3 * percentiles(found.latencies)[1])
+    for name in rates:
+        most, least = (3.0, 15_000) if name == "msgpack" else (None, None)
+        told.add(f"{name}: requests per second and core", float(np.median(rates[name])), "{:,.0f}", least=least)
+        told.add(f"{name}: latency p99, ms", float(np.median(waits[name])), most=most)
+    return told
+
+
+def batches(bank: Path, *, seconds: float = 5.0) -> Findings:
+    """Batches of 1,000 characters on one connection: the server's time against evaluation and encoding alone."""
+    locomotions, actions = names(bank, "locomotion"), names(bank, "action")
+    clips, draw = [*locomotions, *actions], np.random.default_rng(1)
+    columns = {
+        "locomotion": draw.integers(0, len(locomotions), BATCH).astype("<i4"),
+        "action": (len(locomotions) + draw.integers(0, len(actions), BATCH)).astype("<i4"),
+        "time": draw.uniform(0.0, 2.0, BATCH),
+    }
+    message = {"clips": clips} | {name: column.tobytes() for name, column in columns.items()}
+    told = Findings(f"{BATCH} poses a request")
+    for numbers in ("float32", "int16"):
+        alone = _alone(bank, clips, columns, numbers)
+        with serving(bank) as server:
+            request = post(f"/v1/poses?format=msgpack&encoding={numbers}", message)
+            found = ask(server, [request], 1, seconds)
+        assert not found.failed
+        told.add(f"{numbers}: evaluation and encoding alone, us", alone, "{:.0f}")
+        spent = 1e6 * found.server / len(found.latencies)
+        told.add(f"{numbers}: the server's time, us", spent, "{:.0f}")
+        told.add(f"{numbers}: times evaluation and encoding", spent / alone, most=2.0)
+        _latencies(told, numbers, found)
+    return told
+
+
+def _alone(bank: Path, clips: list[str], columns: dict[str, NDArray[Any]], numbers: str) -> float:
+    """Microseconds to evaluate and encode a batch, median."""
+    opened = Bank.open(bank)
+    evaluator, how, requests = Evaluator(opened), Encoding(numbers=numbers), Requests.empty(BATCH)
+    index = np.array([opened.number(name) for name in clips])
+    requests.locomotion[:], requests.action[:] = index[columns["locomotion"]], index[columns["action"]]
+    requests.time[:], requests.method[:] = columns["time"], METHODS["splice"]
+    warm()
+    spent = []
+    for _ in range(300):
+        began = time.perf_counter()
+        poses = evaluator.poses(BATCH)
+        evaluator.evaluate(requests, poses)
+        packed({"bank": opened.digest}, how.arrays(evaluator, poses))
+        spent.append(time.perf_counter() - began)
+    return 1e6 * float(np.median(spent))
+
+
+def _latencies(told: Findings, label: str, found: Asked) -> None:
+    for name, value in zip(("p50", "p99"), percentiles(found.latencies), strict=True):
+        told.add(f"{label}: latency {name}, ms", 1e3 * value)
+
+
+def _queries(locomotions: list[str], actions: list[str], form: str) -> list[bytes]:
+    draw = np.random.default_rng(0)
+    return [
+        get(
+            f"/v1/pose?locomotion={locomotions[number % len(locomotions)]}&time={draw.uniform(0.0, 2.0):.4f}"
+            f"&action={actions[number % len(actions)]}&format={form}"
+        )
+        for number in range(500)
+    ]

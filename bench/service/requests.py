@@ -31,7 +31,7 @@ def poses(bank: Path, *, seconds: float = 5.0, rounds: int = 3) -> Findings:
     rates: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
     waits: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
     with serving(bank) as server:
-        asked = {form: _queries(locomotions, actions, form) for form in ("msgpack", "json")}
+        asked = {form: queries(locomotions, actions, form) for form in ("msgpack", "json")}
         with control("450", "1") as other:
             for _ in range(rounds):
                 for name in rates:
@@ -49,20 +49,12 @@ def poses(bank: Path, *, seconds: float = 5.0, rounds: int = 3) -> Findings:
 
 def batches(bank: Path, *, seconds: float = 5.0) -> Findings:
     """Batches of 1,000 characters on one connection: the server's time against evaluation and encoding alone."""
-    locomotions, actions = names(bank, "locomotion"), names(bank, "action")
-    clips, draw = [*locomotions, *actions], np.random.default_rng(1)
-    columns = {
-        "locomotion": draw.integers(0, len(locomotions), BATCH).astype("<i4"),
-        "action": (len(locomotions) + draw.integers(0, len(actions), BATCH)).astype("<i4"),
-        "time": draw.uniform(0.0, 2.0, BATCH),
-    }
-    message = {"clips": clips} | {name: column.tobytes() for name, column in columns.items()}
+    clips, columns = batch(bank)
     told = Findings(f"{BATCH} poses a request")
     for numbers in ("float32", "int16"):
         alone = _alone(bank, clips, columns, numbers)
         with serving(bank) as server:
-            request = post(f"/v1/poses?format=msgpack&encoding={numbers}", message)
-            found = ask(server, [request], 1, seconds)
+            found = ask(server, [batch_request(bank, numbers)], 1, seconds)
         assert not found.failed
         told.add(f"{numbers}: evaluation and encoding alone, us", alone, "{:.0f}")
         spent = 1e6 * found.server / len(found.latencies)
@@ -70,6 +62,25 @@ def batches(bank: Path, *, seconds: float = 5.0) -> Findings:
         told.add(f"{numbers}: times evaluation and encoding", spent / alone, most=2.0)
         _latencies(told, numbers, found)
     return told
+
+
+def batch(bank: Path) -> tuple[list[str], dict[str, NDArray[Any]]]:
+    """Clips, and what each character of a batch plays of them."""
+    locomotions, actions = names(bank, "locomotion"), names(bank, "action")
+    draw = np.random.default_rng(1)
+    columns = {
+        "locomotion": draw.integers(0, len(locomotions), BATCH).astype("<i4"),
+        "action": (len(locomotions) + draw.integers(0, len(actions), BATCH)).astype("<i4"),
+        "time": draw.uniform(0.0, 2.0, BATCH),
+    }
+    return [*locomotions, *actions], columns
+
+
+def batch_request(bank: Path, numbers: str) -> bytes:
+    """The request for a batch."""
+    clips, columns = batch(bank)
+    message = {"clips": clips} | {name: column.tobytes() for name, column in columns.items()}
+    return post(f"/v1/poses?format=msgpack&encoding={numbers}", message)
 
 
 def _alone(bank: Path, clips: list[str], columns: dict[str, NDArray[Any]], numbers: str) -> float:
@@ -95,7 +106,7 @@ def _latencies(told: Findings, label: str, found: Asked) -> None:
         told.add(f"{label}: latency {name}, ms", 1e3 * value)
 
 
-def _queries(locomotions: list[str], actions: list[str], form: str) -> list[bytes]:
+def queries(locomotions: list[str], actions: list[str], form: str) -> list[bytes]:
     draw = np.random.default_rng(0)
     return [
         get(

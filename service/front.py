@@ -27,9 +27,9 @@ from service.shared import Shared
 logger = logging.getLogger(__name__)
 
 BANKS, BELOW = "/v1/banks/", "/v1/"
-CACHED = frozenset({"/v1/pose", "/v1/splice", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
+POSE, CHARACTERS = "/v1/pose", "/v1/characters"
+CACHED = frozenset({"/v1/splice", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
 CACHED_BELOW = ("/v1/clips/", "/v1/tables/")
-CHARACTERS = "/v1/characters"
 PREFLIGHT: Headers = [
     (b"access-control-allow-methods", b"GET, HEAD, POST, OPTIONS"),
     (b"access-control-allow-headers", b"authorization, content-type, range, if-none-match"),
@@ -51,7 +51,7 @@ class Front:
         self._kept = b"private" if shared.settings.token else b"public"
         self._poses = PoseAnswers()
         self._direct: dict[tuple[str, str], Handler] = {
-            ("GET", "/v1/pose"): self._pose,
+            ("GET", POSE): self._pose,
             ("POST", "/v1/poses"): _poses,
             ("GET", "/v1/splice"): _splice,
             ("GET", "/v1/stream"): _stream,
@@ -75,6 +75,20 @@ class Front:
         """Under which the log has a request."""
         return f"{next(self._request_ids):x}"
 
+    def answer_at_once(self, query: bytes, headers: Headers) -> tuple[Answer, str] | None:
+        """The answer to GET /v1/pose and the request's number, for a server that can do without a task.
+
+        None if it has to be told more of: that it is refused, or kept by a cache.
+        """
+        try:
+            if self._admission.check({"headers": headers, "path": POSE}) is not None:
+                return None
+            answer = self._poses.answer(self.shared.serving.edition, query)
+        except MotionError:
+            return None
+        self.shared.metrics.answered(POSE, answer.status)
+        return answer, self.next_request_id()
+
     async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
         identity = self.next_request_id()
         request_id.set(identity)
@@ -90,7 +104,8 @@ class Front:
                     await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
                     return
             path, immutable = self._below_a_bank(path)
-            if method in ("GET", "HEAD") and (path in CACHED or path.startswith(CACHED_BELOW)):
+            cacheable = path in CACHED or path.startswith(CACHED_BELOW) or (immutable and path == POSE)
+            if method in ("GET", "HEAD") and cacheable:
                 method = "GET"  # of HEAD too: the server leaves the body out
                 etag = b'"%s"' % self.shared.serving.bank.digest.encode()
                 keep = b"%s, max-age=31536000, immutable" % self._kept if immutable else b"no-cache"

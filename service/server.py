@@ -16,7 +16,7 @@ from service.metrics import SHARED_FOLDER
 from service.settings import Settings
 
 BACKLOG = 2048
-LEAST_UNSENT = 128 * 1024  # bytes that the kernel keeps for a slow client: what is more would only grow stale
+MOST_UNSENT = 1024 * 1024  # bytes that the kernel keeps for a slow client, so that it is soon known to be one
 
 
 def listen(settings: Settings) -> socket.socket:
@@ -29,7 +29,7 @@ def listen(settings: Settings) -> socket.socket:
         if hasattr(socket, "TCP_USER_TIMEOUT"):  # Linux; connections inherit both
             listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1000 * settings.stall_seconds))
         if hasattr(socket, "TCP_NOTSENT_LOWAT"):
-            listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, LEAST_UNSENT)
+            listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, MOST_UNSENT)
         listener.bind((settings.host, settings.port))
         listener.listen(BACKLOG)
     except OSError as error:

@@ -8,6 +8,8 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
+LARGE = 16 * 1024  # bytes: to copy more costs more than to send it in pieces
+
 
 class Corked(asyncio.Transport):
     """Stands before the real transport."""
@@ -26,7 +28,10 @@ class Corked(asyncio.Transport):
         """Sends what was written."""
         if self._pieces:
             pieces, self._pieces = self._pieces, []
-            self.transport.write(b"".join(pieces))
+            if sum(map(len, pieces)) > LARGE:
+                self.transport.writelines(pieces)
+            else:
+                self.transport.write(b"".join(pieces))
 
     def close(self) -> None:
         self.flush()

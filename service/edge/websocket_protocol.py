@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import struct
 from http import HTTPStatus
 from typing import TYPE_CHECKING, cast
@@ -18,6 +19,7 @@ from service.edge.stall import StallGuard
 if TYPE_CHECKING:
     from service.edge.config import EdgeConfig
 
+MOST_UNSENT = 32 * 1024  # bytes that the kernel keeps for a slow client: what is more would only grow stale
 MOST_FRAGMENTS = 1024  # of one message: even empty ones take memory
 TOO_LARGE = 1009
 WHOLE_BINARY = 0x82  # the first byte of a message in one frame
@@ -33,6 +35,9 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         seconds = self.config.settings.stall_seconds
         self._guard = StallGuard(cast("asyncio.Transport", transport), self.loop, seconds)
         self.close_timeout = seconds
+        if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+            found: socket.socket = transport.get_extra_info("socket")
+            found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, MOST_UNSENT)
 
     def connection_lost(self, exc: Exception | None) -> None:
         super().connection_lost(exc)

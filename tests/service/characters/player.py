@@ -44,7 +44,13 @@ class Player:
             ids = np.frombuffer(frame["ids"], "<u4")
             leading = (frame["count"], len(ids))
             joints = len(self.welcome["joints"])
-            self.frames.append({**frame, **arrays(frame, joints, *leading, short=False), "ids": ids.tolist()})
+            self.frames.append(
+                {
+                    **frame,
+                    **arrays(frame, joints, *leading, short=self.welcome["encoding"] == "int16"),
+                    "ids": ids.tolist(),
+                }
+            )
 
     def event(self, *kinds: str) -> dict[str, Any]:
         """The next event of some kinds; others before it are passed over."""

@@ -77,10 +77,10 @@ def taken_meanwhile(server: Process, job: stream_client.Job) -> tuple[list[Taken
     began, spent = time.perf_counter(), server.cpu()
     time.sleep(job.seconds)
     ended, spent = time.perf_counter(), server.cpu() - spent
-    return [_between(one, began, ended) for one in streams.taken()], spent
+    return [between(one, began, ended) for one in streams.taken()], spent
 
 
-def _between(taken: Taken, began: float, ended: float) -> Taken:
+def between(taken: Taken, began: float, ended: float) -> Taken:
     """What came from one moment to another, of the clock that all processes have."""
     some = [(at, number) for at, number in zip(taken.arrivals, taken.numbers, strict=True) if began <= at < ended]
     size = taken.bytes / max(1, len(taken.arrivals))

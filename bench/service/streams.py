@@ -69,13 +69,13 @@ def spread(taken: list[Taken], *, numbered: bool = True, skip: int = 30) -> tupl
     """p50 and p99 of the jitter of all streams, milliseconds, but for their first frames."""
     every = []
     for one in taken:
-        numbers = one.numbers if numbered else _counted(one.arrivals)
+        numbers = one.numbers if numbered else counted(one.arrivals)
         if len(numbers) > skip:
             every.append(jitter(one.arrivals[skip:], numbers[skip:], RATE))
     return percentiles(np.concatenate(every))
 
 
-def _counted(arrivals: list[float]) -> list[int]:
+def counted(arrivals: list[float]) -> list[int]:
     """Numbers for messages that have none: the nearest on the grid."""
     if not arrivals:
         return []

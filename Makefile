@@ -22,7 +22,7 @@ quality: $(VENV)/ready        ## judge splices against the truth: built-in motio
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
 
-soak: $(VENV)/ready           ## the service under load for a quarter of an hour: streams, stalled and aborted clients, exchanges
+soak: $(VENV)/ready           ## the service under load for about 25 minutes: streams, stalled and aborted clients, exchanges
 	$(BIN)/python -m bench.service streams stalled connects exchange --soak --check
 
 pictures: $(VENV)/ready        ## draw the documentation's pictures anew

@@ -3,7 +3,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 REAL   ?= ../shared/mocap/cmu
 
-.PHONY: demo test check quality pictures clean
+.PHONY: demo test check quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -21,6 +21,9 @@ check: $(VENV)/ready           ## style, types and the arrows between the packag
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
+
+soak: $(VENV)/ready           ## the service under load for about 25 minutes: streams, stalled and aborted clients, exchanges
+	$(BIN)/python -m bench.service streams stalled connects exchange --soak --check
 
 pictures: $(VENV)/ready        ## draw the documentation's pictures anew
 	PYTHONPATH=. $(BIN)/python docs/pictures.py </dev/null

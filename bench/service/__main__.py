@@ -36,7 +36,7 @@ SHORT: dict[str, Measure] = {
 LONG: dict[str, Measure] = {
     "streams": lambda bank: streams(bank, seconds=60.0, rounds=5),
     "crowd": lambda bank: crowd(bank, seconds=60.0),
-    "stalled": lambda bank: stalled(bank, seconds=60.0),
+    "stalled": lambda bank: stalled(bank, seconds=60.0, rounds=3),
     "connects": lambda bank: connects(bank, times=20_000),
     "exchange": lambda bank: exchange(bank, exchanges=200),
 }

@@ -6,7 +6,8 @@ import base64
 import json
 import subprocess
 import sys
-from dataclasses import asdict, dataclass
+import time
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import msgpack
@@ -15,6 +16,8 @@ from numpy.typing import NDArray
 
 from bench.service import request_client, stream_client
 from bench.service.process import Process
+
+STARTING, ENDING = 4.0, 0.5  # seconds that clients have to start in and to make characters; and to stay longer
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,28 @@ class Streams:
             )
             for one in told
         ]
+
+
+def taken_meanwhile(server: Process, job: stream_client.Job) -> tuple[list[Taken], float]:
+    """What clients got in the job's seconds once all of them were there, and the server's processor time meanwhile."""
+    streams = Streams(replace(job, seconds=STARTING + job.seconds + ENDING))
+    time.sleep(STARTING)
+    began, spent = time.perf_counter(), server.cpu()
+    time.sleep(job.seconds)
+    ended, spent = time.perf_counter(), server.cpu() - spent
+    return [between(one, began, ended) for one in streams.taken()], spent
+
+
+def between(taken: Taken, began: float, ended: float) -> Taken:
+    """What came from one moment to another, of the clock that all processes have."""
+    some = [(at, number) for at, number in zip(taken.arrivals, taken.numbers, strict=True) if began <= at < ended]
+    size = taken.bytes / max(1, len(taken.arrivals))
+    return replace(
+        taken,
+        arrivals=[at for at, _ in some],
+        numbers=[number for _, number in some],
+        bytes=round(size * len(some)),
+    )
 
 
 def ask(server: Process, requests: list[bytes], connections: int, seconds: float) -> Asked:

@@ -61,6 +61,14 @@ def serving(bank: Path, *flags: str) -> Iterator[Process]:
 
 
 @contextmanager
+def profiled(bank: Path, file: Path, *flags: str) -> Iterator[Process]:
+    """The same, whose profile can be taken (bench/service/profiled_server.py)."""
+    command = [sys.executable, "-m", "bench.service.profiled_server", str(file), "serve", str(bank), "--port", "0"]
+    with _started([*command, *flags], r"http://127\.0\.0\.1:(\d+)", "/readyz") as process:
+        yield process
+
+
+@contextmanager
 def control(*arguments: str) -> Iterator[Process]:
     """The server that does nothing but send (bench/service/control.py)."""
     command = [sys.executable, "-m", "bench.service.control", *arguments]

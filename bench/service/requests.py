@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import time
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.service.banks import names
-from bench.service.clients import Asked, ask, get, post
+from bench.service.clients import ask, get, post
 from bench.service.findings import Findings
-from bench.service.process import control, serving
+from bench.service.process import Process, control, serving
 from bench.service.statistics import percentiles
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
@@ -31,7 +32,7 @@ def poses(bank: Path, *, seconds: float = 5.0, rounds: int = 3) -> Findings:
     rates: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
     waits: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
     with serving(bank) as server:
-        asked = {form: _queries(locomotions, actions, form) for form in ("msgpack", "json")}
+        asked = {form: queries(locomotions, actions, form) for form in ("msgpack", "json")}
         with control("450", "1") as other:
             for _ in range(rounds):
                 for name in rates:
@@ -47,29 +48,61 @@ def poses(bank: Path, *, seconds: float = 5.0, rounds: int = 3) -> Findings:
     return told
 
 
-def batches(bank: Path, *, seconds: float = 5.0) -> Findings:
-    """Batches of 1,000 characters on one connection: the server's time against evaluation and encoding alone."""
+def batches(bank: Path, *, seconds: float = 4.0, rounds: int = 3) -> Findings:
+    """Batches of 1,000 characters on one connection: the server's time against evaluation and encoding alone, and
+    against a server that does nothing but send as many bytes; in turns."""
+    clips, columns = batch(bank)
+    told = Findings(f"{BATCH} poses a request, {rounds} times {seconds:g} s")
+    with serving(bank) as server:
+        for numbers in ("float32", "int16"):
+            request, found = batch_request(bank, numbers), []
+            alone, spent, sending = [], [], []
+            with control(str(_size(server, request)), "1") as other:
+                for _ in range(rounds):
+                    alone.append(_alone(bank, clips, columns, numbers))
+                    found.append(ask(server, [request], 1, seconds))
+                    sent = ask(other, [get("/")], 1, seconds)
+                    assert not found[-1].failed
+                    spent.append(1e6 * found[-1].server / len(found[-1].latencies))
+                    sending.append(1e6 * sent.server / len(sent.latencies))
+            told.add(f"{numbers}: evaluation and encoding alone, us", float(np.median(alone)), "{:.0f}")
+            told.add(f"{numbers}: sending as many bytes alone, us", float(np.median(sending)), "{:.0f}")
+            told.add(f"{numbers}: the server's time, us", float(np.median(spent)), "{:.0f}")
+            ratio = float(np.median(np.array(spent) / np.array(alone)))
+            told.add(f"{numbers}: times evaluation and encoding", ratio, most=2.0)
+            both = float(np.median(np.array(spent) / (np.array(alone) + np.array(sending))))
+            told.add(f"{numbers}: times evaluation, encoding and sending", both)
+            for at, name in enumerate(("p50", "p99")):
+                waited = float(np.median([percentiles(one.latencies)[at] for one in found]))
+                told.add(f"{numbers}: latency {name}, ms", 1e3 * waited)
+    return told
+
+
+def _size(server: Process, request: bytes) -> int:
+    """Bytes of the answer to a request."""
+    with socket.create_connection(("127.0.0.1", server.port)) as peer:
+        peer.sendall(request)
+        head = peer.recv(65536).partition(b"\r\n\r\n")[0]
+    return next(int(line.split(b":")[1]) for line in head.splitlines() if line.lower().startswith(b"content-length"))
+
+
+def batch(bank: Path) -> tuple[list[str], dict[str, NDArray[Any]]]:
+    """Clips, and what each character of a batch plays of them."""
     locomotions, actions = names(bank, "locomotion"), names(bank, "action")
-    clips, draw = [*locomotions, *actions], np.random.default_rng(1)
+    draw = np.random.default_rng(1)
     columns = {
         "locomotion": draw.integers(0, len(locomotions), BATCH).astype("<i4"),
         "action": (len(locomotions) + draw.integers(0, len(actions), BATCH)).astype("<i4"),
         "time": draw.uniform(0.0, 2.0, BATCH),
     }
+    return [*locomotions, *actions], columns
+
+
+def batch_request(bank: Path, numbers: str) -> bytes:
+    """The request for a batch."""
+    clips, columns = batch(bank)
     message = {"clips": clips} | {name: column.tobytes() for name, column in columns.items()}
-    told = Findings(f"{BATCH} poses a request")
-    for numbers in ("float32", "int16"):
-        alone = _alone(bank, clips, columns, numbers)
-        with serving(bank) as server:
-            request = post(f"/v1/poses?format=msgpack&encoding={numbers}", message)
-            found = ask(server, [request], 1, seconds)
-        assert not found.failed
-        told.add(f"{numbers}: evaluation and encoding alone, us", alone, "{:.0f}")
-        spent = 1e6 * found.server / len(found.latencies)
-        told.add(f"{numbers}: the server's time, us", spent, "{:.0f}")
-        told.add(f"{numbers}: times evaluation and encoding", spent / alone, most=2.0)
-        _latencies(told, numbers, found)
-    return told
+    return post(f"/v1/poses?format=msgpack&encoding={numbers}", message)
 
 
 def _alone(bank: Path, clips: list[str], columns: dict[str, NDArray[Any]], numbers: str) -> float:
@@ -90,12 +123,7 @@ def _alone(bank: Path, clips: list[str], columns: dict[str, NDArray[Any]], numbe
     return 1e6 * float(np.median(spent))
 
 
-def _latencies(told: Findings, label: str, found: Asked) -> None:
-    for name, value in zip(("p50", "p99"), percentiles(found.latencies), strict=True):
-        told.add(f"{label}: latency {name}, ms", 1e3 * value)
-
-
-def _queries(locomotions: list[str], actions: list[str], form: str) -> list[bytes]:
+def queries(locomotions: list[str], actions: list[str], form: str) -> list[bytes]:
     draw = np.random.default_rng(0)
     return [
         get(

@@ -16,6 +16,11 @@ def jitter(arrivals: Sequence[float], numbers: Sequence[int], rate: float) -> Fl
     return np.asarray(1e3 * np.abs(late - np.median(late)))
 
 
+def intervals(arrivals: Sequence[float], rate: float) -> Floats:
+    """How far the time between each two arrivals is from that between two frames, milliseconds."""
+    return np.asarray(1e3 * np.abs(np.diff(np.asarray(arrivals)) - 1.0 / rate))
+
+
 def lost(numbers: Sequence[int], ahead: int = 1) -> int:
     """Frames that are missing between the first and the last message, of `ahead` frames each."""
     steps = np.diff(np.asarray(numbers))

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from bench.service.banks import names
-from bench.service.clients import Streams, Taken, create
+from bench.service.clients import Streams, Taken, create, taken_meanwhile
 from bench.service.findings import Findings
 from bench.service.process import control, serving
-from bench.service.statistics import jitter, lost, percentiles
+from bench.service.statistics import intervals, jitter, lost, percentiles
 from bench.service.stream_client import Job
 
 RATE = 60.0
@@ -22,6 +22,7 @@ def streams(bank: Path, *, connections: int = 64, seconds: float = 10.0, rounds:
     commands = create(1, names(bank, "locomotion"), names(bank, "action"))
     found: dict[str, list[float]] = {"ours": [], "control": []}
     medians: dict[str, list[float]] = {"ours": [], "control": []}
+    uneven: dict[str, list[float]] = {"ours": [], "control": []}
     gaps = frames = 0
     share = other_share = memory = 0.0
     with serving(bank) as server:
@@ -30,11 +31,11 @@ def streams(bank: Path, *, connections: int = 64, seconds: float = 10.0, rounds:
         with control(str(size), str(RATE)) as other:
             for _ in range(rounds):
                 for name, one in (("ours", server), ("control", other)):
-                    before = one.cpu()
                     sent = commands if name == "ours" else []
-                    taken = Streams(Job(one.port, PATH, connections, seconds, sent)).taken()
-                    used = (one.cpu() - before) / (seconds + 0.5)
+                    taken, spent = taken_meanwhile(one, Job(one.port, PATH, connections, seconds, sent))
+                    used = spent / seconds
                     p50, p99 = spread(taken, numbered=name == "ours")
+                    uneven[name].append(percentiles(np.concatenate([intervals(t.arrivals, RATE) for t in taken]))[1])
                     medians[name].append(p50)
                     found[name].append(p99)
                     if name == "ours":
@@ -52,6 +53,10 @@ def streams(bank: Path, *, connections: int = 64, seconds: float = 10.0, rounds:
     told.add("jitter p99 of the control, ms", float(np.median(found["control"])))
     ratios = np.array(found["ours"]) / np.array(found["control"])
     told.add("jitter p99, times the control's (median of rounds)", float(np.median(ratios)), most=1.3)
+    told.add("intervals off 1/60 s, p99, ms", float(np.median(uneven["ours"])))
+    told.add("intervals off 1/60 s, p99 of the control, ms", float(np.median(uneven["control"])))
+    between = np.array(uneven["ours"]) / np.array(uneven["control"])
+    told.add("intervals' p99, times the control's (median of rounds)", float(np.median(between)), most=1.3)
     told.add("frames lost", gaps, "{:.0f}", most=0)
     told.add("frames per second", frames / (rounds * seconds), "{:.0f}")
     told.add("share of a core", share)
@@ -64,13 +69,13 @@ def spread(taken: list[Taken], *, numbered: bool = True, skip: int = 30) -> tupl
     """p50 and p99 of the jitter of all streams, milliseconds, but for their first frames."""
     every = []
     for one in taken:
-        numbers = one.numbers if numbered else _counted(one.arrivals)
+        numbers = one.numbers if numbered else counted(one.arrivals)
         if len(numbers) > skip:
             every.append(jitter(one.arrivals[skip:], numbers[skip:], RATE))
     return percentiles(np.concatenate(every))
 
 
-def _counted(arrivals: list[float]) -> list[int]:
+def counted(arrivals: list[float]) -> list[int]:
     """Numbers for messages that have none: the nearest on the grid."""
     if not arrivals:
         return []

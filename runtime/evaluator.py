@@ -176,12 +176,12 @@ class Evaluator:
 
     def _record(
         self, locomotion: str, action: str | None, time: float, start: float, method: str, posture: str
-    ) -> tuple[int, int, int, float, float, int, int]:
+    ) -> tuple[int, int, float, float, int, int, int]:
         """A request by name. Raises UnknownClipError or SettingsError."""
         number = self.bank.number(locomotion)
         played = number if action is None else self.bank.number(action)
         form = NONE if action is None else known(METHODS, "method", method)
-        return number, played, 0, time, start, form, known(POSTURES, "posture", posture)
+        return number, played, time, start, 0, form, known(POSTURES, "posture", posture)
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """As `evaluate`, for requests about one character, whose number says nothing in an error."""

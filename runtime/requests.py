@@ -29,9 +29,9 @@ REQUEST = np.dtype(
     [
         ("locomotion", np.int32),
         ("action", np.int32),
-        ("cycles", np.int32),
         ("time", np.float64),
         ("start", np.float64),
+        ("cycles", np.int32),
         ("method", np.uint8),
         ("posture", np.uint8),
     ],

@@ -76,7 +76,7 @@ def _made_ready(edition: Edition, values: dict[str, str]) -> Ready:
     bank, requests, action = edition.bank, Requests.empty(1), values["action"]
     locomotion = bank.number(values["locomotion"])
     played, method = (locomotion, "none") if action is None else (bank.number(action), values["method"])
-    requests.records[0] = (locomotion, played, 0, 0.0, values["start"], METHODS[method], POSTURES[values["posture"]])
+    requests.records[0] = (locomotion, played, 0.0, values["start"], 0, METHODS[method], POSTURES[values["posture"]])
     form = values["format"]
     write = json if form == "json" else packed
     return Ready(requests, edition.evaluator.poses(1), encoding(values), write, MEDIA_TYPES[form].encode())

@@ -50,9 +50,17 @@ async def stream(shared: Shared, query: bytes, receive: Receive, send: Send, mor
         given = frames.rate if name == "rate" else values[name]
         if given > most and (name == "ahead" or values["pace"] == "realtime"):
             raise LimitError(f"{name}: {given:g} is more than {most:g}", mend="Ask for less")
-    clock, this = Clock(asyncio.get_running_loop().time, asyncio.sleep), object()
+    this = object()
     shared.admit(this)
     gone = asyncio.ensure_future(_gone(receive))
+
+    async def wait(seconds: float) -> None:
+        if seconds > 0.0:
+            await asyncio.wait((gone,), timeout=seconds)
+        else:
+            await asyncio.sleep(0.0)
+
+    clock = Clock(asyncio.get_running_loop().time, wait)
     try:
         with shared.metrics.connection("stream"):
             headers = [(b"content-type", MEDIA_TYPE), *more]

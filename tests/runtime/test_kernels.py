@@ -123,7 +123,7 @@ def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
     method, posture = data.draw(st.sampled_from(sorted(METHODS))), data.draw(st.sampled_from(STATELESS))
     cycles, requests, poses = data.draw(st.integers(-2, 5)), Requests.empty(1), Evaluator(bank).poses(1)
     clips = bank.number(locomotion.name), bank.number(action.name)
-    requests.records[0] = (*clips, cycles, time, start, METHODS[method], POSTURES[posture])
+    requests.records[0] = (*clips, time, start, cycles, METHODS[method], POSTURES[posture])
     Evaluator(bank).evaluate(requests, poses)
     root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture, cycles)
     np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)

@@ -103,6 +103,14 @@ def test_who_goes_in_the_middle_leaves_nothing(impatient: Running) -> None:
             eventually(lambda: len(impatient.config.ledger) < 4)
 
 
+def test_who_goes_before_the_next_frame_is_due_is_not_waited_for(impatient: Running) -> None:
+    peer = impatient.connect(b"GET /v1/stream?locomotion=walk&rate=0.3&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n")
+    assert peer.recv(12) == b"HTTP/1.1 200"
+    eventually(lambda: len(impatient.config.front.shared.streams) == 1)
+    peer.close()
+    eventually(lambda: impatient.held == (0, 0, 0, 0))
+
+
 def test_errors_of_the_application_come_through(impatient: Running) -> None:
     with pytest.raises(urllib.error.HTTPError) as caught:
         urllib.request.urlopen(f"{impatient.url}/v1/pose?locomotion=wlak&time=0")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from motion.clip_settings import FILE_NAME
 from motionsplice.sample_folder import write_sample_clips
-from precompute.clip_settings import FILE_NAME
 from precompute.job import precompute
 from runtime.bank import Bank
 

@@ -13,10 +13,10 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motion.errors import MotionError
 from motion.roles import read_roles_file
 from motionsplice.progress_file import ProgressFile
-from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from precompute.job import Outcome, precompute
 from runtime.bank import Bank
 

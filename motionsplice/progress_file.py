@@ -23,7 +23,7 @@ class ProgressFile:
     def show(self, stage: str, done: int, total: int) -> None:
         """Tells how many of a stage's clips are done."""
         if done == total or time.monotonic() - self._written >= INTERVAL:
-            self._write({"stage": stage, "done": done, "total": total})
+            self._write({"stage": stage, "done": done, "total": total, "finished": False})
             self._written = time.monotonic()
 
     def finish(self, outcome: Outcome) -> None:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motion.errors import BankError, BaselineError, MotionError, SettingsError, did_you_mean
 from precompute.bank_builder import write_bank
 from precompute.baseline import Baseline
 from precompute.baseline_choice import named_stride, typical_stride
 from precompute.cache import Cache
-from precompute.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from precompute.clip_work import Clips, Identified, Preparation, StrideSearch, Work, identify, kept
 from precompute.neutral import nearest_gait
 from precompute.prepared import PreparedClip

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
 from motion.errors import ClipError, SettingsError, did_you_mean
-from motion.formats.files import SUFFIXES
-from precompute.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
+from motion.formats.files import SUFFIXES, clip_files
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def find_sources(
     for path in paths:
         if not path.exists():
             raise ClipError("there is no such file or folder", file=str(path))
-        for file in _clip_files(path) if path.is_dir() else [path]:
+        for file in clip_files(path) if path.is_dir() else [path]:
             if files.setdefault(file.stem, file).resolve() != file.resolve():
                 twins = f"{files[file.stem]} and {file}"
                 raise ClipError(f"two clips are called {file.stem!r}: {twins}", mend="Rename one of them")
@@ -51,13 +51,9 @@ def find_sources(
 
 
 def _settings_of(folder: Path) -> dict[str, ClipSettings]:
-    settings, names = read_clip_settings(folder / FILE_NAME), [file.stem for file in _clip_files(folder)]
+    settings, names = read_clip_settings(folder / FILE_NAME), [file.stem for file in clip_files(folder)]
     for name in settings:
         if name not in names:
             problem = f"there is no clip {name!r} beside it"
             raise SettingsError(problem, file=str(folder / FILE_NAME), mend=did_you_mean(name, names))
     return settings
-
-
-def _clip_files(folder: Path) -> list[Path]:
-    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)

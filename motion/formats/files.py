@@ -62,6 +62,11 @@ def read_clip(
         raise error.within(str(path)) from None
 
 
+def clip_files(folder: Path) -> list[Path]:
+    """The files of a folder that are clips, in order of name."""
+    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+
+
 def files_behind(path: Path) -> tuple[Path, ...]:
     """All files that `read_clip` reads for one. Raises FormatError if a skeleton is missing."""
     return (path, _skeleton_file(path)) if path.suffix.lower() == ".amc" and path.exists() else (path,)

@@ -19,27 +19,35 @@ from typing import Any, Literal
 import orjson
 from pydantic import BaseModel, Field
 
-from motion.errors import BankError
+from motion.errors import BankError, MotionError
 from runtime.manifest import Manifest
 from service.exchange.pending import Folder
 
 logger = logging.getLogger(__name__)
 
 LOCK, ASKED, TRIED, PROGRESS = ".job.lock", ".job-asked", ".job-tried.json", ".job-progress.json"
+OUTPUT = ".job-output.txt"
+MOST_TOLD = 2000  # characters of a job's output that the log gets
+MOST_TRIES = 3  # of one and the same work, by a job that ends before it is done
 INTERVAL = 0.3  # seconds between two looks
 PATIENCE = 2.0  # seconds before a job that was killed is started again
 NICE = 10  # streams come first
+NOT_THERE = "it is not in the bank"
+ENDED_EARLY = f"The offline job ended {MOST_TRIES} times before it was done; the service's log says how."
+
+State = Literal["idle", "waiting", "running", "failed"]
 
 
 class JobInfo(BaseModel):
     """How far the offline job is."""
 
-    state: Literal["idle", "waiting", "running", "failed"]
+    state: State
     stage: str = Field(default="", description="what is being done")
     done: int = 0
     total: int = 0
     clips: list[str] = Field(default=[], description="clips that are not in the bank yet")
     failed: dict[str, str] = Field(default={}, description="why each clip that failed did")
+    error: str = Field(default="", description="why the job as a whole failed")
     bank: str = Field(default="", description="digest of the bank on disk")
 
 
@@ -51,6 +59,7 @@ class Job:
         self._bank = bank
         self._folder = Folder(clips, bank)
         self._changed = asyncio.Event()
+        self._looking = asyncio.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self.info = JobInfo(state="idle")
 
@@ -60,19 +69,25 @@ class Job:
 
     async def look(self) -> JobInfo:
         """The state as it is now."""
-        info, _ = await asyncio.to_thread(self._look)
+        async with self._looking:
+            info, _ = await asyncio.to_thread(self._look)
         self._tell(info)
         return info
 
     async def run(self) -> None:
         """Starts the job whenever there is work, for as long as the service lives. The job itself lives on."""
         last = -PATIENCE
+        if _read(self._clips / PROGRESS).get("finished") is False:
+            self.ask()  # it was killed, or could not do its work: perhaps it can now
         while True:
             try:
                 now = asyncio.get_running_loop().time()
-                info, todo = await asyncio.to_thread(self._look)
-                if info.state == "waiting" and now - last >= PATIENCE and self._start(todo):
-                    last, info = now, info.model_copy(update={"state": "running"})
+                async with self._looking:
+                    info, todo = await asyncio.to_thread(self._look)
+                    if info.state == "waiting" and now - last >= PATIENCE:
+                        if await asyncio.to_thread(self._start, todo):
+                            info = info.model_copy(update={"state": "running"})
+                        last = now
                 self._tell(info)
             except Exception:
                 logger.exception("the folder of clips could not be looked at")
@@ -101,18 +116,24 @@ class Job:
 
     def _look(self) -> tuple[JobInfo, dict[str, str]]:
         """What is going on, and what is to be done that was not tried in vain."""
-        if self._process is not None and self._process.poll() is not None:
-            self._process = None
+        self._hear()
         pending, progress, tried = self._folder.pending(), _read(self._clips / PROGRESS), _read(self._clips / TRIED)
         running, asked = self._is_running(), (self._clips / ASKED).exists()
         failed: dict[str, str] = {}
-        if not running and not asked and progress.get("finished"):
-            reasons, error = progress.get("failed", {}), progress.get("error", "")
-            vain = {name: what for name, what in pending.items() if tried.get(name) == what}
-            failed = {name: reasons.get(name) or error or "it is not in the bank" for name in vain}
-        todo = {name: what for name, what in pending.items() if name not in failed}
-        state: Literal["idle", "waiting", "running", "failed"]
-        state = "running" if running else "waiting" if todo or asked else "failed" if failed else "idle"
+        error = ""
+        in_vain: set[str] = set()
+        if not running and not asked and tried:
+            before, ended_early = tried.get("clips", {}), not progress.get("finished")
+            if not ended_early or tried.get("times", 0) >= MOST_TRIES:
+                in_vain = {name for name, what in pending.items() if before.get(name) == what}
+            if in_vain:
+                error = ENDED_EARLY if ended_early else progress.get("error", "")
+                reasons = progress.get("failed", {})
+                failed = {name: reasons.get(name, NOT_THERE) for name in in_vain if not error}
+        todo = {name: what for name, what in pending.items() if name not in in_vain}
+        state: State = "running" if running else "waiting" if todo or asked else "failed" if in_vain else "idle"
+        if state == "waiting" and (missing := self._folder.missing()):
+            state, error = "failed", _lacking(missing)
         seen = progress if running else {}
         info = JobInfo(
             state=state,
@@ -121,9 +142,23 @@ class Job:
             total=seen.get("total", 0),
             clips=sorted(pending),
             failed=failed,
+            error=error,
             bank=self._digest(),
         )
         return info, todo
+
+    def _hear(self) -> None:
+        """Logs what came of the job, if this service started it and it has ended."""
+        if self._process is None or (status := self._process.poll()) is None:
+            return
+        self._process, progress = None, _read(self._clips / PROGRESS)
+        if not progress.get("finished"):
+            said = (self._clips / OUTPUT).read_text(encoding="utf-8", errors="replace").strip()[-MOST_TOLD:]
+            logger.error("the offline job ended before it was done", extra={"status": status, "output": said})
+        elif failed := progress.get("failed") or progress.get("error"):
+            logger.warning("the offline job could not do all", extra={"failed": failed})
+        else:
+            logger.info("the offline job is done", extra={"bank": progress.get("bank", "")})
 
     def _digest(self) -> str:
         try:
@@ -133,26 +168,29 @@ class Job:
 
     def _is_running(self) -> bool:
         with (self._clips / LOCK).open("ab") as lock:
-            return not _take(lock.fileno())
+            return not _take(lock.fileno(), fcntl.LOCK_SH)  # shared, so that two who ask do not take each other for it
 
     def _start(self, todo: dict[str, str]) -> bool:
         """Starts the job, which holds the lock until it ends; False if another worker's holds it."""
         with (self._clips / LOCK).open("ab") as lock:
-            if not _take(lock.fileno()):
+            if not _take(lock.fileno(), fcntl.LOCK_EX):
                 return False
-            (self._clips / ASKED).unlink(missing_ok=True)
-            _write(self._clips / TRIED, self._folder.pending())
-            _write(self._clips / PROGRESS, {"stage": "starting"})
+            asked, tried, pending = self._clips / ASKED, _read(self._clips / TRIED), self._folder.pending()
+            again = not asked.exists() and tried.get("clips") == pending
+            asked.unlink(missing_ok=True)
+            _write(self._clips / TRIED, {"clips": pending, "times": tried.get("times", 0) * again + 1})
+            _write(self._clips / PROGRESS, {"stage": "starting", "finished": False})
             command = [sys.executable, "-m", "motionsplice", "precompute", str(self._clips), "--out", str(self._bank)]
             command += ["--baseline", self._baseline(), "--progress", str(self._clips / PROGRESS)]
-            self._process = subprocess.Popen(
-                command,
-                pass_fds=(lock.fileno(),),
-                start_new_session=True,  # it is not ended by what ends the service
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
+            with (self._clips / OUTPUT).open("wb") as output:
+                self._process = subprocess.Popen(
+                    command,
+                    pass_fds=(lock.fileno(),),
+                    start_new_session=True,  # it is not ended by what ends the service
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                )
             os.setpriority(os.PRIO_PROCESS, self._process.pid, NICE)
         logger.info("the offline job is started", extra={"clips": sorted(todo)})
         return True
@@ -165,9 +203,16 @@ class Job:
             return "auto"
 
 
-def _take(descriptor: int) -> bool:
+def _lacking(missing: list[str]) -> str:
+    """Why no job is started: it makes the bank of what is in the folder, and clips would be lost."""
+    named = ", ".join(missing[:10]) + (f" and {len(missing) - 10} more" if len(missing) > 10 else "")
+    mend = "Put their files there, or build the bank without them with `motionsplice precompute`"
+    return str(MotionError(f"the folder of clips lacks clips of the bank: {named}", mend=mend))
+
+
+def _take(descriptor: int, kind: int) -> bool:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     return True

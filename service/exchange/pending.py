@@ -2,48 +2,62 @@
 
 from __future__ import annotations
 
-import tomllib
+import hashlib
+from dataclasses import astuple
 from pathlib import Path
-from typing import Any
 
-from motion.errors import BankError
-from motion.formats.files import SUFFIXES
-from runtime.manifest import ClipEntry, Manifest, content_digest
+from motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
+from motion.errors import BankError, FormatError, SettingsError
+from motion.formats.files import clip_files, files_behind
+from runtime.manifest import ClipEntry, Manifest
 
-SETTINGS_FILE = "clips.toml"
+Mark = tuple[int, int, int]
 
 
 class Folder:
-    """A folder of clips. What was digested is not read again until it changes."""
+    """A folder of clips and the bank made from it. What was digested is not read again until it changes."""
 
     def __init__(self, clips: Path, bank: Path) -> None:
         self.clips = clips
         self.bank = bank
-        self._digests: dict[Path, tuple[tuple[int, int], str]] = {}
+        self._digests: dict[Path, tuple[Mark, str]] = {}
 
     def pending(self) -> dict[str, str]:
         """The clips that the bank has not, or not so: for each a text that changes when it does."""
         said, built = self._said(), self._built()
         waiting = {}
-        for file in sorted(self.clips.iterdir()):
-            if file.suffix.lower() in SUFFIXES and file.is_file():
-                digest, entry = self._digest(file), said.get(file.stem, {})
-                if not _is_built(built.get(file.stem), digest, entry):
-                    waiting[file.stem] = f"{digest} {sorted(entry.items())}"
+        for file in clip_files(self.clips):
+            if file.is_file():
+                digests, entry = self._digests_behind(file), said.get(file.stem, DEFAULT_SETTINGS)
+                if not _is_built(built.get(file.stem), digests[0], entry):
+                    waiting[file.stem] = f"{' '.join(digests)} {astuple(entry)}"
         return waiting
 
+    def missing(self) -> list[str]:
+        """The clips of the bank that are not in the folder, and would not be in a bank that is made from it."""
+        return sorted(self._built().keys() - {file.stem for file in clip_files(self.clips)})
+
+    def _digests_behind(self, file: Path) -> list[str]:
+        try:
+            return [self._digest(one) for one in files_behind(file)]
+        except FormatError:  # its skeleton is missing
+            return [self._digest(file)]
+
     def _digest(self, file: Path) -> str:
+        """As the manifest has it, without the whole file in memory."""
         found = file.stat()
-        mark = (found.st_mtime_ns, found.st_size)
+        mark = (found.st_ino, found.st_mtime_ns, found.st_size)
         known = self._digests.get(file)
         if known is None or known[0] != mark:
-            known = self._digests[file] = (mark, content_digest(file.read_bytes()))
+            with file.open("rb") as data:
+                digest = hashlib.file_digest(data, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
+            known = self._digests[file] = (mark, digest)
         return known[1]
 
-    def _said(self) -> dict[str, Any]:
+    def _said(self) -> dict[str, ClipSettings]:
         try:
-            return tomllib.loads((self.clips / SETTINGS_FILE).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            return read_clip_settings(self.clips / FILE_NAME)
+        except (OSError, SettingsError):  # of which the job tells
             return {}
 
     def _built(self) -> dict[str, ClipEntry]:
@@ -53,8 +67,5 @@ class Folder:
             return {}
 
 
-def _is_built(built: ClipEntry | None, digest: str, said: Any) -> bool:
-    if built is None or built.source != digest:
-        return False
-    kind, tags = said.get("kind", "locomotion"), said.get("tags", [])
-    return built.kind == kind and list(built.tags) == tags
+def _is_built(built: ClipEntry | None, digest: str, said: ClipSettings) -> bool:
+    return built is not None and (built.source, built.kind, built.tags) == (digest, said.kind, said.tags)

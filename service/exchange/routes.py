@@ -11,7 +11,8 @@ from fastapi.responses import StreamingResponse
 
 from service.answers.body import chunks
 from service.exchange.job import Job, JobInfo
-from service.exchange.uploads import Said, take_in
+from service.exchange.spoken import Said
+from service.exchange.uploads import Uploads
 from service.problems import UploadError
 from service.routes import OCTETS, Responses, only_known_parameters, problem_response
 from service.shared import Shared
@@ -27,6 +28,9 @@ BODY = {"requestBody": {"required": True, "content": {"application/octet-stream"
 def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
     """Routes below /v1; without a job, they say what is missing."""
     router = APIRouter(prefix="/v1", tags=["clips"], dependencies=[Depends(only_known_parameters)])
+
+    folder = shared.settings.clips
+    uploads = None if folder is None else Uploads(folder, shared.serving.bank.path)
 
     def opened() -> Job:
         settings = shared.settings
@@ -56,17 +60,17 @@ def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
     ) -> JobInfo:
         """Takes a motion file as the body, in place of one of the same name, and has the offline job work it in."""
         job, settings = opened(), shared.settings
-        assert settings.clips is not None
+        assert uploads is not None
         listed = None if tags is None else tuple(tag.strip() for tag in tags.split(",") if tag.strip())
         body = chunks(request.scope, request.receive, settings.max_upload)
-        await take_in(settings.clips, name, Said(kind, neutral, listed), body)
+        await uploads.take(name, Said(kind, neutral, listed), body)
         job.ask()
         return await job.look()
 
     @router.get("/job", summary="The offline job", responses=CLOSED)
     async def get_job() -> JobInfo:
         """How far it is, which clips are not in the bank yet, and why some failed."""
-        return opened().info
+        return await opened().look()
 
     @router.get("/job/events", summary="The offline job, event by event", response_class=StreamingResponse,
                 responses={**EVENTS, **CLOSED})  # fmt: skip
@@ -80,6 +84,7 @@ def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
 
 async def _events(job: Job, shared: Shared) -> AsyncIterator[bytes]:
     quiet = 0
+    await job.look()
     async for info in job.changes(shared.stopping.is_set):
         if info is not None:
             quiet = 0

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from functools import partial
 from pathlib import Path
 
-from motion.errors import MotionError
+from motion.errors import BankError, MotionError
 from runtime.bank import Bank
 from runtime.manifest import MANIFEST
+from service.exchange.background import in_background
 from service.metrics import Metrics
 from service.serving import Edition, Serving
 
@@ -23,7 +25,7 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
     One that is damaged is refused, and not looked at again until its manifest changes: the bank that is served goes on.
     """
     path = serving.bank.path
-    seen = _mark(path)
+    seen = None  # it may have been written over since it was opened
     while True:
         await asyncio.sleep(interval)
         mark = _mark(path)
@@ -31,7 +33,7 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
             continue
         seen = mark
         try:
-            edition = await asyncio.to_thread(_open, path, serving.bank.digest)
+            edition = await in_background(partial(_open, path, serving.bank.digest))
         except MotionError as error:
             metrics.exchanges.labels("refused").inc()
             logger.warning("a new bank was refused", extra={"detail": str(error), "serving": serving.bank.digest})
@@ -56,8 +58,11 @@ def _mark(path: Path) -> tuple[int, int, int] | None:
 
 def _open(path: Path, served: str) -> Edition | None:
     """The bank that is there now, unless it is the one that is served. Raises BankError."""
-    bank = Bank.open(path, verify=False)
-    if bank.digest == served:
-        return None
-    bank.verify()
+    try:
+        bank = Bank.open(path, verify=False)
+        if bank.digest == served:
+            return None
+        bank.verify()
+    except OSError as error:
+        raise BankError(f"it cannot be read: {error.strerror}", file=str(error.filename or path)) from None
     return Edition.warm(bank)

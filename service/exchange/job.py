@@ -76,7 +76,7 @@ class Job:
 
     async def run(self) -> None:
         """Starts the job whenever there is work, for as long as the service lives. The job itself lives on."""
-        last = -PATIENCE
+        last, told = -PATIENCE, ""
         if _read(self._clips / PROGRESS).get("finished") is False:
             self.ask()  # it was killed, or could not do its work: perhaps it can now
         while True:
@@ -89,8 +89,10 @@ class Job:
                             info = info.model_copy(update={"state": "running"})
                         last = now
                 self._tell(info)
-            except Exception:
-                logger.exception("the folder of clips could not be looked at")
+            except Exception as error:
+                if repr(error) != told:  # once, not at every look
+                    logger.exception("the folder of clips could not be looked at")
+                    told = repr(error)
             await asyncio.sleep(INTERVAL)
 
     async def changes(self, stopping: Callable[[], bool]) -> AsyncIterator[JobInfo | None]:

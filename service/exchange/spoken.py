@@ -9,7 +9,7 @@ from pathlib import Path
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
-from motion.clip_settings import DEFAULT_SETTINGS, ClipSettings, read_clip_settings
+from motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
 from motion.errors import SettingsError
 
 
@@ -24,7 +24,7 @@ class Said:
 
 def settings_of(file: Path, clip: str) -> ClipSettings:
     """What a `clips.toml` says of a clip. Raises SettingsError."""
-    return read_clip_settings(file).get(clip, DEFAULT_SETTINGS) if file.exists() else DEFAULT_SETTINGS
+    return _read(file).get(clip, DEFAULT_SETTINGS) if file.exists() else DEFAULT_SETTINGS
 
 
 def written_beside(file: Path, clip: str, said: Said) -> Path:
@@ -46,8 +46,16 @@ def written_beside(file: Path, clip: str, said: Said) -> Path:
         sink.flush()
         os.fsync(sink.fileno())
     try:
-        read_clip_settings(fresh)
-    except SettingsError as error:
+        _read(fresh)
+    except SettingsError:
         fresh.unlink()
-        raise SettingsError(error.problem, file=file.name, place=error.place, mend=error.mend) from None
+        raise
     return fresh
+
+
+def _read(file: Path) -> dict[str, ClipSettings]:
+    """Raises SettingsError that names no folder, for it is told to clients."""
+    try:
+        return read_clip_settings(file)
+    except SettingsError as error:
+        raise SettingsError(error.problem, file=FILE_NAME, place=error.place, mend=error.mend) from None

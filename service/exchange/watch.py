@@ -25,7 +25,7 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
     One that is damaged is refused, and not looked at again until its manifest changes: the bank that is served goes on.
     """
     path = serving.bank.path
-    seen = None  # it may have been written over since it was opened
+    seen: tuple[int, ...] | None = ()  # for the bank may have been written over since it was opened
     while True:
         await asyncio.sleep(interval)
         mark = _mark(path)

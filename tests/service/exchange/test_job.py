@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import fcntl
 import logging
 import shutil
+import sys
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -58,7 +60,7 @@ def fake_job(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None
     program = folder.parent / "job.sh"
     program.write_text(f"#!/bin/sh\necho x >> {folder.parent}/starts\n{script}\n")
     program.chmod(0o755)
-    monkeypatch.setattr(jobs.sys, "executable", str(program))
+    monkeypatch.setattr(sys, "executable", str(program))
     monkeypatch.setattr(jobs, "PATIENCE", 0.0)
     monkeypatch.setattr(jobs, "INTERVAL", 0.01)
 
@@ -70,10 +72,10 @@ def starts(folder: Path) -> int:
 def test_two_who_ask_do_not_take_each_other_for_the_job(folder: Path) -> None:
     job, another = job_of(folder), job_of(folder)
     with (folder / LOCK).open("ab") as lock:
-        assert jobs._take(lock.fileno(), jobs.fcntl.LOCK_SH)
+        assert jobs._take(lock.fileno(), fcntl.LOCK_SH)
         assert not job._is_running()
         assert not another._is_running()
-        assert jobs._take(lock.fileno(), jobs.fcntl.LOCK_EX)
+        assert jobs._take(lock.fileno(), fcntl.LOCK_EX)
         assert job._is_running()
 
 

@@ -16,6 +16,7 @@ import pytest
 from fastapi.testclient import TestClient
 from pydantic import SecretStr
 
+from motion.clip_settings import ClipSettings, read_clip_settings
 from motion.formats.bvh import dump
 from motion.procedural.library import make
 from runtime.bank import Bank
@@ -185,3 +186,40 @@ def test_without_a_token_or_a_folder_no_clips_are_taken(bank: Bank, folder: Path
         for answer in (client.post("/v1/clips?name=a.bvh", content=b"x"), client.get("/v1/job")):
             assert (answer.status_code, answer.json()["type"]) == (403, "urn:motionsplice:uploads")
             assert missing in answer.json()["detail"]
+
+
+def test_a_refused_upload_changes_nothing(service: Running, folder: Path) -> None:
+    clip = dump(make("run", seed=20, seconds=3.0))
+    (folder / "Run.BVH").write_bytes(clip)
+    head, foot, rest = clip.partition(b"JOINT LeftToeBase\n")
+    another_rig = head + b"JOINT Skate\n{\nOFFSET 0 -0.1 0\nCHANNELS 0\n}\n" + foot + rest
+    before = {file: file.read_bytes() for file in visible(folder)}
+    for query, body, words in (
+        ("name=jog.bvh&neutral=wlak", clip, "there is no clip 'wlak'"),
+        ("name=16.asf&kind=action", b"x", "are a clip's"),
+        ("name=16.asf", b"no skeleton", "16.asf"),
+        ("name=Run.bvh", clip, "there is a clip Run.BVH already"),
+        ("name=jog.bvh", dump(make("run", seed=20, seconds=0.2)), "it lasts 0.2"),
+        ("name=jog.bvh", another_rig, "the rigs have different topologies"),
+    ):
+        status, told = ask(service, f"clips?{query}", body)
+        assert status == 422, told
+        assert words in told["detail"]
+    (folder / "clips.toml").write_text("[carry_box\n")
+    status, told = ask(service, "clips?name=walk.bvh&tags=new", clip)
+    assert (status, told["type"]) == (422, "urn:motionsplice:request")
+    before[folder / "clips.toml"] = b"[carry_box\n"
+    assert str(folder) not in told["detail"]
+    assert {file: file.read_bytes() for file in visible(folder)} == before
+    assert not left(folder)
+
+
+def test_what_is_said_of_a_clip_leaves_what_a_person_wrote(service: Running, folder: Path) -> None:
+    (folder / "clips.toml").write_text("# ours\n[carry_box] # both hands\nkind = 'action'\nskip_frames = 1\n")
+    (folder / ".upload-old").mkdir()
+    os.utime(folder / ".upload-old", (0, 0))
+    assert ask(service, "clips?name=carry_box.bvh&tags=box,", (folder / "carry_box.bvh").read_bytes())[0] == 202
+    written = (folder / "clips.toml").read_text()
+    assert written.startswith("# ours\n[carry_box] # both hands\nkind = 'action'\nskip_frames = 1\n")
+    assert read_clip_settings(folder / "clips.toml") == {"carry_box": ClipSettings("action", None, ("box",), 1)}
+    assert not left(folder)

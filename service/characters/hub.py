@@ -32,6 +32,7 @@ CHARACTERS = Query(
     integer("ahead", "frames in a message", 1, least=1, most=1000),
     *HOW,
 )
+BEHIND = 0.1  # seconds that the clock may be behind before frames are left out
 EARLY = 0.0005  # seconds before it is due at which a frame is made: as exact as the event loop's timers are
 
 
@@ -244,9 +245,9 @@ def _next_tick(now: float, rate: float) -> float:
 
 
 def _catch_up(connection: Connection, now: float) -> int:
-    """Leaves frames out whose successors are due as well, and returns how many."""
+    """Leaves frames out if the clock is far behind, and returns how many. A little behind, it makes them all."""
     play = connection.play
-    missed = max(0, math.floor((now + EARLY - play.due) * play.rate))
+    missed = math.floor((now - play.due) * play.rate) if now - play.due > BEHIND else 0
     if missed:
         play.scene.advance(missed / play.rate)
         connection.play = play.after(missed)

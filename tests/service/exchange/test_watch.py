@@ -174,5 +174,6 @@ def test_a_service_that_stops_does_not_wait_for_a_bank_that_is_verified(
         watches.cancel()
 
     asyncio.run(stop())
+    assert begun.is_set()
     assert not ended.is_set()
     may_end.set()

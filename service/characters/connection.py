@@ -33,6 +33,10 @@ NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
 class Transport(Protocol):
     """What a server may put into a handshake's extensions, so that frames need not pass through a task each."""
 
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing waits to be sent."""
+
     def send_at_once(self, message: bytes) -> bool:
         """Sends a binary message if nothing waits to be sent before it, and says whether it did."""
 
@@ -82,6 +86,7 @@ class Connection:
         self.settings = settings
         self.metrics = metrics
         self._transport = transport
+        self._deferred = False
         self._events: deque[bytes] = deque()
         self._message: tuple[int, bytes] | None = None
         self._waiting = asyncio.Event()
@@ -95,14 +100,19 @@ class Connection:
         self._events.append(orjson.dumps({"event": event, **values}))
         self._waiting.set()
 
-    def show(self, count: int, message: bytes) -> int:
-        """Has a message of `count` frames sent: at once if nothing waits, else in place of one that still waits.
+    @property
+    def is_free(self) -> bool:
+        """Whether a message would be sent at once: what is made for one who is slow would only grow stale."""
+        return self._message is None and (self._transport is None or self._transport.is_free)
 
-        Returns how many were sent at once.
-        """
-        if self._message is not None:
-            self.metrics.frames_skipped.inc(self._message[0])
-        elif self._transport is not None and not self._waiting.is_set() and self._transport.send_at_once(message):
+    def defer(self) -> None:
+        """Wants its next message when it is free."""
+        self._deferred, self.wanted = True, math.inf
+        self._waiting.set()
+
+    def show(self, count: int, message: bytes) -> int:
+        """Has a message of `count` frames sent, at once if that can be. Returns how many frames were."""
+        if self._transport is not None and not self._waiting.is_set() and self._transport.send_at_once(message):
             return count
         self._message = count, message
         self._waiting.set()
@@ -118,8 +128,8 @@ class Connection:
     def is_closing(self) -> bool:
         return self._closing is not None
 
-    async def send(self, send: Send) -> None:
-        """Sends what waits until the connection is to be closed: events first, then the newest frames."""
+    async def send(self, send: Send, free: Callable[[], None]) -> None:
+        """Sends what waits until the connection is to be closed, events first; calls `free` if it was deferred and is."""
         while True:
             await self._waiting.wait()
             self._waiting.clear()
@@ -136,6 +146,11 @@ class Connection:
                 if self._transport is None or not self._transport.send_at_once(message):
                     await send({"type": "websocket.send", "bytes": message})
                 self.metrics.frames_sent.inc(count)
+            if self._deferred:
+                if self._transport is not None:
+                    await self._transport.nothing_waits()
+                self._deferred, self.wanted = False, self.play.due
+                free()
 
     def rewound(self, now: float) -> Play:
         """A copy of what is to be shown from the first frame on that is not due yet."""

@@ -64,7 +64,7 @@ class Hub:
                 connection.tell("welcome", **self._welcome(play, how))
                 self.connections.add(connection)
                 self._changed.set()
-                sending = asyncio.create_task(connection.send(send))
+                sending = asyncio.create_task(connection.send(send, self._changed.set))
                 receiving = asyncio.create_task(connection.receive(receive, self._do))
                 await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
                 if connection.is_closing:
@@ -107,7 +107,9 @@ class Hub:
         groups: dict[tuple[Edition, float, int, Encoding], list[Connection]] = {}
         first = now
         for one in self.connections:
-            if one.wanted <= now + EARLY and not one.is_closing:
+            if one.wanted <= now + EARLY and not one.is_closing and not one.is_free:
+                one.defer()
+            elif one.wanted <= now + EARLY and not one.is_closing:
                 first = min(first, one.wanted)
                 self._shared.metrics.frames_skipped.inc(_catch_up(one, now))
                 play = one.play

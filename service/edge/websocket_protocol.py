@@ -72,6 +72,11 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         if self.response.status_code == HTTPStatus.SWITCHING_PROTOCOLS:
             cast("dict[str, object]", self.scope["extensions"])[TRANSPORT] = self
 
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing waits to be sent."""
+        return self.writable.is_set()
+
     def send_at_once(self, message: bytes) -> bool:
         """Sends a binary message without a task and without a copy, unless something waits before it."""
         if not self.writable.is_set() or self.close_sent or self.transport.is_closing():

@@ -129,7 +129,7 @@ class Connection:
         return self._closing is not None
 
     async def send(self, send: Send, free: Callable[[], None]) -> None:
-        """Sends what waits until the connection is to be closed, events first; calls `free` if it was deferred and is."""
+        """Sends what waits until the connection is to be closed, events first; calls `free` once a deferred one is."""
         while True:
             await self._waiting.wait()
             self._waiting.clear()

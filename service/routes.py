@@ -44,7 +44,7 @@ def bank_routes(shared: Shared) -> APIRouter:
     router = APIRouter(prefix="/v1", tags=["bank"], dependencies=[Depends(only_known_parameters)])
     serving = shared.serving
 
-    @router.get("/server", summary="The service", tags=["service"])
+    @router.get("/server", summary="The service")
     async def get_server() -> ServerInfo:
         """What it serves, in which axes and encodings, and its limits."""
         return ServerInfo.of(serving.bank, shared.settings, ready=serving.ready)

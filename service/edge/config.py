@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import signal
+import threading
 from functools import cached_property, partial
+from multiprocessing.connection import wait
 from pathlib import Path
 
 import uvicorn
@@ -18,7 +23,15 @@ from service.settings import Settings
 
 
 def _application(path: Path, settings: Settings) -> Front:
+    if parent := multiprocessing.parent_process():
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     return create_app(Bank.open(path, verify=False), settings)  # whoever made this configuration has verified it
+
+
+def _end_with(sentinel: int) -> None:
+    """Stops this worker when the process that started it is gone, however it went: else it would keep the port."""
+    wait([sentinel])
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 class EdgeConfig(uvicorn.Config):

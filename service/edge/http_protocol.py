@@ -10,13 +10,14 @@ from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 from uvicorn.server import ServerState
 
 from service.edge.corked import Corked
+from service.edge.refusal import refusal
 from service.edge.stall import StallGuard
-from service.problems import MEDIA_TYPE, problem
 
 if TYPE_CHECKING:
     from service.edge.config import EdgeConfig
 
 POSE = b"/v1/pose?"
+MOST_PIPELINED = 16  # requests that wait for the answer to one before them
 NOT_PLAIN = frozenset(
     {b"connection", b"content-length", b"transfer-encoding", b"expect", b"if-none-match", b"origin", b"upgrade"}
 )
@@ -37,7 +38,8 @@ class HttpProtocol(HttpToolsProtocol):
         super().__init__(config, server_state, app_state, _loop)
         self._guard: StallGuard | None = None
         self._deadline: asyncio.TimerHandle | None = None
-        self._head_size = 0
+        self._fruitless = 0  # bytes since a head was whole or a piece of a body came: of a head, or of trailers
+        self._fruitful = False
         self._in_head = True
         self._answered = False  # a request of the data that is being taken was answered at once
         self._answering = False  # and it is this one
@@ -61,9 +63,10 @@ class HttpProtocol(HttpToolsProtocol):
         self._answered = False
         if self._in_head:
             self._expect_a_request()
-            self._head_size += len(data)
+        self._fruitful = False
         super().data_received(data)
-        if self._in_head and self._head_size > self.config.settings.max_header:
+        self._fruitless = 0 if self._fruitful else self._fruitless + len(data)
+        if self._fruitless > self.config.settings.max_header:
             self._refuse_head()
 
     def on_message_begin(self) -> None:
@@ -71,20 +74,25 @@ class HttpProtocol(HttpToolsProtocol):
         self._in_head = True
 
     def on_headers_complete(self) -> None:
+        if self.transport.is_closing():
+            return
         self._stop_waiting()
-        self._in_head, self._head_size = False, 0
+        self._in_head, self._fruitful = False, True
         size = len(self.url) + sum(len(name) + len(value) for name, value in self.headers)
         if size > self.config.settings.max_header:
             self._refuse_head()
+        elif len(self.pipeline) >= MOST_PIPELINED:
+            self._real_transport.abort()
         elif not self._answer_at_once():
             super().on_headers_complete()
 
     def on_body(self, body: bytes) -> None:
+        self._fruitful = True
         if not self.transport.is_closing():
             super().on_body(body)
 
     def on_message_complete(self) -> None:
-        self._in_head = True
+        self._in_head = self._fruitful = True
         if not self.transport.is_closing() and not self._answering:
             super().on_message_complete()
         self._answering = False
@@ -108,6 +116,9 @@ class HttpProtocol(HttpToolsProtocol):
         self._stop_waiting()
         self._unset_keepalive_if_required()
         corked = cast("Corked", self.transport)
+        if self.cycle is not None and not self.cycle.response_complete:  # it would be written into the WebSocket
+            corked.transport.abort()
+            return
         corked.flush()
         self.transport = corked.transport
         super().handle_websocket_upgrade()
@@ -173,11 +184,8 @@ class HttpProtocol(HttpToolsProtocol):
         self._stop_waiting()
         if self.transport.is_closing():
             return
-        identity = self.config.front.next_request_id()
-        body = problem(status, kind, detail, identity)
-        head = (
-            f"HTTP/1.1 {status.value} {status.phrase}\r\ncontent-type: {MEDIA_TYPE}\r\ncontent-length: {len(body)}\r\n"
-            f"x-request-id: {identity}\r\nconnection: close\r\n\r\n"
-        )
-        self.transport.write(head.encode() + body)
+        if self.cycle is not None and self.cycle.response_started and not self.cycle.response_complete:
+            self._real_transport.abort()  # an answer is under way, and another cannot be put into it
+            return
+        self.transport.write(refusal(status, kind, detail, self.config.front.next_request_id()))
         self.transport.close()

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, cast
 
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.exceptions import InvalidMessage
 from websockets.frames import Frame
 from websockets.http11 import Request
 
 from service.characters.connection import TRANSPORT
+from service.edge.refusal import refusal
 from service.edge.stall import StallGuard
 
 if TYPE_CHECKING:
@@ -51,6 +53,21 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     def resume_writing(self) -> None:
         super().resume_writing()
         self._guard.resume_writing()
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        if self.conn.handshake_exc is not None and not self.handshake_initiated:
+            self._refuse_handshake(self.conn.handshake_exc)
+
+    def _refuse_handshake(self, error: Exception) -> None:
+        """uvicorn leaves a handshake that `websockets` cannot read without an answer, and then cannot stop."""
+        status, kind = HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, "too-large"
+        if isinstance(error, InvalidMessage):
+            status, kind = HTTPStatus.BAD_REQUEST, "http"
+        self.handshake_initiated = self.handshake_complete = self.close_sent = True
+        detail = f"this is no handshake of a WebSocket: {error}"
+        self.transport.write(refusal(status, kind, detail, self.config.front.next_request_id()))
+        self.transport.close()
 
     def keepalive_timeout(self) -> None:
         self.transport.abort()

@@ -1,9 +1,12 @@
 from __future__ import annotations
 
 import json
+import re
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from contextlib import suppress
 
 import pytest
 
@@ -93,6 +96,41 @@ def test_who_stops_reading_is_cut_off(impatient: Running) -> None:
     eventually(lambda: len(impatient.config.front.shared.streams) == 1)
     eventually(lambda: impatient.held == (0, 0, 0, 0))
     peer.close()
+
+
+def test_who_reads_slowly_gets_all_of_a_large_answer(bank: Bank) -> None:
+    sent = b"GET /v1/splice?locomotion=walk&rate=1000&parts=both HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    with running(bank.path, Settings(stall_seconds=1.0)) as service:
+        peer, got, began = service.connect(sent, receive_buffer=65536), bytearray(), time.monotonic()
+        while more := peer.recv(65536):
+            got += more
+            time.sleep(max(0.0, began + len(got) / 4e6 - time.monotonic()))  # 4 MB/s: longer than it may stall
+    head, _, body = bytes(got).partition(b"\r\n\r\n")
+    length = re.search(rb"content-length: (\d+)", head)
+    assert length is not None
+    assert len(body) == int(length[1]) > 8_000_000
+
+
+def test_trailers_without_end_are_refused(impatient: Running) -> None:
+    head = b"POST /v1/poses HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\nX: "
+    peer = impatient.connect(head)
+    with suppress(OSError):
+        for _ in range(200):
+            peer.sendall(bytes(1000).replace(b"\0", b"y"))
+            time.sleep(0.001)
+        pytest.fail("200 kB of a trailer were taken")
+    peer.close()
+
+
+def test_requests_that_wait_for_one_before_them_are_limited(impatient: Running) -> None:
+    endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n"
+    assert b"204" not in received(impatient.connect(endless + 100 * GET))
+
+
+def test_no_websocket_begins_within_an_answer(impatient: Running) -> None:
+    endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n"
+    upgrade = b"GET /v1/characters HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n"
+    assert b"WebSocket" not in received(impatient.connect(endless + upgrade))
 
 
 def test_who_goes_in_the_middle_leaves_nothing(impatient: Running) -> None:

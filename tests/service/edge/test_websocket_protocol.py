@@ -9,7 +9,7 @@ import pytest
 from runtime.bank import Bank
 from service.settings import Settings
 from tests.service.characters.player import Player
-from tests.service.running import Running, eventually, running
+from tests.service.running import Running, eventually, received, running
 
 HANDSHAKE = (
     b"GET /v1/characters HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
@@ -72,6 +72,13 @@ def test_one_that_pings_and_reads_nothing_has_no_pongs_pile_up(impatient: Runnin
     assert sent < 1_000_000_000
     eventually(lambda: impatient.held == (0, 0, 0, 0))
     peer.close()
+
+
+@pytest.mark.parametrize("fields", [200 * b"X: y\r\n", b"X: " + 9000 * b"y" + b"\r\n"])
+def test_a_handshake_that_is_too_large_is_refused(impatient: Running, fields: bytes) -> None:
+    answer = received(impatient.connect(HANDSHAKE.replace(b"Host: x\r\n", fields)))
+    assert answer.startswith(b"HTTP/1.1 431 ")
+    assert b"urn:motionsplice:too-large" in answer
 
 
 def test_a_websocket_counts_as_one_connection(impatient: Running) -> None:

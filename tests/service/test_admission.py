@@ -5,14 +5,16 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 from pydantic import SecretStr
-from starlette.websockets import WebSocketDisconnect
+from websockets.exceptions import InvalidStatus
 
 from motion.errors import SettingsError
 from runtime.bank import Bank
 from service.app import create_app
 from service.settings import Settings
+from tests.service.characters.player import Player
+from tests.service.running import running
 
-TOKEN = "open sesame"
+TOKEN = "open-sesame"
 PAGE = "https://editor.example"
 
 
@@ -46,15 +48,14 @@ def test_with_the_token_all_is_answered_and_kept_to_oneself(guarded: TestClient,
         assert answer.headers["cache-control"].startswith("private")
 
 
-def test_a_browser_offers_the_token_as_a_subprotocol(guarded: TestClient) -> None:
-    with guarded.websocket_connect("/v1/characters", subprotocols=["motionsplice", f"bearer.{TOKEN}"]) as socket:
-        assert socket.accepted_subprotocol == "motionsplice"
-        assert socket.receive_json()["event"] == "welcome"
-    with (
-        pytest.raises(WebSocketDisconnect),
-        guarded.websocket_connect("/v1/characters", subprotocols=["motionsplice", "bearer.wrong"]),
-    ):
-        pass
+def test_a_browser_offers_the_token_as_a_subprotocol(bank: Bank) -> None:
+    with running(bank.path, Settings(token=SecretStr(TOKEN))) as service:
+        with Player(service, subprotocols=["motionsplice", f"bearer.{TOKEN}"]) as player:
+            assert player.socket.subprotocol == "motionsplice"
+            assert player.welcome["event"] == "welcome"
+        with pytest.raises(InvalidStatus) as caught:
+            Player(service, subprotocols=["motionsplice", "bearer.wrong"])
+        assert caught.value.response.status_code == 401
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import BankError
-from runtime.manifest import CELLS, LOWER, REBUILD, ROWS, TABLES, UPPER, C, Manifest
+from runtime.manifest import CELLS, LOWER, REBUILD, ROWS, TABLES, UPPER, C, Manifest, file_digest
 from runtime.rows import Layout
 
 Tables = Mapping[str, NDArray[Any]]
@@ -32,9 +31,7 @@ def check_fit(manifest: Manifest, tables: Tables, file: str) -> None:
 def check_contents(manifest: Manifest, tables: Tables, files: Mapping[str, Path]) -> None:
     """That every table has its digest and holds sound numbers. Reads all. Raises BankError, naming the file."""
     for name, file in files.items():
-        with file.open("rb") as data:
-            found = hashlib.file_digest(data, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
-        if found != manifest.tables[name]:
+        if file_digest(file) != manifest.tables[name]:
             problem = f"table {name!r} was cut short or altered: its digest does not fit"
             raise BankError(problem, file=str(file), mend=REBUILD)
         if problem := _fault(name, tables[name], manifest):

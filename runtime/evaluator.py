@@ -25,6 +25,7 @@ from runtime.requests import (
     Requests,
     check_array,
     known,
+    time_fault,
 )
 
 NO_MEMORY = Memory(np.empty((0, arrays.MEMORY_COLUMNS)), 0.0)
@@ -98,7 +99,7 @@ class Evaluator:
         Raises UnknownClipError, TimeRangeError or SettingsError.
         """
         out = self.poses(1)
-        self._one.records[0] = self._record(locomotion, action, time, start, method, posture)
+        self._one.records[0] = self.record(locomotion, action, time, start, method, posture)
         self._evaluate_one(self._one, out, None)
         return out
 
@@ -118,7 +119,7 @@ class Evaluator:
         With `memory`, of one character, that is carried on to the last of them.
         """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
-        requests.records[:] = self._record(locomotion, action, 0.0, start, method, posture)
+        requests.records[:] = self.record(locomotion, action, 0.0, start, method, posture)
         requests.time[:] = times
         self._evaluate_one(requests, out, memory)
         return out
@@ -152,7 +153,7 @@ class Evaluator:
         Frames past the action's last one lie in its seam (docs/bank.md). Raises as `pose` does.
         """
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        requests.records[:] = self._record(locomotion, action, 0.0, start, "splice", "off")
+        requests.records[:] = self.record(locomotion, action, 0.0, start, "splice", "off")
         requests.time[:] = times
         if (fault := kernels.first_at_fault(self.arrays, requests.records, False)) >= 0:
             raise self._fault(requests, fault)
@@ -174,10 +175,10 @@ class Evaluator:
             self.evaluate(Requests.empty(2), self.poses(2))
         self.world_positions(poses, np.empty((1, joints, 3), np.float32))
 
-    def _record(
+    def record(
         self, locomotion: str, action: str | None, time: float, start: float, method: str, posture: str
     ) -> tuple[int, int, float, float, int, int, int]:
-        """A request by name. Raises UnknownClipError or SettingsError."""
+        """A record of Requests by name. Raises UnknownClipError or SettingsError."""
         number = self.bank.number(locomotion)
         played = number if action is None else self.bank.number(action)
         form = NONE if action is None else known(METHODS, "method", method)
@@ -216,10 +217,8 @@ class Evaluator:
             if not 0 <= number < top:
                 return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
-            seconds = request[label]
-            if not (seconds >= 0.0 and (seconds - arrays.LATE) * clip.rate <= clip.frame_count - 1.0):
-                problem = f"{label} {seconds} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
-                return TimeRangeError(problem, place=place, mend=f"Give a {label} from 0 to {clip.duration:.3f}")
+            if (fault := time_fault(label, request[label], clip, place)) is not None:
+                return fault
         return SettingsError(
             "posture 'running' is a mean over the frames so far, and there is no memory of them",
             place=place,

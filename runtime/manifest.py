@@ -84,6 +84,18 @@ class BaselineEntry:
     cells: int
 
 
+Mark = tuple[int, int, int]
+
+
+def mark_of(file: Path) -> Mark | None:
+    """A number that changes whenever a file is written anew; None if it is not there."""
+    try:
+        found = file.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size
+
+
 @dataclass(frozen=True)
 class Manifest:
     """All that a bank says of itself; tables are the digests of its tables by name, data the manifest file's bytes."""
@@ -120,6 +132,12 @@ Entry = TypeVar("Entry", ClipEntry, BaselineEntry, Roles)
 def content_digest(data: bytes) -> str:
     """The digest by which a bank names and verifies its files."""
     return hashlib.blake2b(data, digest_size=16).hexdigest()
+
+
+def file_digest(file: Path) -> str:
+    """The same of a file, without the whole of it in memory."""
+    with file.open("rb") as data:
+        return hashlib.file_digest(data, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 
 
 def _read(folder: Path) -> bytes:

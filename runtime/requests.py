@@ -9,10 +9,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import SettingsError, did_you_mean
+from motion.errors import SettingsError, TimeRangeError, did_you_mean
 from motion.quaternion import IDENTITY
-from runtime.arrays import LAST_TURN, MEAN_POSTURE, MEMORY_COLUMNS
+from runtime.arrays import LAST_TURN, LATE, MEAN_POSTURE, MEMORY_COLUMNS
 from runtime.lookup_kernels import NAIVE, NONE, SPLICE
+from runtime.manifest import ClipEntry
 from runtime.posture_kernels import ABSOLUTE, OFF, RELATIVE, RUNNING
 
 Method = Literal["splice", "naive", "none"]
@@ -131,6 +132,14 @@ class Memory:
     def forget(self, characters: int | slice) -> None:
         """For characters that start anew."""
         self.turns[characters], self.means[characters] = IDENTITY, np.nan
+
+
+def time_fault(label: str, seconds: float, clip: ClipEntry, place: str = "") -> TimeRangeError | None:
+    """What is wrong with a time in a clip, if that lies outside it or is not a number."""
+    if seconds >= 0.0 and (seconds - LATE) * clip.rate <= clip.frame_count - 1.0:
+        return None
+    problem = f"{label} {seconds} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
+    return TimeRangeError(problem, place=place, mend=f"Give a {label} from 0 to {clip.duration:.3f}")
 
 
 def known(constants: Mapping[str, int], label: str, name: str) -> int:

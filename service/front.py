@@ -66,7 +66,7 @@ class Front:
             await self.app(scope, receive, send)
 
     def begin_stop(self) -> None:
-        """Tells all streams that the service stops, as often as it is called once."""
+        """Tells all streams that the service stops; once is enough."""
         if not self.shared.stopping.is_set():
             self.shared.stopping.set()
             self._stopping = asyncio.ensure_future(self.hub.stop())

@@ -90,6 +90,12 @@ class Problem(BaseModel):
     request_id: str = Field(examples=["5f3a9c0e"], description="Under which the service's log has it")
 
 
+def at_most(name: str, given: float, most: float) -> None:
+    """Raises LimitError if a client asks for more than the service allows."""
+    if given > most:
+        raise LimitError(f"{name}: {given:g} is more than {most:g}", mend="Ask for less")
+
+
 def told(error: MotionError) -> tuple[int, str]:
     """The status and the kind of an error."""
     return next(PROBLEMS[kind] for kind in type(error).__mro__ if kind in PROBLEMS)

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from motion.errors import MotionError
 from runtime.bank import Bank
@@ -28,6 +29,12 @@ class Edition:
     bank: Bank
     evaluator: Evaluator
     ways_back: WaysBack
+
+    @property
+    def rig(self) -> dict[str, Any]:
+        """What clients must know to take its frames apart: the bank's digest, its joints and their parents."""
+        skeleton = self.bank.skeleton
+        return {"bank": self.bank.digest, "joints": list(skeleton.names), "parents": skeleton.parents.tolist()}
 
     @classmethod
     def warm(cls, bank: Bank) -> Edition:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from service.metrics import Metrics
@@ -21,9 +23,15 @@ class Shared:
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
     streams: set[object] = field(default_factory=set)
 
-    def admit(self, stream: object) -> None:
-        """Counts a stream in until it is taken off `streams`. Raises BusyError if there are as many as may be."""
+    @contextmanager
+    def admitted(self) -> Iterator[None]:
+        """Counts a stream for as long as it lasts. Raises BusyError if there are as many as may be."""
         if len(self.streams) >= self.settings.max_streams:
             problem = f"there are {self.settings.max_streams} streams already, as many as this process serves"
             raise BusyError(problem, mend="Try again later, or ask another process")
+        stream = object()
         self.streams.add(stream)
+        try:
+            yield
+        finally:
+            self.streams.discard(stream)

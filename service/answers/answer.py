@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from starlette.types import Send
@@ -15,7 +16,7 @@ class Answer(NamedTuple):
     body: bytes
     media_type: bytes
     status: int = 200
-    headers: Headers = []  # noqa: RUF012  # a NamedTuple's default, which nobody appends to
+    headers: Sequence[tuple[bytes, bytes]] = ()
 
     async def send(self, send: Send, more: Headers) -> None:
         """Sends it, with more headers."""

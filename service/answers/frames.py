@@ -59,10 +59,6 @@ class Frames:
         for first in range(self.first, last, size):
             yield first, self._evaluated(self._times(first, min(first + size, last)), memory)
 
-    def times(self) -> NDArray[np.float64]:
-        """The time of each frame [count], seconds into the locomotion."""
-        return self._times(self.first, self.first + self.count)
-
     @property
     def evaluator(self) -> Evaluator:
         return self.edition.evaluator

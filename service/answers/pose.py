@@ -7,14 +7,14 @@ kept ready.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from runtime.requests import METHODS, POSTURES, Poses, Requests
+from runtime.requests import Poses, Requests
 from service.answers.answer import Answer
 from service.serving import Edition
-from service.wire.encoding import Arrays, Encoding
-from service.wire.messages import MEDIA_TYPES, json, packed
+from service.wire.encoding import Encoding
+from service.wire.messages import FORMS, Form
 from service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from service.wire.query import REQUIRED, Query, number
 
@@ -30,8 +30,7 @@ class Ready:
     requests: Requests
     poses: Poses
     encoding: Encoding
-    write: Callable[[dict[str, str], Arrays], bytes]
-    media_type: bytes
+    form: Form
 
 
 class PoseAnswers:
@@ -59,8 +58,8 @@ class PoseAnswers:
         ready.requests.time[0] = time
         edition.evaluator.evaluate(ready.requests, ready.poses)
         arrays = ready.encoding.arrays(edition.evaluator, ready.poses)
-        body = ready.write({"bank": edition.bank.digest}, {name: one[0] for name, one in arrays.items()})
-        return Answer(body, ready.media_type)
+        body = ready.form.write({"bank": edition.bank.digest}, {name: one[0] for name, one in arrays.items()})
+        return Answer(body, ready.form.media_type)
 
 
 def _seconds(value: bytes) -> float | None:
@@ -72,11 +71,9 @@ def _seconds(value: bytes) -> float | None:
     return seconds if 0.0 <= seconds < math.inf else None
 
 
-def _made_ready(edition: Edition, values: dict[str, str]) -> Ready:
-    bank, requests, action = edition.bank, Requests.empty(1), values["action"]
-    locomotion = bank.number(values["locomotion"])
-    played, method = (locomotion, "none") if action is None else (bank.number(action), values["method"])
-    requests.records[0] = (locomotion, played, 0.0, values["start"], 0, METHODS[method], POSTURES[values["posture"]])
-    form = values["format"]
-    write = json if form == "json" else packed
-    return Ready(requests, edition.evaluator.poses(1), encoding(values), write, MEDIA_TYPES[form].encode())
+def _made_ready(edition: Edition, values: dict[str, Any]) -> Ready:
+    evaluator, requests = edition.evaluator, Requests.empty(1)
+    requests.records[0] = evaluator.record(
+        values["locomotion"], values["action"], 0.0, values["start"], values["method"], values["posture"]
+    )
+    return Ready(requests, evaluator.poses(1), encoding(values), FORMS[values["format"]])

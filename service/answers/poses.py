@@ -11,7 +11,7 @@ from service.answers.batch import Batch
 from service.answers.body import header, whole_body
 from service.problems import LimitError, MediaTypeError
 from service.shared import Shared
-from service.wire.messages import JSON, MEDIA_TYPES, MSGPACK, json, packed
+from service.wire.messages import FORMS, JSON, MSGPACK
 from service.wire.parameters import HOW, encoding, format_parameter
 from service.wire.query import Query
 
@@ -22,12 +22,12 @@ JSON_SHARE = 16  # JSON in memory is so many times larger and slower than blobs,
 async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     """The poses of all characters of a batch. Raises MotionError."""
     values, settings = POSES.read(scope["query_string"]), shared.settings
-    media_type = header(scope, b"content-type").partition(";")[0].strip().lower()
-    if media_type not in (JSON, MSGPACK):
-        raise MediaTypeError(f"a body of type {media_type!r:.80} is not read", mend=f"Send {MSGPACK} or {JSON}")
-    most = settings.max_body // (JSON_SHARE if media_type == JSON else 1)
+    given = header(scope, b"content-type").partition(";")[0].strip().lower()
+    if given not in (JSON, MSGPACK):
+        raise MediaTypeError(f"a body of type {given!r:.80} is not read", mend=f"Send {MSGPACK} or {JSON}")
+    most = settings.max_body // (JSON_SHARE if given == JSON else 1)
     body = await whole_body(scope, receive, most, settings.request_seconds)
-    read = Batch.from_json if media_type == JSON else Batch.from_msgpack
+    read = Batch.from_json if given == JSON else Batch.from_msgpack
     batch = read(body, settings.max_batch)
     edition, form, count = shared.serving.edition, values["format"], len(batch.columns["locomotion"])
     if form == "json" and count > (fewer := settings.max_batch // JSON_SHARE):
@@ -39,5 +39,5 @@ async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     edition.evaluator.evaluate(requests, out)
     shared.metrics.evaluation.observe(perf_counter() - began)
     arrays = encoding(values).arrays(edition.evaluator, out)
-    write = json if form == "json" else packed
-    return Answer(write({"bank": edition.bank.digest}, arrays), MEDIA_TYPES[form].encode())
+    media_type, write = FORMS[form]
+    return Answer(write({"bank": edition.bank.digest}, arrays), media_type)

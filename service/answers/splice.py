@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import orjson
@@ -15,7 +16,7 @@ from service.answers.frames import BLOCK, WHICH, Frames
 from service.problems import RequestError
 from service.shared import Shared
 from service.wire.encoding import Arrays, Encoding
-from service.wire.messages import MEDIA_TYPES, json, packed
+from service.wire.messages import FORMS, json, packed, told_of
 from service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from service.wire.query import Query
 
@@ -28,34 +29,26 @@ async def splice(shared: Shared, query: bytes) -> Answer:
     """The frames as one map, or as a BVH file. Raises MotionError."""
     values = SPLICE.read(query)
     frames = Frames.asked(shared.serving.edition, values, shared.settings.max_frames)
-    how, stream = encoding(values), object()
+    how = encoding(values)
     if values["format"] == "bvh":
         if not how.axes.ours or how.parts != "local":
             raise RequestError("BVH has local rotations in the axes gltf", mend="Leave axes and parts out")
         write = _bvh(frames)
     else:
         write = _json(frames, how) if values["format"] == "json" else _msgpack(frames, how)
-    shared.admit(stream)
-    try:
-        written = []
+    written = []
+    with shared.admitted():
         for piece in write:
             written.append(piece)
             await asyncio.sleep(0)
-    finally:
-        shared.streams.discard(stream)
     if values["format"] == "bvh":
         name = f'attachment; filename="{_file_name(values)}.bvh"'.encode()
         return Answer(b"".join(written), BVH, headers=[(b"content-disposition", name)])
-    return Answer(b"".join(written), MEDIA_TYPES[values["format"]].encode())
+    return Answer(b"".join(written), FORMS[values["format"]].media_type)
 
 
-def _told(frames: Frames) -> dict[str, str | int | float]:
-    return {
-        "bank": frames.edition.bank.digest,
-        "frame": frames.first,
-        "count": frames.count,
-        "rate": frames.rate,
-    }
+def _told(frames: Frames) -> dict[str, Any]:
+    return told_of(frames.edition.bank.digest, frames.first, frames.count, frames.rate)
 
 
 def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:

@@ -12,10 +12,10 @@ from starlette.types import Receive, Send
 
 from service.answers.answer import Headers
 from service.answers.frames import WHICH, Frames
-from service.problems import LimitError
+from service.problems import at_most
 from service.shared import Shared
 from service.wire.encoding import Encoding
-from service.wire.messages import length_delimited, packed
+from service.wire.messages import length_delimited, packed, told_of
 from service.wire.parameters import HOW, WHAT, encoding
 from service.wire.query import Query, choice, integer
 
@@ -46,23 +46,20 @@ async def stream(shared: Shared, query: bytes, receive: Receive, send: Send, mor
     """Sends the header and all frames. Raises MotionError before anything is sent, and never afterwards."""
     values, settings = STREAM.read(query), shared.settings
     frames = Frames.asked(shared.serving.edition, values, LONGER * settings.max_frames)
-    for name, most in (("ahead", settings.max_ahead), ("rate", settings.max_rate)):
-        given = frames.rate if name == "rate" else values[name]
-        if given > most and (name == "ahead" or values["pace"] == "realtime"):
-            raise LimitError(f"{name}: {given:g} is more than {most:g}", mend="Ask for less")
-    this = object()
-    shared.admit(this)
-    gone = asyncio.ensure_future(_gone(receive))
+    at_most("ahead", values["ahead"], settings.max_ahead)
+    if values["pace"] == "realtime":
+        at_most("rate", frames.rate, settings.max_rate)
+    with shared.admitted(), shared.metrics.connection("stream"):
+        gone = asyncio.ensure_future(_gone(receive))
 
-    async def wait(seconds: float) -> None:
-        if seconds > 0.0:
-            await asyncio.wait((gone,), timeout=seconds)
-        else:
-            await asyncio.sleep(0.0)
+        async def wait(seconds: float) -> None:
+            if seconds > 0.0:
+                await asyncio.wait((gone,), timeout=seconds)
+            else:
+                await asyncio.sleep(0.0)
 
-    clock = Clock(asyncio.get_running_loop().time, wait)
-    try:
-        with shared.metrics.connection("stream"):
+        clock = Clock(asyncio.get_running_loop().time, wait)
+        try:
             headers = [(b"content-type", MEDIA_TYPE), *more]
             await send({"type": "http.response.start", "status": 200, "headers": headers})
             async for count, message in messages(frames, encoding(values), values["ahead"], values["pace"], clock):
@@ -71,11 +68,10 @@ async def stream(shared: Shared, query: bytes, receive: Receive, send: Send, mor
                 await send({"type": "http.response.body", "body": message, "more_body": True})
                 shared.metrics.frames_sent.inc(count)
             await send({"type": "http.response.body", "body": b""})
-    except Exception:
-        logger.exception("a stream failed")  # it has begun, so all that can be told is that it ends early
-    finally:
-        gone.cancel()
-        shared.streams.discard(this)
+        except Exception:
+            logger.exception("a stream failed")  # it has begun, so all that can be told is that it ends early
+        finally:
+            gone.cancel()
 
 
 async def messages(
@@ -93,8 +89,7 @@ async def messages(
         for row in range(0, count, ahead):
             some = {name: one[row : row + ahead] for name, one in arrays.items()}
             few = min(ahead, count - row)
-            told = {"frame": first + row, "count": few, "rate": frames.rate, "bank": bank}
-            message = length_delimited(packed(told, some))
+            message = length_delimited(packed(told_of(bank, first + row, few, frames.rate), some))
             if paced:
                 await clock.sleep(max(0.0, began + (first + row - frames.first) / frames.rate - clock.now()))
                 yield few, message
@@ -112,18 +107,13 @@ async def _gone(receive: Receive) -> None:
 
 
 def _header(frames: Frames, how: Encoding) -> dict[str, Any]:
-    bank = frames.edition.bank
     return {
         "stream": STREAM_VERSION,
-        "bank": bank.digest,
+        **frames.edition.rig,
+        **how.told,
         "locomotion": frames.splice["locomotion"],
         "action": frames.splice["action"],
         "rate": frames.rate,
         "first": frames.first,
         "frames": frames.count,
-        "axes": how.axes.name,
-        "encoding": how.numbers,
-        "parts": how.parts,
-        "joints": list(bank.skeleton.names),
-        "parents": bank.skeleton.parents.tolist(),
     }

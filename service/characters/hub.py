@@ -17,11 +17,11 @@ from service.admission import SUBPROTOCOL
 from service.characters.commands import Command
 from service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play
 from service.characters.scene import Scene
-from service.problems import BusyError, LimitError
+from service.problems import BusyError, LimitError, at_most
 from service.serving import Edition
 from service.shared import Shared
 from service.wire.encoding import Arrays, Encoding
-from service.wire.messages import packed
+from service.wire.messages import packed, told_of
 from service.wire.parameters import HOW, encoding
 from service.wire.query import Query, integer, number
 
@@ -54,30 +54,26 @@ class Hub:
         self._check(play, 0.0)
         transport = scope.get("extensions", {}).get(TRANSPORT)
         connection = Connection(play, how, self._shared.settings, self._shared.metrics, transport)
-        self._shared.admit(connection)
-        sending = receiving = None
-        try:
-            with self._shared.metrics.connection("characters"):
-                await receive()
-                offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
-                await send({"type": "websocket.accept", "subprotocol": offered})
-                connection.tell("welcome", **self._welcome(play, how))
-                self.connections.add(connection)
-                self._changed.set()
-                sending = asyncio.create_task(connection.send(send, self._changed.set))
-                receiving = asyncio.create_task(connection.receive(receive, self._do))
+        with self._shared.admitted(), self._shared.metrics.connection("characters"):
+            await receive()
+            offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
+            await send({"type": "websocket.accept", "subprotocol": offered})
+            connection.tell("welcome", **self._welcome(play, how))
+            self.connections.add(connection)
+            self._changed.set()
+            sending = asyncio.create_task(connection.send(send, self._changed.set))
+            receiving = asyncio.create_task(connection.receive(receive, self._do))
+            try:
                 await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
                 if connection.is_closing:
                     await asyncio.wait((sending,))
-        finally:
-            self.connections.discard(connection)
-            self._shared.streams.discard(connection)
-            tasks = [task for task in (sending, receiving) if task is not None]
-            for task in tasks:
-                task.cancel()
-            for result in await asyncio.gather(*tasks, return_exceptions=True):
-                if isinstance(result, Exception) and not isinstance(result, OSError):  # which is that the client went
-                    logger.error("a connection failed", exc_info=result)
+            finally:
+                self.connections.discard(connection)
+                for task in (sending, receiving):
+                    task.cancel()
+                for result in await asyncio.gather(sending, receiving, return_exceptions=True):
+                    if isinstance(result, Exception) and not isinstance(result, OSError):  # that the client went
+                        logger.error("a connection failed", exc_info=result)
 
     async def stop(self) -> None:
         """Tells all clients that the service stops, and waits until they know."""
@@ -105,22 +101,25 @@ class Hub:
 
     def _tick(self, now: float) -> None:
         groups: dict[tuple[Edition, float, int, Encoding], list[Connection]] = {}
-        first = now
+        first, missed = now, 0
         for one in self.connections:
-            if one.wanted <= now + EARLY and not one.is_closing and not one.is_free:
-                one.defer()
-            elif one.wanted <= now + EARLY and not one.is_closing:
-                first = min(first, one.wanted)
-                self._shared.metrics.frames_skipped.inc(_catch_up(one, now))
-                play = one.play
-                if len(play.scene):
-                    groups.setdefault((play.scene.edition, play.rate, play.ahead, one.encoding), []).append(one)
-                else:
-                    one.play, one.sent = play.after(play.ahead), None
-                    one.wanted = one.play.due
-            elif one.is_closing:
+            if one.is_closing:
                 one.wanted = math.inf
+            if one.wanted > now + EARLY:
+                continue
+            if not one.is_free:
+                one.defer()
+                continue
+            first = min(first, one.wanted)
+            missed += _catch_up(one, now)
+            play = one.play
+            if len(play.scene):
+                groups.setdefault((play.scene.edition, play.rate, play.ahead, one.encoding), []).append(one)
+            else:
+                one.play, one.sent = play.after(play.ahead), None
+                one.wanted = one.play.due
         self._shared.metrics.tick_lateness.observe(now - first)
+        self._shared.metrics.frames_skipped.inc(missed)
         for (edition, rate, ahead, how), group in groups.items():
             try:
                 self._make(edition, rate, ahead, how, group)
@@ -146,13 +145,7 @@ class Hub:
         sent = 0
         for one, first, end in zip(group, [0, *ends], ends, strict=False):
             play = one.play
-            told = {
-                "bank": edition.bank.digest,
-                "frame": play.frame,
-                "count": ahead,
-                "rate": rate,
-                "time": wall + play.due - loop,
-            }
+            told = {**told_of(edition.bank.digest, play.frame, ahead, rate), "time": wall + play.due - loop}
             arrays = {name: _stacked([frame[name][first:end] for frame in frames]) for name in frames[0]}
             sent += one.show(ahead, packed(told, {"ids": play.scene.ids, **arrays}))
             one.play = play.after(ahead)
@@ -195,9 +188,8 @@ class Hub:
     def _check(self, play: Play, load: float) -> None:
         """Refuses what is too much for a message, a client or all of them. Raises LimitError or BusyError."""
         settings = self._shared.settings
-        for name, given, most in (("rate", play.rate, settings.max_rate), ("ahead", play.ahead, settings.max_ahead)):
-            if given > most:
-                raise LimitError(f"{name}: {given:g} is more than {most:g}", mend="Ask for less")
+        at_most("rate", play.rate, settings.max_rate)
+        at_most("ahead", play.ahead, settings.max_ahead)
         if play.ahead * len(play.scene) > settings.max_characters:
             problem = f"{len(play.scene)} characters for {play.ahead} frames are more than one message may hold"
             raise LimitError(problem, mend=f"Characters times frames should be at most {settings.max_characters}")
@@ -221,24 +213,17 @@ class Hub:
             return
         play.scene.move(edition)
         connection.change(play, now)
-        connection.tell("bank", frame=play.frame, **_rig(edition))
+        connection.tell("bank", frame=play.frame, **edition.rig)
         self._changed.set()
 
     def _welcome(self, play: Play, how: Encoding) -> dict[str, Any]:
         return {
-            **_rig(play.scene.edition),
-            "axes": how.axes.name,
-            "encoding": how.numbers,
-            "parts": how.parts,
+            **play.scene.edition.rig,
+            **how.told,
             "rate": play.rate,
             "ahead": play.ahead,
             "max_characters": self._shared.settings.max_characters,
         }
-
-
-def _rig(edition: Edition) -> dict[str, Any]:
-    skeleton = edition.bank.skeleton
-    return {"bank": edition.bank.digest, "joints": list(skeleton.names), "parents": skeleton.parents.tolist()}
 
 
 def _next_tick(now: float, rate: float) -> float:

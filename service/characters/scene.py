@@ -9,10 +9,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import TimeRangeError
-from runtime.arrays import LATE, MEMORY_COLUMNS
+from runtime.arrays import MEMORY_COLUMNS
 from runtime.in_step import action_phase, cycles_to, phase_at
-from runtime.requests import METHODS, POSTURES, REQUEST, Memory, Requests
+from runtime.requests import METHODS, POSTURES, REQUEST, Memory, Requests, time_fault
 from service.characters.commands import Command
 from service.characters.playback import PLAYBACK, advance
 from service.problems import LimitError, RequestError
@@ -154,8 +153,8 @@ class Scene:
         self, rows: Rows, action: str, start: float = 0.0, method: str = "splice", posture: str = "relative"
     ) -> None:
         records, arrays = self._records, self.edition.evaluator.arrays
-        number, entry = self.edition.bank.number(action), self.edition.bank.clip(action)
-        self._check_time("start", start, action, entry.duration)
+        number = self.edition.bank.number(action)
+        self._check_time("start", start, number)
         records["action"][rows], records["method"][rows] = number, METHODS[method]
         records["posture"][rows], records["start"][rows] = POSTURES[posture], 0.0
         now = records[rows]
@@ -171,9 +170,8 @@ class Scene:
         records["start"][rows], records["cycles"][rows] = 0.0, 0
 
     def _seek(self, rows: Rows, time: float) -> None:
-        for row in np.unique(self._records["locomotion"][rows], return_index=True)[1]:
-            clip = self.edition.bank.clips[self._records["locomotion"][rows[row]]]
-            self._check_time("time", time, clip.name, clip.duration)
+        for number in np.unique(self._records["locomotion"][rows]):
+            self._check_time("time", time, number)
         self._records["time"][rows] = time
         self._playback["held"][rows] = False
 
@@ -224,10 +222,9 @@ class Scene:
         ends = np.array([clips[number].duration for number in self._records["action"][rows]])
         self._records["start"][rows] = np.mod(start, ends) if len(rows) else start
 
-    def _check_time(self, label: str, time: float, clip: str, duration: float) -> None:
-        if time > duration + LATE:
-            problem = f"{label} {time} s lies outside clip {clip!r}"
-            raise TimeRangeError(problem, mend=f"Give a {label} from 0 to {duration:.3f}")
+    def _check_time(self, label: str, time: float, clip: int) -> None:
+        if (fault := time_fault(label, time, self.edition.bank.clips[clip])) is not None:
+            raise fault
 
 
 def _longer(array: NDArray[Any], rows: int) -> NDArray[Any]:

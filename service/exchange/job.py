@@ -19,8 +19,7 @@ from typing import Any, Literal
 import orjson
 from pydantic import BaseModel, Field
 
-from motion.errors import BankError, MotionError
-from runtime.manifest import Manifest
+from motion.errors import MotionError
 from service.exchange.pending import Folder
 
 logger = logging.getLogger(__name__)
@@ -145,7 +144,7 @@ class Job:
             clips=sorted(pending),
             failed=failed,
             error=error,
-            bank=self._digest(),
+            bank=self._folder.manifest.digest if self._folder.manifest else "",
         )
         return info, todo
 
@@ -161,12 +160,6 @@ class Job:
             logger.warning("the offline job could not do all", extra={"failed": failed})
         else:
             logger.info("the offline job is done", extra={"bank": progress.get("bank", "")})
-
-    def _digest(self) -> str:
-        try:
-            return Manifest.read(self._bank).digest
-        except BankError:
-            return ""
 
     def _is_running(self) -> bool:
         with (self._clips / LOCK).open("ab") as lock:
@@ -199,10 +192,7 @@ class Job:
 
     def _baseline(self) -> str:
         """The present bank's, so that its clips need not be aligned again."""
-        try:
-            return Manifest.read(self._bank).baseline.clip
-        except BankError:
-            return "auto"
+        return self._folder.manifest.baseline.clip if self._folder.manifest else "auto"
 
 
 def _lacking(missing: list[str]) -> str:

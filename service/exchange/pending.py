@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import astuple
 from pathlib import Path
 
 from motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
 from motion.errors import BankError, FormatError, SettingsError
 from motion.formats.files import clip_files, files_behind
-from runtime.manifest import ClipEntry, Manifest
-
-Mark = tuple[int, int, int]
+from runtime.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
 
 
 class Folder:
@@ -20,7 +17,19 @@ class Folder:
     def __init__(self, clips: Path, bank: Path) -> None:
         self.clips = clips
         self.bank = bank
-        self._digests: dict[Path, tuple[Mark, str]] = {}
+        self._digests: dict[Path, tuple[Mark | None, str]] = {}
+        self._read: tuple[Mark | None, Manifest | None] = (None, None)
+
+    @property
+    def manifest(self) -> Manifest | None:
+        """The bank's; none if there is no bank. It is read when it has changed, for a large one takes a while."""
+        mark = mark_of(self.bank / MANIFEST)
+        if mark != self._read[0]:
+            try:
+                self._read = mark, Manifest.read(self.bank)
+            except BankError:
+                self._read = mark, None
+        return self._read[1]
 
     def pending(self) -> dict[str, str]:
         """The clips that the bank has not, or not so: for each a text that changes when it does."""
@@ -44,14 +53,10 @@ class Folder:
             return [self._digest(file)]
 
     def _digest(self, file: Path) -> str:
-        """As the manifest has it, without the whole file in memory."""
-        found = file.stat()
-        mark = (found.st_ino, found.st_mtime_ns, found.st_size)
+        mark = mark_of(file)
         known = self._digests.get(file)
         if known is None or known[0] != mark:
-            with file.open("rb") as data:
-                digest = hashlib.file_digest(data, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
-            known = self._digests[file] = (mark, digest)
+            known = self._digests[file] = (mark, file_digest(file))
         return known[1]
 
     def _said(self) -> dict[str, ClipSettings]:
@@ -61,10 +66,7 @@ class Folder:
             return {}
 
     def _built(self) -> dict[str, ClipEntry]:
-        try:
-            return {clip.name: clip for clip in Manifest.read(self.bank).clips}
-        except BankError:
-            return {}
+        return {clip.name: clip for clip in self.manifest.clips} if self.manifest else {}
 
 
 def _is_built(built: ClipEntry | None, digest: str, said: ClipSettings) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from motion.errors import BankError, MotionError
 from runtime.bank import Bank
-from runtime.manifest import MANIFEST
+from runtime.manifest import MANIFEST, mark_of
 from service.exchange.background import in_background
 from service.metrics import Metrics
 from service.serving import Edition, Serving
@@ -28,7 +28,7 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
     seen: tuple[int, ...] | None = ()  # for the bank may have been written over since it was opened
     while True:
         await asyncio.sleep(interval)
-        mark = _mark(path)
+        mark = mark_of(path / MANIFEST)
         if mark == seen or not serving.ready:
             continue
         seen = mark
@@ -45,15 +45,6 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
                 serving.exchange(edition)
                 metrics.exchanges.labels("ok").inc()
                 logger.info("a new bank is served", extra={"bank": edition.bank.digest})
-
-
-def _mark(path: Path) -> tuple[int, int, int] | None:
-    """Changes whenever the manifest does."""
-    try:
-        found = (path / MANIFEST).stat()
-    except OSError:
-        return None
-    return found.st_ino, found.st_mtime_ns, found.st_size
 
 
 def _open(path: Path, served: str) -> Edition | None:

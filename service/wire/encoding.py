@@ -31,6 +31,11 @@ class Encoding:
     numbers: str = "float32"
     parts: str = "local"
 
+    @property
+    def told(self) -> dict[str, str]:
+        """The same by name, as clients ask for it."""
+        return {"axes": self.axes.name, "encoding": self.numbers, "parts": self.parts}
+
     def arrays(self, evaluator: Evaluator, poses: Poses) -> Arrays:
         """`root_positions` [n, 3], `rotations` [n, J, 4] and `world_positions` [n, J, 3], those that were asked for.
 

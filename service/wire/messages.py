@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgpack
 import numpy as np
@@ -13,7 +13,6 @@ import orjson
 from service.wire.encoding import Arrays
 
 JSON, MSGPACK = "application/json", "application/msgpack"
-MEDIA_TYPES = {"json": JSON, "msgpack": MSGPACK}
 FIXMAP, MOST_KEYS, BIN32 = 0x80, 15, b"\xc6"  # of MessagePack
 LENGTH = 4  # bytes of the length of a message in a stream, or of a blob
 
@@ -46,6 +45,21 @@ def json(told: Mapping[str, Any], arrays: Arrays) -> bytes:
     """A map as JSON: arrays are nested lists."""
     contiguous = {name: np.ascontiguousarray(one) for name, one in arrays.items()}
     return orjson.dumps({**told, **contiguous}, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+class Form(NamedTuple):
+    """A form of messages that clients may ask for."""
+
+    media_type: bytes
+    write: Callable[[Mapping[str, Any], Arrays], bytes]
+
+
+FORMS = {"json": Form(JSON.encode(), json), "msgpack": Form(MSGPACK.encode(), packed)}
+
+
+def told_of(bank: str, first: int, count: int, rate: float) -> dict[str, Any]:
+    """What a message says of its frames: the bank's digest, the first one's number, how many, how many a second."""
+    return {"bank": bank, "frame": first, "count": count, "rate": rate}
 
 
 def length_delimited(message: bytes) -> bytes:

@@ -28,12 +28,6 @@ def impatient(bank: Bank) -> Iterator[Running]:
         yield service
 
 
-@pytest.fixture(autouse=True)
-def nothing_is_left(impatient: Running) -> Iterator[None]:
-    yield
-    eventually(lambda: impatient.held == (0, 0, 0, 0))
-
-
 def problem(answer: bytes) -> tuple[int, str]:
     head, _, body = answer.partition(b"\r\n\r\n")
     told = json.loads(body)

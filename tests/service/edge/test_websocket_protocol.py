@@ -24,12 +24,6 @@ def impatient(bank: Bank) -> Iterator[Running]:
         yield service
 
 
-@pytest.fixture(autouse=True)
-def nothing_is_left(impatient: Running) -> Iterator[None]:
-    yield
-    eventually(lambda: impatient.held == (0, 0, 0, 0))
-
-
 def text(message: str) -> bytes:
     """A text frame, masked with zeros."""
     data = message.encode()

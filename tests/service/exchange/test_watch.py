@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from bench.service.banks import put
 from motion.formats.bvh import dump
 from motion.procedural.library import make
 from precompute.job import precompute
@@ -21,15 +22,6 @@ from service.serving import Edition, Serving
 from service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import PATIENCE, Running, eventually, running
-
-
-def put(bank: Path, place: Path) -> None:
-    """Puts a bank in the place of another, as the offline job does: tables first, the manifest last, by a rename."""
-    for table in (bank / "tables").iterdir():
-        if not (place / "tables" / table.name).exists():
-            shutil.copy(table, place / "tables" / table.name)
-    shutil.copy(bank / MANIFEST, place / "manifest.new")
-    (place / "manifest.new").replace(place / MANIFEST)
 
 
 @pytest.fixture(scope="module")

@@ -59,6 +59,12 @@ class Roles:
         """The joints that spatial alignment looks at, the pelvis itself apart (Heck et al. 2006, 3.2)."""
         return (*self.spine, self.left_shoulder, self.right_shoulder)
 
+    @property
+    def feet(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Ankle and toe, if the rig has one, of the left and the right foot."""
+        left, right = (self.left_ankle, self.left_toe), (self.right_ankle, self.right_toe)
+        return tuple(one for one in left if one >= 0), tuple(one for one in right if one >= 0)
+
     def leg_length(self, skeleton: Skeleton) -> float:
         """Metres from hip over knee to ankle, mean of both legs."""
         ends = ((self.left_hip, self.left_ankle), (self.right_hip, self.right_ankle))

@@ -20,7 +20,7 @@ from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import Baseline
-from precompute.prepared import PreparedClip
+from precompute.prepared import PreparedClip, has_gait
 from precompute.torso_offset import shoulder_motion, torso_offsets
 from runtime.bank import TABLE_FOLDER
 from runtime.manifest import FORMAT, MANIFEST, TABLES, VERSION, BaselineEntry, ClipEntry, content_digest
@@ -49,6 +49,8 @@ def write_bank(
         "upper": (rows, _rows("upper", layout, clips, offsets)),
         "phase_of_frame": (rows, (one.phase for one in clips)),
         "frame_of_phase": (CELLS_PER_FRAME * rows, (frame_of_phase(one.phase) for one in clips)),
+        "paths": (rows, (one.path for one in clips)),
+        "contacts": (rows, (one.contacts for one in clips)),
         "postures": (len(clips), (one.posture[None] for one in clips)),
         "neutral": (len(clips), (np.array([numbers[one.neutral]]) for one in clips)),
     }
@@ -147,6 +149,7 @@ def _entries(clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]) -> li
                 last_phase=float(one.phase[-1]),
                 cycles=one.alignment.cycles,
                 loop=one.strides,
+                gait=has_gait(one.alignment),
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
                 shoulder_motion=0.0 if moved is None else shoulder_motion(moved[: one.frame_count]),

@@ -14,6 +14,7 @@ from motion.kinematics import heading
 from motion.pointcloud import planar_distance, planar_distances, planar_lag_distances, windowed
 from motion.quaternion import Floats
 from motion.roles import Roles
+from precompute.contacts import left_strike
 from precompute.increasing_spline import fit_increasing
 from precompute.joint_paths import joint_paths
 from precompute.ring import wind
@@ -34,7 +35,7 @@ class Baseline:
     """One stride as a ring: lower clouds [cells, 3, 3] of a locomotion, evenly spaced in phase.
 
     start and end are seconds in the clip; loop is the distance of its ends over that of its halves; leg is the
-    length of its legs, metres.
+    length of its legs, metres. zero is the cell, real-valued, at which the left foot comes down: there phases are whole.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Baseline:
     end: float
     loop: float
     leg: float
+    zero: float
     clouds: Floats
 
 
@@ -96,8 +98,11 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
     if loop_distance > WORST_LOOP:
         raise no_stride(clip.name)
     step = clip.duration / (len(windows) + LOOP_WINDOW - 2)
-    stride = slice(first, first + length + 1)
-    return Baseline(clip.name, first * step, (first + length) * step, loop_distance, leg, _ring(clip, roles, stride))
+    start, end = first * step, (first + length) * step
+    strike = left_strike(clip, roles, start, end)
+    zero = 0.0 if strike is None else (strike - start) / step
+    ring = _ring(clip, roles, slice(first, first + length + 1))
+    return Baseline(clip.name, start, end, loop_distance, leg, zero, ring)
 
 
 def no_stride(name: str) -> BaselineError:
@@ -149,7 +154,7 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     bend = before - 2.0 * at + after
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
     seconds = np.linspace(0.0, clip.duration, len(wound))
-    curve = fit_increasing(seconds, (wound + between) / cells, KNOT_SPACING, STIFFNESS)
+    curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS)
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
     swing = float(np.sqrt(planar_distance(clouds, clouds[half_later]).mean() / 3.0)) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))

@@ -130,7 +130,7 @@ class Preparation:
     @classmethod
     def of(cls, cache: Cache, stride: FoundStride) -> Preparation:
         rig, ring = stride.rig, stride.ring
-        return cls(cache, rig, ring, key_of(pack_rig(rig), ring.leg, digest_of_array(ring.clouds)))
+        return cls(cache, rig, ring, key_of(pack_rig(rig), ring.leg, ring.zero, digest_of_array(ring.clouds)))
 
     def key(self, one: Identified) -> str:
         return key_of("prepared", one.reading_key, self.rig_and_ring)

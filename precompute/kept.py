@@ -53,7 +53,7 @@ def pack_stride(stride: StrideSearched) -> tuple[Said, Arrays]:
     said = {"rig": pack_rig(stride.rig), "ring": None}
     if ring is None:
         return said, {}
-    return said | {"ring": [ring.start, ring.end, ring.loop, ring.leg]}, {"clouds": ring.clouds}
+    return said | {"ring": [ring.start, ring.end, ring.loop, ring.leg, ring.zero]}, {"clouds": ring.clouds}
 
 
 def unpack_stride(name: str, said: Said, arrays: Arrays) -> StrideSearched:
@@ -61,8 +61,7 @@ def unpack_stride(name: str, said: Said, arrays: Arrays) -> StrideSearched:
     rig = _rig(said["rig"])
     if said["ring"] is None:
         return StrideSearched(rig, None)
-    start, end, loop, leg = said["ring"]
-    return StrideSearched(rig, Baseline(name, start, end, loop, leg, arrays["clouds"]))
+    return StrideSearched(rig, Baseline(name, *said["ring"], arrays["clouds"]))
 
 
 def pack_reading(reading: Reading) -> tuple[Said, Arrays]:
@@ -125,6 +124,8 @@ def pack_prepared(one: PreparedClip) -> tuple[Said, Arrays]:
         "cost": alignment.cost,
         "phase": one.phase,
         "posture": one.posture,
+        "path": one.path,
+        "contacts": one.contacts,
         "gait": one.gait,
         "stride": one.stride.coefficients,
     }
@@ -144,6 +145,8 @@ def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], said: Said,
         alignment=Alignment(aligned, arrays["cost"], said["chance"], said["swing"]),
         phase=phase,
         posture=arrays["posture"],
+        path=arrays["path"],
+        contacts=arrays["contacts"],
         gait=arrays["gait"],
         stride=MeanStride(arrays["stride"]),
         fetch=fetch,

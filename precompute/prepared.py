@@ -16,8 +16,10 @@ from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import LEAST_SWING, Alignment, Baseline, align
 from precompute.common_skeleton import onto_skeleton
+from precompute.contacts import foot_contacts
 from precompute.gait import mean_gait
 from precompute.posture import measure_torso
+from precompute.root_path import root_path
 from precompute.seam import add_seam
 from precompute.torso_offset import MeanStride
 from runtime.rows import Layout, TorsoRows
@@ -30,8 +32,8 @@ class PreparedClip:
     """A clip as a bank holds it, but for its torso offsets, which depend on another clip.
 
     Its frame_count frames at `rate`, and then those that lead back by `strides`, are at `phase` [rows]; `posture` is
-    [2, 3], `gait` its mean lower cloud by phase [bins, 3, 3], and `stride` its mean torso. What is large is fetched by
-    name: its rows in each table (`lower`, `upper`), and `upright`, its torso clouds [rows, P, 3].
+    [2, 3], `path` [rows, 4] the way it goes, `contacts` [rows] which feet stand, `gait` its mean lower cloud by phase
+    [bins, 3, 3], and `stride` its mean torso. What is large is fetched by name: its rows in each table (`lower`, `upper`), and `upright`, its torso clouds [rows, P, 3].
 
     kind is `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; notes and
     file_warnings are what the reading of its file said; source is the digest of that file.
@@ -44,6 +46,8 @@ class PreparedClip:
     alignment: Alignment
     phase: Floats
     posture: Floats
+    path: Floats
+    contacts: NDArray[np.uint8]
     gait: Floats
     stride: MeanStride
     fetch: Callable[[str], NDArray[Any]]
@@ -60,12 +64,17 @@ class PreparedClip:
         said = list(self.file_warnings)
         if self.alignment.swing < LEAST_SWING:
             said.append("does not look like locomotion: its legs hardly move")
-        elif self.alignment.cost.mean() > FOREIGN_GAIT * self.alignment.chance:
+        elif not has_gait(self.alignment):
             far = f"{100.0 * self.alignment.mean_mismatch:.0f} cm off the baseline's"
             said.append(f"does not look like locomotion: its legs are {far}, hardly nearer than at random phases")
         if self.kind == "action" and self.strides == 0:
             said.append("has no two strides alike enough to go on from its end: as an action it is played once")
         return tuple(said)
+
+
+def has_gait(alignment: Alignment) -> bool:
+    """Whether a clip's legs go as the baseline's do, so that its phase means anything."""
+    return alignment.swing >= LEAST_SWING and alignment.cost.mean() <= FOREIGN_GAIT * alignment.chance
 
 
 def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles, baseline: Baseline) -> PreparedClip:
@@ -92,6 +101,8 @@ def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles,
         alignment=alignment,
         phase=seamed.phase,
         posture=torso.upright[:count, -2:].mean(axis=0),
+        path=root_path(seamed.clip, seamed.phase, seamed.strides, skeleton_roles, has_gait(alignment)),
+        contacts=foot_contacts(seamed.clip, skeleton_roles),
         gait=mean_gait(ours, alignment.phase, skeleton_roles),
         stride=MeanStride.of(torso.upright[:count], alignment.phase),
         fetch=large.__getitem__,

@@ -17,7 +17,7 @@ from motion.roles import Roles
 from motion.skeleton import Skeleton
 
 FORMAT = "motionsplice bank"
-VERSION = 3
+VERSION = 4
 MANIFEST = "manifest.msgpack"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
 REBUILD = "Build it again with `motionsplice precompute`"
@@ -28,6 +28,8 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "upper": (np.float32, (ROWS, UPPER)),
     "phase_of_frame": (np.float64, (ROWS,)),
     "frame_of_phase": (np.float32, (CELLS,)),
+    "paths": (np.float64, (ROWS, 4)),
+    "contacts": (np.uint8, (ROWS,)),
     "postures": (np.float64, (C, 2, 3)),
     "neutral": (np.int32, (C,)),
 }
@@ -40,7 +42,7 @@ class ClipEntry:
     Its frame_count frames at `rate` per second are rows from first_row; after them come those of the seam, row_count in
     all, which lead back by `loop` whole strides (0: it cannot be repeated). Its inverse table is cell_count cells from
     first_cell. phase runs from first_phase to last_phase over all rows, in cycles of the baseline, of which its own
-    frames take `cycles`. mean_mismatch and worst_mismatch are metres; shoulder_motion is how far its torso moves beyond
+    frames take `cycles`; without `gait` that means little. mean_mismatch and worst_mismatch are metres; shoulder_motion is how far its torso moves beyond
     its neutral's gait, radians.
     """
 
@@ -57,6 +59,7 @@ class ClipEntry:
     last_phase: float
     cycles: float
     loop: int
+    gait: bool
     mean_mismatch: float
     worst_mismatch: float
     shoulder_motion: float

@@ -24,6 +24,7 @@ from motion.skeleton import Skeleton
 from precompute.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
 from precompute.posture import measure_torso
 from runtime.bank import TABLE_FOLDER, Bank
+from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
 from runtime.manifest import TABLES, BaselineEntry, ClipEntry
 from runtime.rows import Layout, TorsoRows
 
@@ -140,8 +141,11 @@ def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Genera
     torso = measure_torso(Clip("drawn", skeleton, size.rate, roots, rotations), roles)
     offsets = quaternion.about(axes[roles.pelvis], 0.1 * np.sin(2.0 * np.pi * phase))
     rows = Layout.of(skeleton, roles).pack(roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
+    path = np.column_stack([np.zeros((size.rows, 2)), roots[:, 2], np.zeros(size.rows)])
+    feet = np.where(phase % 1.0 < 0.6, LEFT_FOOT, 0) | np.where((phase + 0.5) % 1.0 < 0.6, RIGHT_FOOT, 0)
+    ground = {"paths": path, "contacts": feet}
     rest = {"phase_of_frame": phase, "frame_of_phase": frame_of_phase(phase), "postures": torso.posture[None]}
-    return _Drawn({**rows, **rest}, phase)
+    return _Drawn({**rows, **rest, **ground}, phase)
 
 
 def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:
@@ -160,6 +164,7 @@ def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:
         last_phase=last,
         cycles=float(phase[size.frames - 1]) - first,
         loop=int(last - first) - 1,
+        gait=True,
         mean_mismatch=0.0,
         worst_mismatch=0.0,
         shoulder_motion=0.0,

@@ -35,7 +35,7 @@ class Baseline:
     """One stride as a ring: lower clouds [cells, 3, 3] of a locomotion, evenly spaced in phase.
 
     start and end are seconds in the clip; loop is the distance of its ends over that of its halves; leg is the
-    length of its legs, metres. zero is the cell, real-valued, at which the left foot comes down: there phases are whole.
+    length of its legs, metres. zero is the real-valued cell at which the left foot comes down: whole phases are there.
     """
 
     name: str

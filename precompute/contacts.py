@@ -15,7 +15,7 @@ from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
 SLOW = 0.55  # leg lengths a second that a standing joint may move, for what captured feet roll, slide and quiver
 SLOW_OF_FAST = 0.15  # or so much of its own fastest: a run's feet hardly rest
 LOW = 0.09  # of the leg, above where the joint was lowest within STEP
-STEP = 1.2  # seconds
+STEP = 0.5  # seconds: less than a foot takes from stair to stair
 SMOOTHED, SHORTEST = 0.05, 0.06  # seconds: of speeds; of a contact, or a gap in one
 
 

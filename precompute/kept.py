@@ -61,7 +61,8 @@ def unpack_stride(name: str, said: Said, arrays: Arrays) -> StrideSearched:
     rig = _rig(said["rig"])
     if said["ring"] is None:
         return StrideSearched(rig, None)
-    return StrideSearched(rig, Baseline(name, *said["ring"], arrays["clouds"]))
+    start, end, loop, leg, zero = said["ring"]
+    return StrideSearched(rig, Baseline(name, start, end, loop, leg, zero, arrays["clouds"]))
 
 
 def pack_reading(reading: Reading) -> tuple[Said, Arrays]:
@@ -119,7 +120,7 @@ def pack_prepared(one: PreparedClip) -> tuple[Said, Arrays]:
         "notes": one.notes,
         "warnings": one.file_warnings,
     }
-    small = {
+    small: dict[str, NDArray[Any]] = {
         "aligned": alignment.phase,
         "cost": alignment.cost,
         "phase": one.phase,

@@ -33,7 +33,8 @@ class PreparedClip:
 
     Its frame_count frames at `rate`, and then those that lead back by `strides`, are at `phase` [rows]; `posture` is
     [2, 3], `path` [rows, 4] the way it goes, `contacts` [rows] which feet stand, `gait` its mean lower cloud by phase
-    [bins, 3, 3], and `stride` its mean torso. What is large is fetched by name: its rows in each table (`lower`, `upper`), and `upright`, its torso clouds [rows, P, 3].
+    [bins, 3, 3], and `stride` its mean torso. What is large is fetched by name: its rows in each table (`lower`,
+    `upper`), and `upright`, its torso clouds [rows, P, 3].
 
     kind is `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; notes and
     file_warnings are what the reading of its file said; source is the digest of that file.
@@ -74,7 +75,7 @@ class PreparedClip:
 
 def has_gait(alignment: Alignment) -> bool:
     """Whether a clip's legs go as the baseline's do, so that its phase means anything."""
-    return alignment.swing >= LEAST_SWING and alignment.cost.mean() <= FOREIGN_GAIT * alignment.chance
+    return bool(alignment.swing >= LEAST_SWING and alignment.cost.mean() <= FOREIGN_GAIT * alignment.chance)
 
 
 def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles, baseline: Baseline) -> PreparedClip:

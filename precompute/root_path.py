@@ -16,7 +16,7 @@ from motion.quaternion import Floats
 from motion.roles import Roles
 from precompute.joint_paths import joint_paths
 
-LEVEL = 0.12  # of the leg: ground that rises by less is level, lest its noise add up over many loops
+LEVEL = 0.17  # of the leg: ground that rises by less is level, lest its noise add up over many loops
 IN_PLACE = 0.5  # of the leg: a clip without a gait that stays within stands
 SOLE = 0.03  # of the leg, from the ground up to the lowest joint of a standing foot
 

@@ -15,6 +15,7 @@ from motion.errors import BankError, UnknownClipError, did_you_mean
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from runtime.bank_checks import Tables, check_contents, check_fit
+from runtime.contacts import Contact, contacts_of
 from runtime.manifest import MANIFEST, REBUILD, TABLES, BaselineEntry, ClipEntry, Manifest
 from runtime.rows import Layout, TorsoRows
 
@@ -112,6 +113,14 @@ class Bank:
     def phase(self, name: str) -> NDArray[np.float64]:
         """The phase of each frame [F] of the clip called `name`, cycles of the baseline."""
         return np.asarray(self.tables["phase_of_frame"][self._rows(name, False)])
+
+    def root_path(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
+        """The way [F, 4] of the clip called `name`: x, height of the ground and z, metres, and heading, radians."""
+        return np.asarray(self.tables["paths"][self._rows(name, seam)])
+
+    def contacts(self, name: str) -> list[Contact]:
+        """When which foot of the clip called `name` stands."""
+        return contacts_of(self.tables["contacts"][self._rows(name, False)], self.clip(name).rate)
 
     def _rows(self, name: str, seam: bool) -> slice:
         entry = self.clip(name)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import BankError
+from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
 from runtime.manifest import CELLS, LOWER, REBUILD, ROWS, TABLES, UPPER, C, Manifest, file_digest
 from runtime.rows import Layout
 
@@ -71,6 +72,8 @@ def _fault(name: str, table: NDArray[Any], manifest: Manifest) -> str:
     flat, clips = table.reshape(-1), manifest.clips
     if name == "neutral":
         return "" if table.min() >= 0 and table.max() < len(clips) else "names a clip that is not there"
+    if name == "contacts" and table.max() > (LEFT_FOOT | RIGHT_FOOT):
+        return "names a foot that is not there"
     if not all(np.isfinite(flat[at : at + MOST_AT_ONCE]).all() for at in range(0, len(flat), MOST_AT_ONCE)):
         return "holds numbers that are not finite"
     if name == "phase_of_frame":

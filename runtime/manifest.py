@@ -42,8 +42,8 @@ class ClipEntry:
     Its frame_count frames at `rate` per second are rows from first_row; after them come those of the seam, row_count in
     all, which lead back by `loop` whole strides (0: it cannot be repeated). Its inverse table is cell_count cells from
     first_cell. phase runs from first_phase to last_phase over all rows, in cycles of the baseline, of which its own
-    frames take `cycles`; without `gait` that means little. mean_mismatch and worst_mismatch are metres; shoulder_motion is how far its torso moves beyond
-    its neutral's gait, radians.
+    frames take `cycles`; without `gait` that means little. mean_mismatch and worst_mismatch are metres; shoulder_motion
+    is how far its torso moves beyond its neutral's gait, radians.
     """
 
     name: str

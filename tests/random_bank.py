@@ -47,13 +47,15 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
             tables[name].append(np.asarray(values))
         tables["phase_of_frame"].append(phase)
         tables["frame_of_phase"].append(frame_of_phase(phase))
+        tables["paths"].append(np.cumsum(draw.normal(size=(rows, 4)) * 0.02, axis=0))
+        tables["contacts"].append(np.floor(draw.uniform(0.0, 4.0, rows)))
         tables["postures"].append(draw.normal(size=(1, 2, 3)))
         tables["neutral"].append(np.array([number]))
         strides = int(phase[-1] - phase[0]) if seam and draw.random() < 0.7 else 0
         span = (float(phase[0]), float(phase[-1]), float(phase[frames - 1] - phase[0]))
         place = (row, frames, rows, 4 * row, 4 * rows)
         entries.append(
-            ClipEntry(f"clip {number}", "action", (), RATE, *place, *span, strides, 0.0, 0.0, 0.0, (), (), "")
+            ClipEntry(f"clip {number}", "action", (), RATE, *place, *span, strides, True, 0.0, 0.0, 0.0, (), (), "")
         )
         row += rows
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)

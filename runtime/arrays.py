@@ -15,7 +15,7 @@ LATE = 1e-6  # seconds after a clip's end that count as its end
 
 # columns of BankArrays.clips
 FIRST_ROW, FRAME_COUNT, ROW_COUNT, RATE, FIRST_CELL, CELL_COUNT = 0, 1, 2, 3, 4, 5
-FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, CLIP_COLUMNS = 6, 7, 8, 9, 10, 16
+FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, GAIT, CLIP_COLUMNS = 6, 7, 8, 9, 10, 16, 17
 # entries of BankArrays.rig
 FIRST_PLANE, LOWER_WIDTH, UPPER_WIDTH, CLOUD_WIDTH, POINTS, PELVIS_COLUMN, LOWER_COUNT, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7
 # columns of what is remembered of a character
@@ -64,6 +64,7 @@ def bank_arrays(bank: Bank) -> BankArrays:
                 *(clip.first_phase, clip.last_phase, clip.loop),
                 (clip.cell_count - 1) / (clip.last_phase - clip.first_phase),
                 *posture.ravel(),
+                clip.gait,
             )
             for clip, posture in zip(bank.clips, bank.tables["postures"], strict=True)
         ]
@@ -95,3 +96,41 @@ def scratch(bank: BankArrays, threads: int) -> Scratch:
 
 def rig_arrays(skeleton: Skeleton) -> RigArrays:
     return RigArrays(skeleton.parents, skeleton.offsets.astype(np.float32))
+
+
+class Ground(NamedTuple):
+    """Of each row of a bank, what the motion of characters over the ground takes: paths [rows, 4], contacts [rows]."""
+
+    paths: Array
+    contacts: Array
+
+
+def ground(bank: Bank) -> Ground:
+    return Ground(_constant(bank.tables["paths"]), _constant(bank.tables["contacts"]))
+
+
+class Limbs(NamedTuple):
+    """Which joints of an upper half belong to which of its parts, and by which each limb hangs on the trunk.
+
+    part_of_lane [width]; of each part: attachments, the lane of that joint (-1: none), and the way to it from the
+    pelvis's child: lengths, chains [parts, longest] in lanes and columns [parts, longest] in a pose.
+    """
+
+    part_of_lane: Array
+    attachments: Array
+    lengths: Array
+    chains: Array
+    columns: Array
+
+
+class Mixing(NamedTuple):
+    """Room for what is mixed of the characters of a block."""
+
+    requests: Array  # [BLOCK] REQUEST: what each lane splices
+    memory: Array  # [BLOCK, MEMORY_COLUMNS]: what is remembered of it
+    sum: Array  # [lower lanes + upper lanes] float32: rotations
+    row: Array  # [2, columns] float32: a row of `lower`, twice
+    weights: Array  # [1 + actions, parts]
+    shares: Array  # [BLOCK, parts]
+    kept: Array  # [BLOCK, 4 parts]: rotations
+    limbs_turn: Array  # [BLOCK]

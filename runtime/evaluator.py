@@ -48,7 +48,7 @@ class Evaluator:
         self._joints = bank.skeleton.joint_count
         self.arrays = arrays.bank_arrays(bank)
         self._rig = arrays.rig_arrays(bank.skeleton)
-        self._scratch = arrays.scratch(self.arrays, threads)
+        self.scratch = arrays.scratch(self.arrays, threads)
         self._world = world_kernels.scratch(bank.skeleton.joint_count)
         self._one = Requests.empty(1)
 
@@ -66,7 +66,7 @@ class Evaluator:
         """
         self._check_room(requests, out, memory)
         remembered = memory or NO_MEMORY
-        work = (self.arrays, requests.records, remembered.state, remembered.share, self._scratch)
+        work = (self.arrays, requests.records, remembered.state, remembered.share, self.scratch)
         if self._threads == 1 or len(remembered.state) == 1:
             fault = kernels.evaluate(*work, out.root_positions, out.flat)
         else:

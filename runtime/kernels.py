@@ -111,7 +111,7 @@ def evaluate_part(
             method = requests[first + k]["method"]
             sample_halves(bank, block, k, lanes, above, first + k, roots, rotations)
             if method == SPLICE:
-                correlate(bank, block, k, lanes, above)
+                correlate(bank, bank.lower, block, k, lanes, above)
                 splices += 1
             half = np.uint64(4 * PELVIS) + (above if method == NAIVE else np.uint64(0))
             copy_rotation(lanes, half, rotations, first + k, pelvis)

@@ -34,14 +34,15 @@ from runtime.rotation_kernels import ONE, horn, product, rotated
 from runtime.rows import CLOUD, PELVIS, POSTURE_FRAME, SIZE, TORSO_OFFSET
 
 OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
+GIVEN = 4  # towards what is remembered, as it is: characters that mix locomotions mix what those have stored
 LEAST_GAP = 1e-3  # of horn: below it, clouds of 32 bits do not tell a rotation to a ten-thousandth of a radian
 SLACK = 1.0 + 1e-6  # by as much a bound may come out too small
 
 
 @inlined
-def correlate(bank: BankArrays, block: Array, k: int, lanes: Array, above: Index) -> None:
+def correlate(bank: BankArrays, lower: Array, block: Array, k: int, lanes: Array, above: Index) -> None:
     """What a block needs of a splice: how its clouds go together, a bound on that, and five of its rotations."""
-    lower, upper, width = bank.lower, bank.upper, bank.rig[arrays.CLOUD_WIDTH]
+    upper, width = bank.upper, bank.rig[arrays.CLOUD_WIDTH]
     row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
     row_u, t_u = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     xx = xy = xz = yx = yy = yz = zx = zy = zz = spread(np.float32(0.0))
@@ -110,9 +111,10 @@ def other_postures(
             if request["posture"] != OFF:
                 turned += 1
                 given, remembered = bank.clips[request["locomotion"], arrays.POSTURE :], first + k
-                if request["posture"] == RUNNING:
+                if request["posture"] >= RUNNING:
                     remembered = min(first + k, len(memory) - 1)
-                    follow_posture(bank, memory[remembered, arrays.MEAN_POSTURE :], share, given, block, k)
+                    if request["posture"] == RUNNING:
+                        follow_posture(bank, memory[remembered, arrays.MEAN_POSTURE :], share, given, block, k)
                     given = memory[remembered, arrays.MEAN_POSTURE :]
                 correlate_postures(bank.clips[request["action"], arrays.POSTURE :], given, block, k)
     if turned > 0:

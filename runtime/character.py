@@ -1,0 +1,277 @@
+"""Characters: what a game does with splices from one second to the next.
+
+Each is a row of numbers (`runtime.character_state`), and one call moves or evaluates all of them. Commands are the slow
+way in: they fill the part of a row that waits, and the kernels begin what waits when its moment has come.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion.errors import SettingsError, did_you_mean
+from motion.quaternion import IDENTITY
+from runtime import arrays, character_kernels, clock_kernels
+from runtime import character_state as col
+from runtime.arrays import LAST_TURN, MEAN_POSTURE
+from runtime.bank import Bank
+from runtime.evaluator import Evaluator
+from runtime.in_step import phase_at
+from runtime.limbs import limbs_of
+from runtime.lookup_kernels import SPLICE
+from runtime.requests import FLOAT64, METHODS, POSTURES, REQUEST, Memory, Method, Poses, Posture, check_array, known, time_fault
+
+BLEND = 0.3  # seconds
+States = NDArray[np.float64]
+Rows = NDArray[np.int64] | Sequence[int]
+Locomotion = str | Mapping[str, float]
+
+
+class Stage:
+    """A bank as characters play on it. Not to be shared between threads, as the evaluator."""
+
+    def __init__(self, evaluator: Evaluator) -> None:
+        bank = evaluator.bank
+        self.evaluator = evaluator
+        self.bank: Bank = bank
+        self.ground = arrays.ground(bank)
+        self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
+        lanes = 4 * (bank.layout.lower.width + bank.layout.upper.width)
+        self.mixing = arrays.Mixing(
+            requests=np.zeros(arrays.BLOCK, REQUEST),
+            memory=np.zeros((arrays.BLOCK, arrays.MEMORY_COLUMNS)),
+            sum=np.zeros(lanes, np.float32),
+            row=np.zeros((2, bank.layout.lower.columns), np.float32),
+            weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 1)),
+            shares=np.zeros((arrays.BLOCK, col.PARTS)),
+            kept=np.zeros((arrays.BLOCK, 4 * col.PARTS)),
+            limbs_turn=np.zeros(arrays.BLOCK, np.int64),
+        )
+
+    def warm(self) -> None:
+        """Compiles the kernels, or loads them compiled."""
+        characters = Characters(self, 60.0)
+        characters.add(1, self.bank.clips[0].name)
+        characters.advance()
+        characters.evaluate(self.evaluator.poses(1))
+
+
+class Characters:
+    """n characters, which are shown `rate` times a second.
+
+    state: [n, COLUMNS] float64, a row for each, to be saved, copied and restored at will. The same commands at the same
+    frames give the same bytes, whichever other characters there are. Raises SettingsError if the state is not that.
+    """
+
+    def __init__(self, stage: Stage, rate: float, state: States | None = None) -> None:
+        self.stage = stage
+        self.rate = rate
+        self.state = np.zeros((0, col.COLUMNS)) if state is None else state
+        check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
+        self._share = Memory.begin(0, rate).share
+
+    def __len__(self) -> int:
+        return len(self.state)
+
+    def add(self, count: int, locomotion: Locomotion, **options: Any) -> NDArray[np.int64]:
+        """Adds characters at the origin, facing Z, and returns their rows; options are those of `play`."""
+        rows = np.arange(len(self), len(self) + count)
+        added = np.zeros((count, col.COLUMNS))
+        added[:, col.SPEED] = 1.0
+        before, self.state = self.state, np.concatenate([self.state, added])
+        try:
+            self.play(rows, locomotion, **{"blend": 0.0, **options})
+        except Exception:
+            self.state = before
+            raise
+        return rows
+
+    def remove(self, rows: Rows) -> None:
+        """Removes characters; those after them move up."""
+        self.state = np.delete(self.state, rows, axis=0)
+
+    def play(
+        self,
+        rows: Rows,
+        locomotion: Locomotion,
+        *,
+        time: float = 0.0,
+        blend: float = BLEND,
+        curve: col.Curve = "smooth",
+        loop: bool = True,
+    ) -> None:
+        """Goes over to a locomotion, or to a mix of up to MOST_MIXED by weight, within `blend` seconds.
+
+        It enters in step with what is played, at the first moment from `time` on that is; one without a gait, or after
+        one, just there. While two groups are still being blended a third one waits, and a newer one takes its place.
+        Raises UnknownClipError, TimeRangeError or SettingsError.
+        """
+        weights = self._weights(locomotion)
+        for clip in weights:
+            if (fault := time_fault("time", time, self.stage.bank.clips[clip])) is not None:
+                raise fault
+        part = np.zeros(col.COLUMNS - col.NEXT_COUNT)
+        part[:5] = len(weights), time, at_least_0("blend", blend), known(col.CURVES, "curve", curve), loop
+        for number, (clip, weight) in enumerate(weights.items()):
+            part[col.NEXT_CLIPS - col.NEXT_COUNT + number] = clip
+            part[col.NEXT_WEIGHTS - col.NEXT_COUNT + number] = weight
+        self.state[rows, col.NEXT_COUNT :] = part
+        self._begin(rows)
+
+    def weigh(self, rows: Rows, weights: Mapping[str, float]) -> None:
+        """Changes the weights of the newest mix, of whose clips those left out get none: each frame, if you like, for
+        they are followed within about a tenth of a second. Raises UnknownClipError or SettingsError."""
+        given = self._weights(weights)
+        for row in np.atleast_1d(np.asarray(rows)):
+            s = self.state[row]
+            if s[col.NEXT_COUNT]:
+                clips, at, apart = int(s[col.NEXT_COUNT]), col.NEXT_CLIPS, 1
+                goals = col.NEXT_WEIGHTS
+            else:
+                count = int(s[col.LOCOMOTIONS])
+                slots = [col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS for number in range(count)]
+                head = max(number for number, slot in enumerate(slots) if s[slot + col.HEAD] > 0)
+                clips, at, apart = count - head, slots[head] + col.CLIP, col.LOCOMOTION_COLUMNS
+                goals = slots[head] + col.GOAL
+            mixed = s[at : at + apart * clips : apart].astype(int).tolist()
+            if missing := [clip for clip in given if clip not in mixed]:
+                name = self.stage.bank.clips[missing[0]].name
+                raise SettingsError(f"{name!r} is not one of the locomotions that are mixed", mend="Play them first")
+            s[goals : goals + apart * clips : apart] = [given.get(clip, 0.0) for clip in mixed]
+
+    def act(
+        self,
+        rows: Rows,
+        action: str,
+        *,
+        when: col.When = "now",
+        start: float = 0.0,
+        blend: float = BLEND,
+        blend_out: float = BLEND,
+        curve: col.Curve = "smooth",
+        weight: float = 1.0,
+        loop: bool = True,
+        own_clock: bool | tuple[float, float] = False,
+        mask: col.Mask = "upper_body",
+        method: Method = "splice",
+        posture: Posture = "relative",
+    ) -> None:
+        """Begins an action over what is played, within `blend` seconds, in place of one that waits.
+
+        It begins `now`, in step, at the first moment from `start` on that is; or in `phase`, when `start` itself is in
+        step; or when a foot comes down. Its speed follows the locomotion's phase, but for where it goes by its
+        `own_clock`: always, or between two times of its own, after which it comes back into step. Without `loop` it is
+        faded out within `blend_out` before it ends, and ACTION_ENDED tells when it is gone. Raises UnknownClipError,
+        TimeRangeError or SettingsError.
+        """
+        bank = self.stage.bank
+        clip = bank.number(action)
+        entry = bank.clips[clip]
+        if (fault := time_fault("start", start, entry)) is not None:
+            raise fault
+        if not 0.0 <= weight <= 1.0:
+            raise SettingsError(f"weight {weight} does not lie between 0 and 1")
+        own = (0.0, np.inf) if own_clock is True else own_clock or (np.inf, np.inf)
+        part = np.zeros(col.ACTION_COLUMNS)
+        part[col.CLIP], part[col.KIND] = clip, known(METHODS, "method", method)
+        part[col.PHASE] = phase_at(self.stage.evaluator.arrays, clip, start)
+        part[col.FRAME] = start * entry.rate
+        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight
+        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
+        part[col.FADING_OUT], part[col.LOOP] = at_least_0("blend_out", blend_out), loop
+        part[col.MASK] = self._mask(mask)
+        part[col.POSTURE] = known(POSTURES, "posture", posture)
+        part[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
+        memory = Memory(part[None, col.REMEMBERED :].copy(), 0.0)
+        memory.forget(slice(None))
+        part[col.REMEMBERED :] = memory.state[0]
+        self._wait(rows, part, known(col.WHENS, "moment", when))
+
+    def stop(self, rows: Rows, *, blend: float = BLEND, curve: col.Curve = "smooth") -> None:
+        """Fades all actions out within `blend` seconds. Raises SettingsError."""
+        part = np.zeros(col.ACTION_COLUMNS)
+        part[col.KIND], part[col.MASK] = col.OWN, col.UPPER_BODY
+        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
+        self._wait(rows, part, col.NOW)
+
+    def speed(self, rows: Rows, speed: float) -> None:
+        """How fast they play, as a part of the clips' own speed. Raises SettingsError."""
+        self.state[rows, col.SPEED] = at_least_0("speed", speed)
+
+    def weight(self, rows: Rows, weight: float) -> None:
+        """How much of the newest action is shown, followed within about a tenth of a second. Raises SettingsError."""
+        if not 0.0 <= weight <= 1.0:
+            raise SettingsError(f"weight {weight} does not lie between 0 and 1")
+        for row in np.atleast_1d(np.asarray(rows)):
+            s = self.state[row]
+            newest = col.NEXT_ACTION if s[col.WHEN] else col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS
+            if s[col.WHEN] or s[col.ACTIONS]:
+                s[newest + col.GOAL] = weight
+
+    def place(self, rows: Rows, position: Sequence[float], heading: float = 0.0) -> None:
+        """Puts them elsewhere: position [3], metres, of the ground under them, and heading, radians about Y from Z."""
+        self.state[rows, col.PLACE : col.PLACE + 3] = position
+        self.state[rows, col.HEADING] = heading
+
+    def in_place(self, rows: Rows, in_place: bool = True) -> None:
+        """Shows them at the origin, facing Z, for a game that moves them by `deltas` itself."""
+        self.state[rows, col.IN_PLACE] = in_place
+
+    def advance(self) -> int:
+        """Moves all on by a frame. Returns the bits of all events that happened; `events` are each character's."""
+        state = self.state
+        return int(clock_kernels.advance(self.stage.evaluator.arrays, self.stage.ground, state, 1.0 / self.rate))
+
+    def evaluate(self, out: Poses) -> None:
+        """Writes every character's pose into `out`, which has as many rows. Raises SettingsError."""
+        stage = self.stage
+        if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
+            raise SettingsError(f"there are {len(self)} characters, and room for {len(out.flat)} poses")
+        work = (stage.evaluator.arrays, stage.ground, stage.limbs, self.state, self._share)
+        room = (stage.evaluator.scratch, stage.mixing)
+        character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
+
+    @property
+    def deltas(self) -> States:
+        """What the last frame added to where they are [n, 4]: metres to the left, up and ahead, as seen from where they
+        were, and radians about Y."""
+        return self.state[:, col.DELTA : col.DELTA + 4]
+
+    @property
+    def events(self) -> NDArray[np.int64]:
+        """What happened to each [n] in the last frame, bits of EVENT_NAMES."""
+        return self.state[:, col.EVENTS].astype(np.int64)
+
+    def _begin(self, rows: Rows) -> None:
+        begun = np.atleast_1d(np.asarray(rows, np.int64))
+        clock_kernels.begin(self.stage.evaluator.arrays, self.state, begun)
+
+    def _wait(self, rows: Rows, part: States, when: int) -> None:
+        self.state[rows, col.NEXT_ACTION : col.NEXT_ACTION + col.ACTION_COLUMNS] = part
+        self.state[rows, col.WHEN] = when
+        self._begin(rows)
+
+    def _weights(self, locomotion: Locomotion) -> dict[int, float]:
+        """Weights that come to 1 by clip number."""
+        given = {locomotion: 1.0} if isinstance(locomotion, str) else dict(locomotion)
+        total = sum(given.values())
+        if not 1 <= len(given) <= col.MOST_MIXED:
+            raise SettingsError(f"{len(given)} locomotions cannot be mixed", mend=f"Name 1 to {col.MOST_MIXED}")
+        if not (min(given.values()) >= 0.0 and 0.0 < total < np.inf):
+            raise SettingsError("weights should be at least 0, and one of them more")
+        return {self.stage.bank.number(name): weight / total for name, weight in given.items()}
+
+    def _mask(self, name: str) -> int:
+        mask = known(col.MASKS, "mask", name)
+        if any(mask >> part & 1 and self.stage.limbs.lengths[part] == 0 for part in range(1, col.PARTS)) and mask != 15:
+            raise SettingsError(f"this rig has no {name}", mend="Name the joints of its limbs as roles")
+        return mask
+
+
+def at_least_0(label: str, value: float) -> float:
+    if not 0.0 <= value < np.inf:
+        raise SettingsError(f"{label} {value} should be a number from 0 on")
+    return value

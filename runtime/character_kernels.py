@@ -1,0 +1,498 @@
+"""The poses of characters: what their slots give, mixed.
+
+As `runtime.kernels`: nothing here checks, allocates or holds the GIL. Lower bodies are mixed first, so that each action
+is laid on the lower body that is shown; then upper bodies, part by part. A character that plays one locomotion and one
+action, neither of them fading, costs what a plain splice does.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from runtime import arrays
+from runtime import character_state as col
+from runtime.arrays import ALIGNED, BLOCK, FRAME, OWN, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, THEIRS, TURN
+from runtime.arrays import BankArrays, Ground, Limbs, Mixing, Scratch
+from runtime.clock_kernels import way
+from runtime.compiled import Array, Index, inlined, kernel
+from runtime.kernels import copy_rotation
+from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
+from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, other_postures, settle
+from runtime.rotation_kernels import BACK, ONE, ONWARD, TINY, horn, multiply, normalise, product, rotated, sample
+from runtime.rows import CLOUD, FIRST_JOINT, PELVIS, ROOT, SIZE
+from runtime.transition_kernels import action, faded, locomotion
+
+
+@kernel
+def evaluate_characters(
+    bank: BankArrays,
+    ground: Ground,
+    limbs: Limbs,
+    states: Array,
+    share: float,
+    scratch: Scratch,
+    mixing: Mixing,
+    roots: Array,
+    rotations: Array,
+) -> None:
+    """Writes each character's root position [n, 3] and local rotations [n, 4 J]."""
+    block = scratch.block[0]
+    first = 0
+    while first < len(states):
+        stop, lanes = first, 0
+        while stop < len(states) and lanes + lanes_of(states[stop]) <= BLOCK:
+            lanes += lanes_of(states[stop])
+            fetch_slots(bank, states[stop])
+            stop += 1
+        k = 0
+        for character in range(first, stop):
+            mix_lower(bank, ground, states[character], k, scratch, mixing, character, roots, rotations)
+            mix_upper(bank, limbs, states[character], k, scratch, mixing, character, rotations)
+            k += lanes_of(states[character])
+        for lane in range(k, BLOCK):
+            mixing.requests[lane]["method"] = 0
+        horn(block)
+        settle(mixing.requests, mixing.memory, block, 0, k)
+        multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
+        multiply(block, THEIRS, OWN, TURN, BACK)
+        other_postures(bank, mixing.requests, mixing.memory, share, block, 0, k)
+        multiply(block, FRAME, TURN, TURN, ONWARD)
+        multiply(block, TURN, FRAME, TURN, BACK)
+        multiply(block, TURN, SPLICED, SPLICED, ONWARD)
+        normalise(block, SPLICED)
+        k = 0
+        for character in range(first, stop):
+            s = states[character]
+            if s[col.ACTIONS] > 0.0:
+                turn_pelvis(bank, s, k, block, mixing, character, rotations)
+                if mixing.limbs_turn[k] > 0:
+                    turn_limbs(bank, limbs, s, k, block, mixing, character, rotations)
+            k += lanes_of(s)
+        first = stop
+
+
+@inlined
+def lanes_of(s: Array) -> int:
+    """Lanes of a block that a character takes: one for each action, and one without."""
+    return max(int(s[col.ACTIONS]), 1)
+
+
+@inlined
+def fetch_slots(bank: BankArrays, s: Array) -> None:
+    """Has the processor fetch the rows of all slots."""
+    for number in range(int(s[col.LOCOMOTIONS])):
+        slot = locomotion(number)
+        clip = int(s[slot + col.CLIP])
+        row, _ = locate(s[slot + col.FRAME], bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+        fetch_ahead(bank.lower, row)
+        if s[col.ACTIONS] == 0.0:
+            fetch_ahead(bank.upper, row)
+    for number in range(int(s[col.ACTIONS])):
+        slot = action(number)
+        if s[slot + col.KIND] != col.OWN:
+            row, _ = row_of_action(bank, s, slot)
+            fetch_ahead(bank.upper, row)
+
+
+@inlined
+def row_of_action(bank: BankArrays, s: Array, slot: int) -> tuple[np.uint64, float]:
+    clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
+    first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
+    if s[slot + col.KIND] == NAIVE:
+        count = bank.clips[clip, arrays.FRAME_COUNT]
+        frame = repeated(frame, count - 1.0)
+    return locate(frame, first, count)
+
+
+@inlined
+def mix_lower(
+    bank: BankArrays,
+    ground: Ground,
+    s: Array,
+    k: int,
+    scratch: Scratch,
+    mixing: Mixing,
+    character: int,
+    roots: Array,
+    rotations: Array,
+) -> None:
+    """Samples the lower half of all locomotions into lanes, mixed, and writes root and joints into the pose."""
+    lanes, block, rig = scratch.lanes[0], scratch.block[0], bank.rig
+    count, width, planes = int(s[col.LOCOMOTIONS]), rig[arrays.LOWER_WIDTH], rig[arrays.FIRST_PLANE]
+    root = np.uint64(4 * FIRST_JOINT)
+    x = y = z = 0.0
+    for number in range(count):
+        slot = locomotion(number)
+        clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
+        row, t = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+        px, py, pz, heading = way(bank, ground, clip, frame)
+        t32 = np.float32(t)
+        sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
+        dx = between_rows(bank.lower, row, np.uint64(ROOT), t32) - px
+        dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t32) - pz
+        share = s[slot + col.SHARE] if count > 1 else 1.0
+        sin, cos = math.sin(0.5 * heading), math.cos(0.5 * heading)
+        cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
+        x += share * (cosine * dx - sine * dz)
+        y += share * (between_rows(bank.lower, row, np.uint64(ROOT + 1), t32) - py)
+        z += share * (cosine * dz + sine * dx)
+        turn_about_y(lanes, root, -sin, cos)
+        if count == 1:
+            block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
+        else:
+            add_lanes(lanes, np.uint64(0), np.uint64(4) * width, np.float32(share), mixing.sum, number == 0)
+            add_cloud(bank, row, t32, np.float32(share), mixing.row, number == 0)
+    if count > 1:
+        normalise_lanes(mixing.sum, np.uint64(0), np.uint64(4) * width, lanes)
+        block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
+    if s[col.IN_PLACE] == 0.0:
+        sin, cos = math.sin(0.5 * s[col.HEADING]), math.cos(0.5 * s[col.HEADING])
+        cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
+        turn_about_y(lanes, root, sin, cos)
+        x, z = s[col.PLACE] + cosine * x + sine * z, s[col.PLACE + 2] + cosine * z - sine * x
+        y += s[col.PLACE + 1]
+    roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
+    below, at = np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], root
+    for joint in range(np.uint64(arrays.COLUMNS), below):
+        copy_rotation(lanes, at, rotations, character, rig[joint])
+        at += np.uint64(4)
+    copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
+
+
+@inlined
+def turn_about_y(lanes: Array, at: Index, sin: float, cos: float) -> None:
+    """A rotation in lanes, turned about Y by twice the angle of sin and cos."""
+    x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
+    lanes[at], lanes[at + ONE] = cos * x + sin * z, cos * y + sin * w
+    lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE] = cos * z - sin * x, cos * w - sin * y
+
+
+@inlined
+def add_lanes(lanes: Array, first: Index, count: Index, weight: Array, total: Array, new: bool) -> None:
+    """Adds rotations with a weight to a sum, each by the shorter way round."""
+    for at in range(first, first + count, np.uint64(4)):
+        b, c, d = at + np.uint64(1), at + np.uint64(2), at + np.uint64(3)
+        x, y, z, w = lanes[at], lanes[b], lanes[c], lanes[d]
+        if new:
+            total[at], total[b], total[c], total[d] = weight * x, weight * y, weight * z, weight * w
+        else:
+            near = total[at] * x + total[b] * y + total[c] * z + total[d] * w
+            signed = weight if near >= np.float32(0.0) else -weight
+            total[at] += signed * x
+            total[b] += signed * y
+            total[c] += signed * z
+            total[d] += signed * w
+
+
+@inlined
+def normalise_lanes(total: Array, first: Index, count: Index, out: Array) -> None:
+    for at in range(first, first + count, np.uint64(4)):
+        b, c, d = at + np.uint64(1), at + np.uint64(2), at + np.uint64(3)
+        x, y, z, w = total[at], total[b], total[c], total[d]
+        scale = np.float32(1.0) / np.sqrt(max(x * x + y * y + z * z + w * w, np.float32(1e-30)))
+        out[at], out[b], out[c], out[d] = x * scale, y * scale, z * scale, w * scale
+
+
+@inlined
+def add_cloud(bank: BankArrays, row: Index, t: float, weight: float, total: Array, new: bool) -> None:
+    """Adds the cloud of a row of `lower`, and its size, to a row of the same form, and to the one after it."""
+    for column in range(np.uint64(SIZE), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH]):
+        value = weight * between_rows(bank.lower, row, column, t)
+        value += np.float32(0.0) if new else total[0, column]
+        total[0, column], total[1, column] = value, value
+
+
+@inlined
+def mix_upper(
+    bank: BankArrays,
+    limbs: Limbs,
+    s: Array,
+    k: int,
+    scratch: Scratch,
+    mixing: Mixing,
+    character: int,
+    rotations: Array,
+) -> None:
+    """Samples the upper half of all that gives some of it into lanes, mixed, and writes its joints into the pose;
+    prepares the splices of actions, each in a lane of the block."""
+    lanes, rig, count = scratch.lanes[0], bank.rig, int(s[col.ACTIONS])
+    above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
+    mixing.requests[k]["method"], mixing.limbs_turn[k] = 0, 0
+    if count == 0:
+        sample_own(bank, s, scratch, mixing)
+    elif is_plain(s):
+        sample_action(bank, s, 0, k, scratch, mixing)
+        mixing.weights[0] = 0.0
+        for part in range(col.PARTS):
+            mixing.weights[col.PARTS + part] = 1.0
+    else:
+        mix_actions(bank, limbs, s, count, k, scratch, mixing)
+    for number in range(count):
+        for part in range(col.PARTS):
+            mixing.shares[k + number, part] = mixing.weights[col.PARTS * (number + 1) + part]
+    at, below = above + np.uint64(4 * FIRST_JOINT), np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT]
+    for joint in range(below, np.uint64(len(rig))):
+        copy_rotation(lanes, at, rotations, character, rig[joint])
+        at += np.uint64(4)
+
+
+@inlined
+def is_plain(s: Array) -> bool:
+    """Whether one action alone gives the whole upper body."""
+    slot = col.FIRST_ACTION
+    return (
+        s[col.ACTIONS] == 1.0
+        and s[slot + col.KIND] != col.OWN
+        and s[slot + col.MASK] == col.UPPER_BODY
+        and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
+        and s[slot + col.WEIGHT] == 1.0
+    )
+
+
+@inlined
+def sample_own(bank: BankArrays, s: Array, scratch: Scratch, mixing: Mixing) -> None:
+    """The locomotions' own upper half into lanes."""
+    lanes, rig, count = scratch.lanes[0], bank.rig, int(s[col.LOCOMOTIONS])
+    above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
+    for number in range(count):
+        slot = locomotion(number)
+        clip = int(s[slot + col.CLIP])
+        row, t = locate(s[slot + col.FRAME], bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+        sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
+        if count > 1:
+            share = np.float32(s[slot + col.SHARE])
+            add_lanes(lanes, above, np.uint64(4) * width, share, mixing.sum, number == 0)
+    if count > 1:
+        normalise_lanes(mixing.sum, above, np.uint64(4) * width, lanes)
+
+
+@inlined
+def sample_action(bank: BankArrays, s: Array, number: int, k: int, scratch: Scratch, mixing: Mixing) -> None:
+    """An action's upper half into lanes, and what its splice needs into lane k of the block."""
+    lanes, block, rig, slot = scratch.lanes[0], scratch.block[0], bank.rig, action(number)
+    above, first = np.uint64(4) * rig[arrays.LOWER_WIDTH], k - number
+    row, t = row_of_action(bank, s, slot)
+    sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
+    block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
+    request, kind = mixing.requests[k], int(s[slot + col.KIND])
+    request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])
+    request["action"], request["locomotion"] = int(s[slot + col.CLIP]), int(s[col.FIRST_LOCOMOTION + col.CLIP])
+    if kind == SPLICE:
+        for column in range(arrays.MEMORY_COLUMNS):
+            mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
+        if s[col.LOCOMOTIONS] > 1.0:
+            block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
+            correlate(bank, mixing.row, block, k, lanes, above)
+            if request["posture"] == ABSOLUTE:
+                mix_postures(bank, s, k, mixing)
+        else:
+            block[ROW_L * BLOCK + k] = block[ROW_L * BLOCK + first]
+            block[SHARE_L * BLOCK + k] = block[SHARE_L * BLOCK + first]
+            correlate(bank, bank.lower, block, k, lanes, above)
+    elif kind == NAIVE:
+        for i in range(4):
+            block[(SPLICED + i) * BLOCK + k] = 0.0
+            mixing.kept[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
+
+
+@inlined
+def mix_postures(bank: BankArrays, s: Array, k: int, mixing: Mixing) -> None:
+    """The posture that locomotions have stored, mixed, for an action that is turned from there."""
+    mixing.requests[k]["posture"] = GIVEN
+    for i in range(6):
+        mixing.memory[k, arrays.MEAN_POSTURE + i] = 0.0
+    for number in range(int(s[col.LOCOMOTIONS])):
+        slot = locomotion(number)
+        for i in range(6):
+            stored = bank.clips[int(s[slot + col.CLIP]), arrays.POSTURE + i]
+            mixing.memory[k, arrays.MEAN_POSTURE + i] += s[slot + col.SHARE] * stored
+
+
+@kernel
+def mix_actions(
+    bank: BankArrays, limbs: Limbs, s: Array, count: int, k: int, scratch: Scratch, mixing: Mixing
+) -> None:
+    """The upper halves of the locomotions and of all actions into lanes, each part by the shares of those that own it."""
+    lanes, rig = scratch.lanes[0], bank.rig
+    above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
+    weigh_actions(s, count, mixing.weights)
+    own = 0.0
+    for part in range(col.PARTS):
+        own = max(own, mixing.weights[part])
+    if own > 0.0:
+        sample_own(bank, s, scratch, mixing)
+    add_parts(limbs, lanes, above, width, mixing.weights, 0, mixing.sum, True, False)
+    for number in range(count):
+        slot = action(number)
+        mixing.requests[k + number]["method"] = 0
+        if s[slot + col.KIND] != col.OWN:
+            sample_action(bank, s, number, k + number, scratch, mixing)
+            apart = s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
+            if apart:
+                keep_limbs(bank, limbs, lanes, above, k + number, mixing)
+                mixing.limbs_turn[k] = 1
+            add_parts(limbs, lanes, above, width, mixing.weights, number + 1, mixing.sum, False, apart)
+    normalise_lanes(mixing.sum, above, np.uint64(4) * width, lanes)
+
+
+@inlined
+def weigh_actions(s: Array, count: int, weights: Array) -> None:
+    """What share of each part [PARTS] the locomotions' own upper body has, then each action."""
+    for part in range(col.PARTS):
+        weights[part] = 1.0
+    for number in range(count):
+        slot = action(number)
+        risen = faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])
+        given = 0.0 if s[slot + col.KIND] == col.OWN else s[slot + col.WEIGHT]
+        for part in range(col.PARTS):
+            share = risen if int(s[slot + col.MASK]) >> part & 1 else 0.0
+            for below in range(number + 1):
+                weights[col.PARTS * below + part] *= 1.0 - share
+            weights[part] += share * (1.0 - given)
+            weights[col.PARTS * (number + 1) + part] = share * given
+
+
+@inlined
+def add_parts(
+    limbs: Limbs,
+    lanes: Array,
+    first: Index,
+    width: Index,
+    weights: Array,
+    source: int,
+    total: Array,
+    new: bool,
+    apart: bool,
+) -> None:
+    """Adds the rotations of an upper half to a sum, each by the weight of its part; but not, if they are turned apart,
+    the joints by which limbs hang on the trunk."""
+    at = first
+    for lane in range(width):
+        part = limbs.part_of_lane[lane]
+        weight = np.float32(weights[col.PARTS * source + part])
+        if apart and limbs.attachments[part] == lane:
+            weight = np.float32(0.0)
+        add_lanes(lanes, at, np.uint64(4), weight, total, new)
+        at += np.uint64(4)
+
+
+@inlined
+def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
+    """How each limb's attachment is turned against the pelvis in an action's own upper half."""
+    for part in range(1, col.PARTS):
+        x, y, z, w = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(1.0)
+        for number in range(limbs.lengths[part]):
+            at = above + np.uint64(4 * limbs.chains[part, number])
+            x, y, z, w = product(
+                x, y, z, w, lanes[at], lanes[at + np.uint64(1)], lanes[at + np.uint64(2)], lanes[at + np.uint64(3)]
+            )
+        at = 4 * part
+        mixing.kept[k, at], mixing.kept[k, at + 1], mixing.kept[k, at + 2], mixing.kept[k, at + 3] = x, y, z, w
+
+
+@inlined
+def turn_pelvis(
+    bank: BankArrays, s: Array, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
+) -> None:
+    """The pelvis of a pose, which is the locomotion's, by the shares of the actions; and what they remember."""
+    column, count, own = bank.rig[arrays.PELVIS_COLUMN], int(s[col.ACTIONS]), 1.0
+    for number in range(count):
+        own -= mixing.shares[k + number, 0]
+    ax, ay = rotations[character, column], rotations[character, column + np.uint64(1)]
+    az, aw = rotations[character, column + np.uint64(2)], rotations[character, column + np.uint64(3)]
+    own = max(own, 0.0) if own > 1e-9 else 0.0
+    x, y, z, w = own * ax, own * ay, own * az, own * aw
+    for number in range(count):
+        lane, slot, share = k + number, action(number), mixing.shares[k + number, 0]
+        kind = s[slot + col.KIND]
+        if kind == SPLICE:
+            keep_memory(s, slot, lane, mixing)
+            bx, by = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
+            bz, bw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
+        else:
+            bx, by, bz, bw = mixing.kept[lane, 0], mixing.kept[lane, 1], mixing.kept[lane, 2], mixing.kept[lane, 3]
+        if kind != col.OWN and share > 0.0:
+            signed = share if x * bx + y * by + z * bz + w * bw >= 0.0 else -share
+            x, y, z, w = x + signed * bx, y + signed * by, z + signed * bz, w + signed * bw
+    scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+    rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
+    rotations[character, column + np.uint64(2)], rotations[character, column + np.uint64(3)] = z * scale, w * scale
+
+
+@inlined
+def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
+    """Gives a slot back what the evaluator remembers of its splice."""
+    kept = arrays.MEAN_POSTURE if mixing.requests[lane]["posture"] == GIVEN else arrays.MEMORY_COLUMNS
+    for column in range(kept):
+        s[slot + col.REMEMBERED + column] = mixing.memory[lane, column]
+
+
+@kernel
+def turn_limbs(
+    bank: BankArrays,
+    limbs: Limbs,
+    s: Array,
+    k: int,
+    block: Array,
+    mixing: Mixing,
+    character: int,
+    rotations: Array,
+) -> None:
+    """Turns the attachments of limbs that an action owns without the trunk, so that they are to the pelvis as they
+    would be if it owned all: Heck's three steps at another joint (their section 5)."""
+    pelvis = bank.rig[arrays.PELVIS_COLUMN]
+    for part in range(1, col.PARTS):
+        length = limbs.lengths[part]
+        for number in range(int(s[col.ACTIONS])):
+            lane, slot = k + number, action(number)
+            share = mixing.shares[lane, part]
+            apart = s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
+            if length > 0 and apart and share > 0.0:
+                x, y, z, w = quaternion_at(rotations, character, pelvis)
+                for joint in range(length - 1):
+                    a, b, c, d = quaternion_at(rotations, character, limbs.columns[part, joint])
+                    x, y, z, w = product(x, y, z, w, a, b, c, d)
+                px, py = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
+                pz, pw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
+                at = 4 * part
+                tx, ty, tz, tw = product(
+                    px,
+                    py,
+                    pz,
+                    pw,
+                    mixing.kept[lane, at],
+                    mixing.kept[lane, at + 1],
+                    mixing.kept[lane, at + 2],
+                    mixing.kept[lane, at + 3],
+                )
+                x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
+                column = limbs.columns[part, length - 1]
+                rest = rest_of(mixing, k, int(s[col.ACTIONS]), number, part)
+                a, b, c, d = quaternion_at(rotations, character, column)
+                signed = rest if a * x + b * y + c * z + d * w >= 0.0 else -rest
+                x, y, z, w = share * x + signed * a, share * y + signed * b, share * z + signed * c, share * w + signed * d
+                scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+                rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
+                rotations[character, column + np.uint64(2)] = z * scale
+                rotations[character, column + np.uint64(3)] = w * scale
+
+
+@inlined
+def rest_of(mixing: Mixing, k: int, count: int, number: int, part: int) -> float:
+    """The share of a part that the own upper body and the actions up to one have, but for that one."""
+    rest = 1.0
+    for other in range(number, count):
+        rest -= mixing.shares[k + other, part]
+    return max(rest, 0.0)
+
+
+@inlined
+def quaternion_at(rotations: Array, character: int, column: Index) -> tuple[float, float, float, float]:
+    return (
+        rotations[character, column],
+        rotations[character, column + np.uint64(1)],
+        rotations[character, column + np.uint64(2)],
+        rotations[character, column + np.uint64(3)],
+    )

@@ -1,0 +1,209 @@
+"""What a character goes over into: slots that begin in step, are faded in over those below them, and are dropped.
+
+As `runtime.kernels`: nothing here checks, allocates or holds the GIL. What is commanded waits in the row until its
+moment has come, be that at once, so that all transitions are begun by `begin_waiting`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from runtime import arrays
+from runtime import character_state as col
+from runtime.arrays import BankArrays
+from runtime.compiled import Array, inlined, kernel
+from runtime.lookup_kernels import IN_STEP, SPLICE, between, frame_at, frame_near, locate
+
+UNKNOWN = np.inf  # a phase that nothing says
+
+
+@inlined
+def locomotion(number: int) -> int:
+    """Where in a row a slot of locomotion begins."""
+    return col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS
+
+
+@inlined
+def action(number: int) -> int:
+    """Where in a row a slot of action begins."""
+    return col.FIRST_ACTION + number * col.ACTION_COLUMNS
+
+
+@inlined
+def faded(elapsed: float, lasting: float, curve: float) -> float:
+    """How far something is faded in, from 0 to 1."""
+    if elapsed >= lasting:
+        return 1.0
+    t = elapsed / lasting
+    if curve == col.SMOOTH:
+        return t * t * (3.0 - 2.0 * t)
+    if curve == col.EASE_IN:
+        return t * t
+    if curve == col.EASE_OUT:
+        return t * (2.0 - t)
+    return t
+
+
+@inlined
+def phase_of(bank: BankArrays, clip: int, frame: float) -> float:
+    """A clip's phase at a real-valued frame, its seam's among them."""
+    row, t = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+    return between(bank.phases, row, t)
+
+
+@inlined
+def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
+    """A clip's real-valued frame at a phase; its ends' beyond them."""
+    last = bank.clips[clip, arrays.ROW_COUNT] - 1.0
+    return min(max(frame_at(bank, clip, phase, frame_near(bank, clip, phase)), 0.0), last)
+
+
+@inlined
+def reference(bank: BankArrays, s: Array) -> float:
+    """The phase that what begins has to be in step with: the newest gait's, or else the newest spliced action's."""
+    for number in range(int(s[col.LOCOMOTIONS]) - 1, -1, -1):
+        slot = locomotion(number)
+        if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
+            return s[slot + col.PHASE]
+    for number in range(int(s[col.ACTIONS]) - 1, -1, -1):
+        slot = action(number)
+        if s[slot + col.KIND] == SPLICE:
+            return s[slot + col.PHASE]
+    return UNKNOWN
+
+
+@inlined
+def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
+    """The first phase of a clip from `start` on that is a whole number of cycles from `phase`; `start` if none is."""
+    if phase == UNKNOWN:
+        return start
+    found = phase + np.ceil(start - phase - IN_STEP)
+    while found > bank.clips[clip, arrays.LAST_PHASE] and found - 1.0 >= bank.clips[clip, arrays.FIRST_PHASE]:
+        found -= 1.0
+    return found if found <= bank.clips[clip, arrays.LAST_PHASE] else start
+
+
+@kernel
+def begin_waiting(bank: BankArrays, s: Array, passed: float, downs: int) -> None:
+    """Begins what waits, if its moment has come and there is room: the phase has just advanced by `passed` cycles, and
+    the feet whose bits are in `downs` have come down."""
+    if s[col.NEXT_COUNT] > 0.0:
+        if s[col.NEXT_LASTING] <= 0.0:
+            begin_locomotion(bank, s, 0)
+        elif s[col.LOCOMOTIONS] + s[col.NEXT_COUNT] <= col.MOST_LOCOMOTIONS:
+            begin_locomotion(bank, s, int(s[col.LOCOMOTIONS]))
+    if s[col.WHEN] > col.NEVER and s[col.ACTIONS] < col.MOST_ACTIONS and is_time(bank, s, passed, downs):
+        begin_action(bank, s)
+
+
+@kernel
+def begin_locomotion(bank: BankArrays, s: Array, first: int) -> None:
+    """Begins the group that waits, in the slots from `first` on."""
+    count, phase = int(s[col.NEXT_COUNT]), reference(bank, s)
+    for number in range(count):
+        slot, clip = locomotion(first + number), int(s[col.NEXT_CLIPS + number])
+        start = phase_of(bank, clip, s[col.NEXT_TIME] * bank.clips[clip, arrays.RATE])
+        gait = bank.clips[clip, arrays.GAIT] > 0.0
+        begun = in_step(bank, clip, start, phase) if gait else start
+        s[slot + col.CLIP], s[slot + col.PHASE], s[slot + col.FRAME] = clip, begun, frame_of(bank, clip, begun)
+        weight = s[col.NEXT_WEIGHTS + number]
+        s[slot + col.WEIGHT], s[slot + col.LAGGING], s[slot + col.GOAL] = weight, weight, weight
+        s[slot + col.ELAPSED], s[slot + col.LASTING] = 0.0, s[col.NEXT_LASTING]
+        s[slot + col.CURVE], s[slot + col.LOOP] = s[col.NEXT_CURVE], s[col.NEXT_LOOP]
+        s[slot + col.HEAD] = count if number == 0 else 0.0
+    s[col.LOCOMOTIONS], s[col.NEXT_COUNT] = first + count, 0.0
+    share_locomotions(s)
+
+
+@inlined
+def is_time(bank: BankArrays, s: Array, passed: float, downs: int) -> bool:
+    """Whether the action that waits is to begin."""
+    when, phase = s[col.WHEN], reference(bank, s)
+    if when == col.NOW or phase == UNKNOWN:
+        return True
+    if when == col.IN_PHASE:
+        start = s[col.NEXT_ACTION + col.PHASE]
+        return np.floor(phase - start + IN_STEP) > np.floor(phase - passed - start + IN_STEP)
+    feet = 3 if when == col.ON_FOOT else when - col.ON_LEFT + 1  # the bits of `runtime.contacts`
+    return int(feet) & downs > 0
+
+
+@kernel
+def begin_action(bank: BankArrays, s: Array) -> None:
+    """Begins the action that waits, in a slot above all others."""
+    slot, waiting = action(int(s[col.ACTIONS])), col.NEXT_ACTION
+    for column in range(col.ACTION_COLUMNS):
+        s[slot + column] = s[waiting + column]
+    clip, start, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE], reference(bank, s)
+    if s[slot + col.KIND] == SPLICE and not is_own_clock(s, slot, s[slot + col.FRAME]):
+        s[slot + col.PHASE] = in_step(bank, clip, start, phase)
+        if s[col.WHEN] == col.IN_PHASE and phase != UNKNOWN:
+            nearest = phase + np.round(start - phase)
+            s[slot + col.PHASE] = max(nearest, bank.clips[clip, arrays.FIRST_PHASE])
+        s[slot + col.FRAME] = frame_of(bank, clip, s[slot + col.PHASE])
+    s[slot + col.ELAPSED] = 0.0
+    if s[slot + col.KIND] != col.OWN:
+        s[col.EVENTS], s[col.BEGAN] = int(s[col.EVENTS]) | col.ACTION_BEGAN, clip
+    s[col.ACTIONS] += 1.0
+    s[col.WHEN] = col.NEVER
+    drop_actions(s)
+
+
+@inlined
+def is_own_clock(s: Array, slot: int, frame: float) -> bool:
+    """Whether an action goes by its own clock at a frame."""
+    return s[slot + col.OWN_FROM] <= frame < s[slot + col.OWN_TO]
+
+
+@kernel
+def share_locomotions(s: Array) -> None:
+    """How much each locomotion gives, after those that groups above them have covered are dropped."""
+    count, rest = int(s[col.LOCOMOTIONS]), 1.0
+    first = count
+    while first > 0 and rest > 0.0:
+        first -= 1
+        head = locomotion(first)
+        if s[head + col.HEAD] > 0.0:
+            risen = faded(s[head + col.ELAPSED], s[head + col.LASTING], s[head + col.CURVE]) if first > 0 else 1.0
+            for number in range(first, first + int(s[head + col.HEAD])):
+                slot = locomotion(number)
+                s[slot + col.SHARE] = rest * risen * s[slot + col.WEIGHT]
+            rest *= 1.0 - risen
+    if first > 0:
+        kept = (count - first) * col.LOCOMOTION_COLUMNS
+        for column in range(kept):
+            s[col.FIRST_LOCOMOTION + column] = s[locomotion(first) + column]
+        s[col.LOCOMOTIONS] = count - first
+
+
+@kernel
+def drop_actions(s: Array) -> None:
+    """Drops actions that those above them have covered, and tells of those that had come to their end."""
+    count, covered = int(s[col.ACTIONS]), 0
+    for number in range(count - 1, -1, -1):
+        slot = action(number)
+        mask, whole = int(s[slot + col.MASK]), s[slot + col.ELAPSED] >= s[slot + col.LASTING]
+        hidden = mask & ~covered == 0
+        if whole:
+            covered |= mask
+        if hidden or (whole and number == 0 and s[slot + col.KIND] == col.OWN):
+            if s[slot + col.LEAVING] > 0.0:
+                s[col.EVENTS], s[col.ENDED] = int(s[col.EVENTS]) | col.ACTION_ENDED, s[slot + col.CLIP]
+            for column in range(slot, action(count - 1)):
+                s[column] = s[column + col.ACTION_COLUMNS]
+            count -= 1
+    s[col.ACTIONS] = count
+
+
+@inlined
+def leave_action(s: Array, number: int, lasting: float) -> None:
+    """Has an action that comes to its end faded out, by the locomotion's own upper body above it."""
+    slot = action(number)
+    s[slot + col.LEAVING] = 1.0
+    own = action(int(s[col.ACTIONS]))
+    for column in range(col.ACTION_COLUMNS):
+        s[own + column] = 0.0
+    s[own + col.KIND], s[own + col.MASK] = col.OWN, s[slot + col.MASK]
+    s[own + col.LASTING], s[own + col.CURVE] = lasting, s[slot + col.CURVE]
+    s[own + col.WEIGHT] = s[own + col.GOAL] = s[own + col.LAGGING] = 1.0
+    s[col.ACTIONS] += 1.0

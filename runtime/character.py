@@ -12,17 +12,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import SettingsError, did_you_mean
-from motion.quaternion import IDENTITY
+from motion.errors import SettingsError
 from runtime import arrays, character_kernels, clock_kernels
 from runtime import character_state as col
-from runtime.arrays import LAST_TURN, MEAN_POSTURE
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 from runtime.in_step import phase_at
 from runtime.limbs import limbs_of
-from runtime.lookup_kernels import SPLICE
-from runtime.requests import FLOAT64, METHODS, POSTURES, REQUEST, Memory, Method, Poses, Posture, check_array, known, time_fault
+from runtime.requests import (
+    FLOAT64,
+    METHODS,
+    POSTURES,
+    REQUEST,
+    Memory,
+    Method,
+    Poses,
+    Posture,
+    check_array,
+    known,
+    time_fault,
+)
 
 BLEND = 0.3  # seconds
 States = NDArray[np.float64]
@@ -80,7 +89,7 @@ class Characters:
         """Adds characters at the origin, facing Z, and returns their rows; options are those of `play`."""
         rows = np.arange(len(self), len(self) + count)
         added = np.zeros((count, col.COLUMNS))
-        added[:, col.SPEED] = 1.0
+        added[:, [col.SPEED, col.COS]] = 1.0
         before, self.state = self.state, np.concatenate([self.state, added])
         try:
             self.play(rows, locomotion, **{"blend": 0.0, **options})
@@ -207,7 +216,9 @@ class Characters:
             raise SettingsError(f"weight {weight} does not lie between 0 and 1")
         for row in np.atleast_1d(np.asarray(rows)):
             s = self.state[row]
-            newest = col.NEXT_ACTION if s[col.WHEN] else col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS
+            newest = (
+                col.NEXT_ACTION if s[col.WHEN] else col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS
+            )
             if s[col.WHEN] or s[col.ACTIONS]:
                 s[newest + col.GOAL] = weight
 
@@ -215,6 +226,7 @@ class Characters:
         """Puts them elsewhere: position [3], metres, of the ground under them, and heading, radians about Y from Z."""
         self.state[rows, col.PLACE : col.PLACE + 3] = position
         self.state[rows, col.HEADING] = heading
+        self.state[rows, col.SIN], self.state[rows, col.COS] = np.sin(0.5 * heading), np.cos(0.5 * heading)
 
     def in_place(self, rows: Rows, in_place: bool = True) -> None:
         """Shows them at the origin, facing Z, for a game that moves them by `deltas` itself."""
@@ -222,15 +234,15 @@ class Characters:
 
     def advance(self) -> int:
         """Moves all on by a frame. Returns the bits of all events that happened; `events` are each character's."""
-        state = self.state
-        return int(clock_kernels.advance(self.stage.evaluator.arrays, self.stage.ground, state, 1.0 / self.rate))
+        stage, state = self.stage, self.state.reshape(-1)
+        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, state, 1.0 / self.rate))
 
     def evaluate(self, out: Poses) -> None:
         """Writes every character's pose into `out`, which has as many rows. Raises SettingsError."""
         stage = self.stage
         if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
             raise SettingsError(f"there are {len(self)} characters, and room for {len(out.flat)} poses")
-        work = (stage.evaluator.arrays, stage.ground, stage.limbs, self.state, self._share)
+        work = (stage.evaluator.arrays, stage.limbs, self.state.reshape(-1), self._share)
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 
@@ -247,7 +259,8 @@ class Characters:
 
     def _begin(self, rows: Rows) -> None:
         begun = np.atleast_1d(np.asarray(rows, np.int64))
-        clock_kernels.begin(self.stage.evaluator.arrays, self.state, begun)
+        stage, state = self.stage, self.state.reshape(-1)
+        clock_kernels.begin(stage.evaluator.arrays, stage.ground, state, begun)
 
     def _wait(self, rows: Rows, part: States, when: int) -> None:
         self.state[rows, col.NEXT_ACTION : col.NEXT_ACTION + col.ACTION_COLUMNS] = part

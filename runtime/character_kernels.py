@@ -13,14 +13,28 @@ import numpy as np
 
 from runtime import arrays
 from runtime import character_state as col
-from runtime.arrays import ALIGNED, BLOCK, FRAME, OWN, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, THEIRS, TURN
-from runtime.arrays import BankArrays, Ground, Limbs, Mixing, Scratch
-from runtime.clock_kernels import way
+from runtime.arrays import (
+    ALIGNED,
+    BLOCK,
+    FRAME,
+    OWN,
+    ROW_L,
+    ROW_U,
+    SHARE_L,
+    SHARE_U,
+    SPLICED,
+    THEIRS,
+    TURN,
+    BankArrays,
+    Limbs,
+    Mixing,
+    Scratch,
+)
 from runtime.compiled import Array, Index, inlined, kernel
 from runtime.kernels import copy_rotation
 from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
 from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, other_postures, settle
-from runtime.rotation_kernels import BACK, ONE, ONWARD, TINY, horn, multiply, normalise, product, rotated, sample
+from runtime.rotation_kernels import BACK, ONE, ONWARD, TINY, horn, multiply, normalise, product, sample
 from runtime.rows import CLOUD, FIRST_JOINT, PELVIS, ROOT, SIZE
 from runtime.transition_kernels import action, faded, locomotion
 
@@ -28,9 +42,8 @@ from runtime.transition_kernels import action, faded, locomotion
 @kernel
 def evaluate_characters(
     bank: BankArrays,
-    ground: Ground,
     limbs: Limbs,
-    states: Array,
+    s: Array,
     share: float,
     scratch: Scratch,
     mixing: Mixing,
@@ -38,59 +51,60 @@ def evaluate_characters(
     rotations: Array,
 ) -> None:
     """Writes each character's root position [n, 3] and local rotations [n, 4 J]."""
-    block = scratch.block[0]
+    lanes, block = scratch.lanes[0], scratch.block[0]
     first = 0
-    while first < len(states):
-        stop, lanes = first, 0
-        while stop < len(states) and lanes + lanes_of(states[stop]) <= BLOCK:
-            lanes += lanes_of(states[stop])
-            fetch_slots(bank, states[stop])
+    while first < len(roots):
+        stop, taken = first, 0
+        while stop < len(roots) and taken + lanes_of(s, stop * col.COLUMNS) <= BLOCK:
+            taken += lanes_of(s, stop * col.COLUMNS)
+            fetch_slots(bank, s, stop * col.COLUMNS)
             stop += 1
-        k = 0
+        k = splices = 0
         for character in range(first, stop):
-            mix_lower(bank, ground, states[character], k, scratch, mixing, character, roots, rotations)
-            mix_upper(bank, limbs, states[character], k, scratch, mixing, character, rotations)
-            k += lanes_of(states[character])
-        for lane in range(k, BLOCK):
-            mixing.requests[lane]["method"] = 0
-        horn(block)
-        settle(mixing.requests, mixing.memory, block, 0, k)
-        multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
-        multiply(block, THEIRS, OWN, TURN, BACK)
-        other_postures(bank, mixing.requests, mixing.memory, share, block, 0, k)
-        multiply(block, FRAME, TURN, TURN, ONWARD)
-        multiply(block, TURN, FRAME, TURN, BACK)
-        multiply(block, TURN, SPLICED, SPLICED, ONWARD)
-        normalise(block, SPLICED)
-        k = 0
-        for character in range(first, stop):
-            s = states[character]
-            if s[col.ACTIONS] > 0.0:
-                turn_pelvis(bank, s, k, block, mixing, character, rotations)
-                if mixing.limbs_turn[k] > 0:
-                    turn_limbs(bank, limbs, s, k, block, mixing, character, rotations)
-            k += lanes_of(s)
+            c = character * col.COLUMNS
+            mix_lower(bank, s, c, k, lanes, block, mixing, character, roots, rotations)
+            mix_upper(bank, limbs, s, c, k, lanes, block, mixing, character, rotations)
+            splices += int(s[c + col.ACTIONS])
+            k += lanes_of(s, c)
+        if splices > 0:
+            horn(block)
+            settle(mixing.requests, mixing.memory, block, 0, k)
+            multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
+            multiply(block, THEIRS, OWN, TURN, BACK)
+            other_postures(bank, mixing.requests, mixing.memory, share, block, 0, k)
+            multiply(block, FRAME, TURN, TURN, ONWARD)
+            multiply(block, TURN, FRAME, TURN, BACK)
+            multiply(block, TURN, SPLICED, SPLICED, ONWARD)
+            normalise(block, SPLICED)
+            k = 0
+            for character in range(first, stop):
+                c = character * col.COLUMNS
+                if s[c + col.ACTIONS] > 0.0:
+                    turn_pelvis(bank, s, c, k, block, mixing, character, rotations)
+                    if mixing.limbs_turn[k] > 0:
+                        turn_limbs(bank, limbs, s, c, k, block, mixing, character, rotations)
+                k += lanes_of(s, c)
         first = stop
 
 
 @inlined
-def lanes_of(s: Array) -> int:
+def lanes_of(s: Array, c: int) -> int:
     """Lanes of a block that a character takes: one for each action, and one without."""
-    return max(int(s[col.ACTIONS]), 1)
+    return max(int(s[c + col.ACTIONS]), 1)
 
 
 @inlined
-def fetch_slots(bank: BankArrays, s: Array) -> None:
+def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
     """Has the processor fetch the rows of all slots."""
-    for number in range(int(s[col.LOCOMOTIONS])):
-        slot = locomotion(number)
+    for number in range(int(s[c + col.LOCOMOTIONS])):
+        slot = locomotion(c, number)
         clip = int(s[slot + col.CLIP])
         row, _ = locate(s[slot + col.FRAME], bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
         fetch_ahead(bank.lower, row)
-        if s[col.ACTIONS] == 0.0:
+        if s[c + col.ACTIONS] == 0.0:
             fetch_ahead(bank.upper, row)
-    for number in range(int(s[col.ACTIONS])):
-        slot = action(number)
+    for number in range(int(s[c + col.ACTIONS])):
+        slot = action(c, number)
         if s[slot + col.KIND] != col.OWN:
             row, _ = row_of_action(bank, s, slot)
             fetch_ahead(bank.upper, row)
@@ -109,31 +123,32 @@ def row_of_action(bank: BankArrays, s: Array, slot: int) -> tuple[np.uint64, flo
 @inlined
 def mix_lower(
     bank: BankArrays,
-    ground: Ground,
     s: Array,
+    c: int,
     k: int,
-    scratch: Scratch,
+    lanes: Array,
+    block: Array,
     mixing: Mixing,
     character: int,
     roots: Array,
     rotations: Array,
 ) -> None:
     """Samples the lower half of all locomotions into lanes, mixed, and writes root and joints into the pose."""
-    lanes, block, rig = scratch.lanes[0], scratch.block[0], bank.rig
-    count, width, planes = int(s[col.LOCOMOTIONS]), rig[arrays.LOWER_WIDTH], rig[arrays.FIRST_PLANE]
+    rig = bank.rig
+    count, width, planes = int(s[c + col.LOCOMOTIONS]), rig[arrays.LOWER_WIDTH], rig[arrays.FIRST_PLANE]
     root = np.uint64(4 * FIRST_JOINT)
     x = y = z = 0.0
     for number in range(count):
-        slot = locomotion(number)
+        slot = locomotion(c, number)
         clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         row, t = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
-        px, py, pz, heading = way(bank, ground, clip, frame)
+        px, py, pz = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2]
         t32 = np.float32(t)
         sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
         dx = between_rows(bank.lower, row, np.uint64(ROOT), t32) - px
         dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t32) - pz
         share = s[slot + col.SHARE] if count > 1 else 1.0
-        sin, cos = math.sin(0.5 * heading), math.cos(0.5 * heading)
+        sin, cos = s[slot + col.WAY_SIN], s[slot + col.WAY_COS]
         cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
         x += share * (cosine * dx - sine * dz)
         y += share * (between_rows(bank.lower, row, np.uint64(ROOT + 1), t32) - py)
@@ -147,12 +162,12 @@ def mix_lower(
     if count > 1:
         normalise_lanes(mixing.sum, np.uint64(0), np.uint64(4) * width, lanes)
         block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
-    if s[col.IN_PLACE] == 0.0:
-        sin, cos = math.sin(0.5 * s[col.HEADING]), math.cos(0.5 * s[col.HEADING])
+    if s[c + col.IN_PLACE] == 0.0:
+        sin, cos = s[c + col.SIN], s[c + col.COS]
         cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
         turn_about_y(lanes, root, sin, cos)
-        x, z = s[col.PLACE] + cosine * x + sine * z, s[col.PLACE + 2] + cosine * z - sine * x
-        y += s[col.PLACE + 1]
+        x, z = s[c + col.PLACE] + cosine * x + sine * z, s[c + col.PLACE + 2] + cosine * z - sine * x
+        y += s[c + col.PLACE + 1]
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
     below, at = np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], root
     for joint in range(np.uint64(arrays.COLUMNS), below):
@@ -209,26 +224,28 @@ def mix_upper(
     bank: BankArrays,
     limbs: Limbs,
     s: Array,
+    c: int,
     k: int,
-    scratch: Scratch,
+    lanes: Array,
+    block: Array,
     mixing: Mixing,
     character: int,
     rotations: Array,
 ) -> None:
     """Samples the upper half of all that gives some of it into lanes, mixed, and writes its joints into the pose;
     prepares the splices of actions, each in a lane of the block."""
-    lanes, rig, count = scratch.lanes[0], bank.rig, int(s[col.ACTIONS])
+    rig, count = bank.rig, int(s[c + col.ACTIONS])
     above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
     mixing.requests[k]["method"], mixing.limbs_turn[k] = 0, 0
     if count == 0:
-        sample_own(bank, s, scratch, mixing)
-    elif is_plain(s):
-        sample_action(bank, s, 0, k, scratch, mixing)
+        sample_own(bank, s, c, lanes, mixing)
+    elif is_plain(s, c):
+        sample_action(bank, s, c, 0, k, lanes, block, mixing)
         mixing.weights[0] = 0.0
         for part in range(col.PARTS):
             mixing.weights[col.PARTS + part] = 1.0
     else:
-        mix_actions(bank, limbs, s, count, k, scratch, mixing)
+        mix_actions(bank, limbs, s, c, count, k, lanes, block, mixing)
     for number in range(count):
         for part in range(col.PARTS):
             mixing.shares[k + number, part] = mixing.weights[col.PARTS * (number + 1) + part]
@@ -239,11 +256,11 @@ def mix_upper(
 
 
 @inlined
-def is_plain(s: Array) -> bool:
+def is_plain(s: Array, c: int) -> bool:
     """Whether one action alone gives the whole upper body."""
-    slot = col.FIRST_ACTION
+    slot = c + col.FIRST_ACTION
     return (
-        s[col.ACTIONS] == 1.0
+        s[c + col.ACTIONS] == 1.0
         and s[slot + col.KIND] != col.OWN
         and s[slot + col.MASK] == col.UPPER_BODY
         and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
@@ -252,12 +269,12 @@ def is_plain(s: Array) -> bool:
 
 
 @inlined
-def sample_own(bank: BankArrays, s: Array, scratch: Scratch, mixing: Mixing) -> None:
+def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing) -> None:
     """The locomotions' own upper half into lanes."""
-    lanes, rig, count = scratch.lanes[0], bank.rig, int(s[col.LOCOMOTIONS])
+    rig, count = bank.rig, int(s[c + col.LOCOMOTIONS])
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     for number in range(count):
-        slot = locomotion(number)
+        slot = locomotion(c, number)
         clip = int(s[slot + col.CLIP])
         row, t = locate(s[slot + col.FRAME], bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
@@ -269,24 +286,26 @@ def sample_own(bank: BankArrays, s: Array, scratch: Scratch, mixing: Mixing) -> 
 
 
 @inlined
-def sample_action(bank: BankArrays, s: Array, number: int, k: int, scratch: Scratch, mixing: Mixing) -> None:
+def sample_action(
+    bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing
+) -> None:
     """An action's upper half into lanes, and what its splice needs into lane k of the block."""
-    lanes, block, rig, slot = scratch.lanes[0], scratch.block[0], bank.rig, action(number)
+    rig, slot = bank.rig, action(c, number)
     above, first = np.uint64(4) * rig[arrays.LOWER_WIDTH], k - number
     row, t = row_of_action(bank, s, slot)
     sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
     block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     request, kind = mixing.requests[k], int(s[slot + col.KIND])
     request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])
-    request["action"], request["locomotion"] = int(s[slot + col.CLIP]), int(s[col.FIRST_LOCOMOTION + col.CLIP])
+    request["action"], request["locomotion"] = int(s[slot + col.CLIP]), int(s[c + col.FIRST_LOCOMOTION + col.CLIP])
     if kind == SPLICE:
         for column in range(arrays.MEMORY_COLUMNS):
             mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
-        if s[col.LOCOMOTIONS] > 1.0:
+        if s[c + col.LOCOMOTIONS] > 1.0:
             block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
             correlate(bank, mixing.row, block, k, lanes, above)
             if request["posture"] == ABSOLUTE:
-                mix_postures(bank, s, k, mixing)
+                mix_postures(bank, s, c, k, mixing)
         else:
             block[ROW_L * BLOCK + k] = block[ROW_L * BLOCK + first]
             block[SHARE_L * BLOCK + k] = block[SHARE_L * BLOCK + first]
@@ -298,13 +317,13 @@ def sample_action(bank: BankArrays, s: Array, number: int, k: int, scratch: Scra
 
 
 @inlined
-def mix_postures(bank: BankArrays, s: Array, k: int, mixing: Mixing) -> None:
+def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> None:
     """The posture that locomotions have stored, mixed, for an action that is turned from there."""
     mixing.requests[k]["posture"] = GIVEN
     for i in range(6):
         mixing.memory[k, arrays.MEAN_POSTURE + i] = 0.0
-    for number in range(int(s[col.LOCOMOTIONS])):
-        slot = locomotion(number)
+    for number in range(int(s[c + col.LOCOMOTIONS])):
+        slot = locomotion(c, number)
         for i in range(6):
             stored = bank.clips[int(s[slot + col.CLIP]), arrays.POSTURE + i]
             mixing.memory[k, arrays.MEAN_POSTURE + i] += s[slot + col.SHARE] * stored
@@ -312,23 +331,23 @@ def mix_postures(bank: BankArrays, s: Array, k: int, mixing: Mixing) -> None:
 
 @kernel
 def mix_actions(
-    bank: BankArrays, limbs: Limbs, s: Array, count: int, k: int, scratch: Scratch, mixing: Mixing
+    bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, k: int, lanes: Array, block: Array, mixing: Mixing
 ) -> None:
-    """The upper halves of the locomotions and of all actions into lanes, each part by the shares of those that own it."""
-    lanes, rig = scratch.lanes[0], bank.rig
+    """The upper halves of locomotions and actions into lanes, each part by the shares of those that own it."""
+    rig = bank.rig
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
-    weigh_actions(s, count, mixing.weights)
+    weigh_actions(s, c, count, mixing.weights)
     own = 0.0
     for part in range(col.PARTS):
         own = max(own, mixing.weights[part])
     if own > 0.0:
-        sample_own(bank, s, scratch, mixing)
+        sample_own(bank, s, c, lanes, mixing)
     add_parts(limbs, lanes, above, width, mixing.weights, 0, mixing.sum, True, False)
     for number in range(count):
-        slot = action(number)
+        slot = action(c, number)
         mixing.requests[k + number]["method"] = 0
         if s[slot + col.KIND] != col.OWN:
-            sample_action(bank, s, number, k + number, scratch, mixing)
+            sample_action(bank, s, c, number, k + number, lanes, block, mixing)
             apart = s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
             if apart:
                 keep_limbs(bank, limbs, lanes, above, k + number, mixing)
@@ -338,12 +357,12 @@ def mix_actions(
 
 
 @inlined
-def weigh_actions(s: Array, count: int, weights: Array) -> None:
+def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
     """What share of each part [PARTS] the locomotions' own upper body has, then each action."""
     for part in range(col.PARTS):
         weights[part] = 1.0
     for number in range(count):
-        slot = action(number)
+        slot = action(c, number)
         risen = faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])
         given = 0.0 if s[slot + col.KIND] == col.OWN else s[slot + col.WEIGHT]
         for part in range(col.PARTS):
@@ -394,10 +413,10 @@ def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: in
 
 @inlined
 def turn_pelvis(
-    bank: BankArrays, s: Array, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
+    bank: BankArrays, s: Array, c: int, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
 ) -> None:
     """The pelvis of a pose, which is the locomotion's, by the shares of the actions; and what they remember."""
-    column, count, own = bank.rig[arrays.PELVIS_COLUMN], int(s[col.ACTIONS]), 1.0
+    column, count, own = bank.rig[arrays.PELVIS_COLUMN], int(s[c + col.ACTIONS]), 1.0
     for number in range(count):
         own -= mixing.shares[k + number, 0]
     ax, ay = rotations[character, column], rotations[character, column + np.uint64(1)]
@@ -405,7 +424,7 @@ def turn_pelvis(
     own = max(own, 0.0) if own > 1e-9 else 0.0
     x, y, z, w = own * ax, own * ay, own * az, own * aw
     for number in range(count):
-        lane, slot, share = k + number, action(number), mixing.shares[k + number, 0]
+        lane, slot, share = k + number, action(c, number), mixing.shares[k + number, 0]
         kind = s[slot + col.KIND]
         if kind == SPLICE:
             keep_memory(s, slot, lane, mixing)
@@ -434,6 +453,7 @@ def turn_limbs(
     bank: BankArrays,
     limbs: Limbs,
     s: Array,
+    c: int,
     k: int,
     block: Array,
     mixing: Mixing,
@@ -445,15 +465,15 @@ def turn_limbs(
     pelvis = bank.rig[arrays.PELVIS_COLUMN]
     for part in range(1, col.PARTS):
         length = limbs.lengths[part]
-        for number in range(int(s[col.ACTIONS])):
-            lane, slot = k + number, action(number)
+        for number in range(int(s[c + col.ACTIONS])):
+            lane, slot = k + number, action(c, number)
             share = mixing.shares[lane, part]
             apart = s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
             if length > 0 and apart and share > 0.0:
                 x, y, z, w = quaternion_at(rotations, character, pelvis)
                 for joint in range(length - 1):
-                    a, b, c, d = quaternion_at(rotations, character, limbs.columns[part, joint])
-                    x, y, z, w = product(x, y, z, w, a, b, c, d)
+                    qx, qy, qz, qw = quaternion_at(rotations, character, limbs.columns[part, joint])
+                    x, y, z, w = product(x, y, z, w, qx, qy, qz, qw)
                 px, py = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
                 pz, pw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
                 at = 4 * part
@@ -469,10 +489,15 @@ def turn_limbs(
                 )
                 x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
                 column = limbs.columns[part, length - 1]
-                rest = rest_of(mixing, k, int(s[col.ACTIONS]), number, part)
-                a, b, c, d = quaternion_at(rotations, character, column)
-                signed = rest if a * x + b * y + c * z + d * w >= 0.0 else -rest
-                x, y, z, w = share * x + signed * a, share * y + signed * b, share * z + signed * c, share * w + signed * d
+                rest = rest_of(mixing, k, int(s[c + col.ACTIONS]), number, part)
+                qx, qy, qz, qw = quaternion_at(rotations, character, column)
+                signed = rest if qx * x + qy * y + qz * z + qw * w >= 0.0 else -rest
+                x, y, z, w = (
+                    share * x + signed * qx,
+                    share * y + signed * qy,
+                    share * z + signed * qz,
+                    share * w + signed * qw,
+                )
                 scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
                 rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
                 rotations[character, column + np.uint64(2)] = z * scale

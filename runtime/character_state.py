@@ -20,11 +20,13 @@ MOST_ACTIONS = 4  # slots
 PLACE, HEADING, DELTA = 0, 3, 4
 SPEED, IN_PLACE, LOCOMOTIONS, ACTIONS = 8, 9, 10, 11
 STANDING, EVENTS, BEGAN, ENDED = 12, 13, 14, 15  # feet; bits; clips that the events are about
+SIN, COS = 16, 17  # of half the heading
 
 # a slot of locomotion, from FIRST_LOCOMOTION on
 CLIP, PHASE, FRAME, WEIGHT, LAGGING, GOAL, ELAPSED, LASTING, CURVE, HEAD, LOOP, SHARE = range(12)
-LOCOMOTION_COLUMNS = 12
-FIRST_LOCOMOTION = 16
+WAY, WAY_SIN, WAY_COS = 12, 16, 17  # where the clip's path is at the frame; of half its heading
+LOCOMOTION_COLUMNS = 18
+FIRST_LOCOMOTION = 18
 # a slot of action: the same up to CURVE, LOOP and SHARE; HEAD is its kind
 KIND, MASK, POSTURE, FADING_OUT, OWN_FROM, OWN_TO, LEAVING, REMEMBERED = HEAD, 12, 13, 14, 15, 16, 17, 18
 ACTION_COLUMNS = REMEMBERED + MEMORY_COLUMNS

@@ -6,27 +6,30 @@ moment has come, be that at once, so that all transitions are begun by `begin_wa
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from runtime import arrays
 from runtime import character_state as col
-from runtime.arrays import BankArrays
+from runtime.arrays import BankArrays, Ground
 from runtime.compiled import Array, inlined, kernel
 from runtime.lookup_kernels import IN_STEP, SPLICE, between, frame_at, frame_near, locate
+from runtime.rotation_kernels import ONE
 
 UNKNOWN = np.inf  # a phase that nothing says
 
 
 @inlined
-def locomotion(number: int) -> int:
-    """Where in a row a slot of locomotion begins."""
-    return col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS
+def locomotion(c: int, number: int) -> int:
+    """Where a slot of locomotion begins, of the character whose row begins at c."""
+    return c + col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS
 
 
 @inlined
-def action(number: int) -> int:
-    """Where in a row a slot of action begins."""
-    return col.FIRST_ACTION + number * col.ACTION_COLUMNS
+def action(c: int, number: int) -> int:
+    """Where a slot of action begins."""
+    return c + col.FIRST_ACTION + number * col.ACTION_COLUMNS
 
 
 @inlined
@@ -59,14 +62,36 @@ def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
 
 
 @inlined
-def reference(bank: BankArrays, s: Array) -> float:
+def way(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[float, float, float, float]:
+    """A clip's path at a frame."""
+    row, t = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+    x, y, z, h = ground.paths[row, 0], ground.paths[row, 1], ground.paths[row, 2], ground.paths[row, 3]
+    after = row + ONE
+    return (
+        x + t * (ground.paths[after, 0] - x),
+        y + t * (ground.paths[after, 1] - y),
+        z + t * (ground.paths[after, 2] - z),
+        h + t * (ground.paths[after, 3] - h),
+    )
+
+
+@inlined
+def keep_way(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
+    """Keeps in a slot where its clip's path is at its frame."""
+    x, y, z, h = way(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+    s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2], s[slot + col.WAY + 3] = x, y, z, h
+    s[slot + col.WAY_SIN], s[slot + col.WAY_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
+
+
+@inlined
+def reference(bank: BankArrays, s: Array, c: int) -> float:
     """The phase that what begins has to be in step with: the newest gait's, or else the newest spliced action's."""
-    for number in range(int(s[col.LOCOMOTIONS]) - 1, -1, -1):
-        slot = locomotion(number)
+    for number in range(int(s[c + col.LOCOMOTIONS]) - 1, -1, -1):
+        slot = locomotion(c, number)
         if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
             return s[slot + col.PHASE]
-    for number in range(int(s[col.ACTIONS]) - 1, -1, -1):
-        slot = action(number)
+    for number in range(int(s[c + col.ACTIONS]) - 1, -1, -1):
+        slot = action(c, number)
         if s[slot + col.KIND] == SPLICE:
             return s[slot + col.PHASE]
     return UNKNOWN
@@ -84,69 +109,70 @@ def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
 
 
 @kernel
-def begin_waiting(bank: BankArrays, s: Array, passed: float, downs: int) -> None:
+def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float, downs: int) -> None:
     """Begins what waits, if its moment has come and there is room: the phase has just advanced by `passed` cycles, and
     the feet whose bits are in `downs` have come down."""
-    if s[col.NEXT_COUNT] > 0.0:
-        if s[col.NEXT_LASTING] <= 0.0:
-            begin_locomotion(bank, s, 0)
-        elif s[col.LOCOMOTIONS] + s[col.NEXT_COUNT] <= col.MOST_LOCOMOTIONS:
-            begin_locomotion(bank, s, int(s[col.LOCOMOTIONS]))
-    if s[col.WHEN] > col.NEVER and s[col.ACTIONS] < col.MOST_ACTIONS and is_time(bank, s, passed, downs):
-        begin_action(bank, s)
+    if s[c + col.NEXT_COUNT] > 0.0:
+        if s[c + col.NEXT_LASTING] <= 0.0:
+            begin_locomotion(bank, ground, s, c, 0)
+        elif s[c + col.LOCOMOTIONS] + s[c + col.NEXT_COUNT] <= col.MOST_LOCOMOTIONS:
+            begin_locomotion(bank, ground, s, c, int(s[c + col.LOCOMOTIONS]))
+    if s[c + col.WHEN] > col.NEVER and s[c + col.ACTIONS] < col.MOST_ACTIONS and is_time(bank, s, c, passed, downs):
+        begin_action(bank, s, c)
 
 
 @kernel
-def begin_locomotion(bank: BankArrays, s: Array, first: int) -> None:
+def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: int) -> None:
     """Begins the group that waits, in the slots from `first` on."""
-    count, phase = int(s[col.NEXT_COUNT]), reference(bank, s)
+    count, phase = int(s[c + col.NEXT_COUNT]), reference(bank, s, c)
     for number in range(count):
-        slot, clip = locomotion(first + number), int(s[col.NEXT_CLIPS + number])
-        start = phase_of(bank, clip, s[col.NEXT_TIME] * bank.clips[clip, arrays.RATE])
+        slot, clip = locomotion(c, first + number), int(s[c + col.NEXT_CLIPS + number])
+        start = phase_of(bank, clip, s[c + col.NEXT_TIME] * bank.clips[clip, arrays.RATE])
         gait = bank.clips[clip, arrays.GAIT] > 0.0
         begun = in_step(bank, clip, start, phase) if gait else start
         s[slot + col.CLIP], s[slot + col.PHASE], s[slot + col.FRAME] = clip, begun, frame_of(bank, clip, begun)
-        weight = s[col.NEXT_WEIGHTS + number]
+        weight = s[c + col.NEXT_WEIGHTS + number]
         s[slot + col.WEIGHT], s[slot + col.LAGGING], s[slot + col.GOAL] = weight, weight, weight
-        s[slot + col.ELAPSED], s[slot + col.LASTING] = 0.0, s[col.NEXT_LASTING]
-        s[slot + col.CURVE], s[slot + col.LOOP] = s[col.NEXT_CURVE], s[col.NEXT_LOOP]
+        s[slot + col.ELAPSED], s[slot + col.LASTING] = 0.0, s[c + col.NEXT_LASTING]
+        s[slot + col.CURVE], s[slot + col.LOOP] = s[c + col.NEXT_CURVE], s[c + col.NEXT_LOOP]
         s[slot + col.HEAD] = count if number == 0 else 0.0
-    s[col.LOCOMOTIONS], s[col.NEXT_COUNT] = first + count, 0.0
-    share_locomotions(s)
+        keep_way(bank, ground, s, slot)
+    s[c + col.LOCOMOTIONS], s[c + col.NEXT_COUNT] = first + count, 0.0
+    share_locomotions(s, c)
 
 
 @inlined
-def is_time(bank: BankArrays, s: Array, passed: float, downs: int) -> bool:
+def is_time(bank: BankArrays, s: Array, c: int, passed: float, downs: int) -> bool:
     """Whether the action that waits is to begin."""
-    when, phase = s[col.WHEN], reference(bank, s)
+    when, phase = s[c + col.WHEN], reference(bank, s, c)
     if when == col.NOW or phase == UNKNOWN:
         return True
     if when == col.IN_PHASE:
-        start = s[col.NEXT_ACTION + col.PHASE]
+        start = s[c + col.NEXT_ACTION + col.PHASE]
         return np.floor(phase - start + IN_STEP) > np.floor(phase - passed - start + IN_STEP)
     feet = 3 if when == col.ON_FOOT else when - col.ON_LEFT + 1  # the bits of `runtime.contacts`
     return int(feet) & downs > 0
 
 
 @kernel
-def begin_action(bank: BankArrays, s: Array) -> None:
+def begin_action(bank: BankArrays, s: Array, c: int) -> None:
     """Begins the action that waits, in a slot above all others."""
-    slot, waiting = action(int(s[col.ACTIONS])), col.NEXT_ACTION
+    slot, waiting = action(c, int(s[c + col.ACTIONS])), c + col.NEXT_ACTION
     for column in range(col.ACTION_COLUMNS):
         s[slot + column] = s[waiting + column]
-    clip, start, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE], reference(bank, s)
+    clip, start, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE], reference(bank, s, c)
     if s[slot + col.KIND] == SPLICE and not is_own_clock(s, slot, s[slot + col.FRAME]):
         s[slot + col.PHASE] = in_step(bank, clip, start, phase)
-        if s[col.WHEN] == col.IN_PHASE and phase != UNKNOWN:
+        if s[c + col.WHEN] == col.IN_PHASE and phase != UNKNOWN:
             nearest = phase + np.round(start - phase)
             s[slot + col.PHASE] = max(nearest, bank.clips[clip, arrays.FIRST_PHASE])
         s[slot + col.FRAME] = frame_of(bank, clip, s[slot + col.PHASE])
     s[slot + col.ELAPSED] = 0.0
     if s[slot + col.KIND] != col.OWN:
-        s[col.EVENTS], s[col.BEGAN] = int(s[col.EVENTS]) | col.ACTION_BEGAN, clip
-    s[col.ACTIONS] += 1.0
-    s[col.WHEN] = col.NEVER
-    drop_actions(s)
+        s[c + col.EVENTS], s[c + col.BEGAN] = int(s[c + col.EVENTS]) | col.ACTION_BEGAN, clip
+    s[c + col.ACTIONS] += 1.0
+    s[c + col.WHEN] = col.NEVER
+    drop_actions(s, c)
 
 
 @inlined
@@ -156,54 +182,54 @@ def is_own_clock(s: Array, slot: int, frame: float) -> bool:
 
 
 @kernel
-def share_locomotions(s: Array) -> None:
+def share_locomotions(s: Array, c: int) -> None:
     """How much each locomotion gives, after those that groups above them have covered are dropped."""
-    count, rest = int(s[col.LOCOMOTIONS]), 1.0
+    count, rest = int(s[c + col.LOCOMOTIONS]), 1.0
     first = count
     while first > 0 and rest > 0.0:
         first -= 1
-        head = locomotion(first)
+        head = locomotion(c, first)
         if s[head + col.HEAD] > 0.0:
             risen = faded(s[head + col.ELAPSED], s[head + col.LASTING], s[head + col.CURVE]) if first > 0 else 1.0
             for number in range(first, first + int(s[head + col.HEAD])):
-                slot = locomotion(number)
+                slot = locomotion(c, number)
                 s[slot + col.SHARE] = rest * risen * s[slot + col.WEIGHT]
             rest *= 1.0 - risen
     if first > 0:
         kept = (count - first) * col.LOCOMOTION_COLUMNS
         for column in range(kept):
-            s[col.FIRST_LOCOMOTION + column] = s[locomotion(first) + column]
-        s[col.LOCOMOTIONS] = count - first
+            s[c + col.FIRST_LOCOMOTION + column] = s[locomotion(c, first) + column]
+        s[c + col.LOCOMOTIONS] = count - first
 
 
 @kernel
-def drop_actions(s: Array) -> None:
+def drop_actions(s: Array, c: int) -> None:
     """Drops actions that those above them have covered, and tells of those that had come to their end."""
-    count, covered = int(s[col.ACTIONS]), 0
+    count, covered = int(s[c + col.ACTIONS]), 0
     for number in range(count - 1, -1, -1):
-        slot = action(number)
+        slot = action(c, number)
         mask, whole = int(s[slot + col.MASK]), s[slot + col.ELAPSED] >= s[slot + col.LASTING]
         hidden = mask & ~covered == 0
         if whole:
             covered |= mask
         if hidden or (whole and number == 0 and s[slot + col.KIND] == col.OWN):
             if s[slot + col.LEAVING] > 0.0:
-                s[col.EVENTS], s[col.ENDED] = int(s[col.EVENTS]) | col.ACTION_ENDED, s[slot + col.CLIP]
-            for column in range(slot, action(count - 1)):
+                s[c + col.EVENTS], s[c + col.ENDED] = int(s[c + col.EVENTS]) | col.ACTION_ENDED, s[slot + col.CLIP]
+            for column in range(slot, action(c, count - 1)):
                 s[column] = s[column + col.ACTION_COLUMNS]
             count -= 1
-    s[col.ACTIONS] = count
+    s[c + col.ACTIONS] = count
 
 
 @inlined
-def leave_action(s: Array, number: int, lasting: float) -> None:
+def leave_action(s: Array, c: int, number: int, lasting: float) -> None:
     """Has an action that comes to its end faded out, by the locomotion's own upper body above it."""
-    slot = action(number)
+    slot = action(c, number)
     s[slot + col.LEAVING] = 1.0
-    own = action(int(s[col.ACTIONS]))
+    own = action(c, int(s[c + col.ACTIONS]))
     for column in range(col.ACTION_COLUMNS):
         s[own + column] = 0.0
     s[own + col.KIND], s[own + col.MASK] = col.OWN, s[slot + col.MASK]
     s[own + col.LASTING], s[own + col.CURVE] = lasting, s[slot + col.CURVE]
     s[own + col.WEIGHT] = s[own + col.GOAL] = s[own + col.LAGGING] = 1.0
-    s[col.ACTIONS] += 1.0
+    s[c + col.ACTIONS] += 1.0

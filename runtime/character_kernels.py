@@ -348,7 +348,7 @@ def mix_actions(
         mixing.requests[k + number]["method"] = 0
         if s[slot + col.KIND] != col.OWN:
             sample_action(bank, s, c, number, k + number, lanes, block, mixing)
-            apart = s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
+            apart = is_apart(s, slot)
             if apart:
                 keep_limbs(bank, limbs, lanes, above, k + number, mixing)
                 mixing.limbs_turn[k] = 1
@@ -464,12 +464,14 @@ def turn_limbs(
     would be if it owned all: Heck's three steps at another joint (their section 5)."""
     pelvis = bank.rig[arrays.PELVIS_COLUMN]
     for part in range(1, col.PARTS):
-        length = limbs.lengths[part]
+        length, rest = limbs.lengths[part], 1.0  # the share of what is in the pose already
+        for number in range(int(s[c + col.ACTIONS])):
+            rest -= mixing.shares[k + number, part] if is_apart(s, action(c, number)) else 0.0
+        rest = max(rest, 0.0)
         for number in range(int(s[c + col.ACTIONS])):
             lane, slot = k + number, action(c, number)
             share = mixing.shares[lane, part]
-            apart = s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
-            if length > 0 and apart and share > 0.0:
+            if length > 0 and share > 0.0 and is_apart(s, slot):
                 x, y, z, w = quaternion_at(rotations, character, pelvis)
                 for joint in range(length - 1):
                     qx, qy, qz, qw = quaternion_at(rotations, character, limbs.columns[part, joint])
@@ -489,7 +491,6 @@ def turn_limbs(
                 )
                 x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
                 column = limbs.columns[part, length - 1]
-                rest = rest_of(mixing, k, int(s[c + col.ACTIONS]), number, part)
                 qx, qy, qz, qw = quaternion_at(rotations, character, column)
                 signed = rest if qx * x + qy * y + qz * z + qw * w >= 0.0 else -rest
                 x, y, z, w = (
@@ -502,15 +503,13 @@ def turn_limbs(
                 rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
                 rotations[character, column + np.uint64(2)] = z * scale
                 rotations[character, column + np.uint64(3)] = w * scale
+                rest += share
 
 
 @inlined
-def rest_of(mixing: Mixing, k: int, count: int, number: int, part: int) -> float:
-    """The share of a part that the own upper body and the actions up to one have, but for that one."""
-    rest = 1.0
-    for other in range(number, count):
-        rest -= mixing.shares[k + other, part]
-    return max(rest, 0.0)
+def is_apart(s: Array, slot: int) -> bool:
+    """Whether an action owns limbs, but not the trunk that they hang on."""
+    return s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
 
 
 @inlined

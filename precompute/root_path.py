@@ -15,8 +15,8 @@ from motion.kinematics import heading
 from motion.quaternion import Floats
 from motion.roles import Roles
 from precompute.joint_paths import joint_paths
+from precompute.seam import LEVEL
 
-LEVEL = 0.17  # of the leg: ground that rises by less is level, lest its noise add up over many loops
 IN_PLACE = 0.5  # of the leg: a clip without a gait that stays within stands
 SOLE = 0.03  # of the leg, from the ground up to the lowest joint of a standing foot
 

@@ -20,6 +20,7 @@ from precompute.joint_paths import joint_paths
 
 SEAM = 0.3  # seconds
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
+LEVEL = 0.17  # of the leg: what a loop rises by less is not climbed, lest it add up over many loops
 WIDEST_TURN = 1.2  # radians, of any one joint
 ABOUT_AS_GOOD = 1.25  # of the least gap: of such loops the longest is taken
 
@@ -66,7 +67,9 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
     turn = quaternion.about([0.0, 1.0, 0.0], _heading(ends, roles) - _heading(_one(clip, counterpart), roles))
     rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
     positions = quaternion.rotate(turn, positions - positions[1]) + ends.root_positions[1]
-    positions[:, 1] += clip.sampled([counterpart])[0][0, 1] - ends.root_positions[1, 1]
+    climbed = ends.root_positions[1, 1] - clip.sampled([counterpart])[0][0, 1]
+    if abs(climbed) < LEVEL * roles.leg_length(clip.skeleton):
+        positions[:, 1] -= climbed
     offset = quaternion.multiply(quaternion.conjugate(rotations[:2]), ends.rotations)
     bend = quaternion.log(offset)
     rise = (ends.root_positions - positions[:2])[:, 1]

@@ -30,7 +30,7 @@ from runtime.arrays import (
     Mixing,
     Scratch,
 )
-from runtime.compiled import Array, Index, inlined, kernel
+from runtime.compiled import Array, Index, Real, inlined, kernel
 from runtime.kernels import copy_rotation
 from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
 from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, other_postures, settle
@@ -185,7 +185,7 @@ def turn_about_y(lanes: Array, at: Index, sin: float, cos: float) -> None:
 
 
 @inlined
-def add_lanes(lanes: Array, first: Index, count: Index, weight: Array, total: Array, new: bool) -> None:
+def add_lanes(lanes: Array, first: Index, count: Index, weight: Real, total: Array, new: bool) -> None:
     """Adds rotations with a weight to a sum, each by the shorter way round."""
     for at in range(first, first + count, np.uint64(4)):
         b, c, d = at + np.uint64(1), at + np.uint64(2), at + np.uint64(3)
@@ -211,7 +211,7 @@ def normalise_lanes(total: Array, first: Index, count: Index, out: Array) -> Non
 
 
 @inlined
-def add_cloud(bank: BankArrays, row: Index, t: float, weight: float, total: Array, new: bool) -> None:
+def add_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, total: Array, new: bool) -> None:
     """Adds the cloud of a row of `lower`, and its size, to a row of the same form, and to the one after it."""
     for column in range(np.uint64(SIZE), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH]):
         value = weight * between_rows(bank.lower, row, column, t)
@@ -407,8 +407,8 @@ def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: in
             x, y, z, w = product(
                 x, y, z, w, lanes[at], lanes[at + np.uint64(1)], lanes[at + np.uint64(2)], lanes[at + np.uint64(3)]
             )
-        at = 4 * part
-        mixing.kept[k, at], mixing.kept[k, at + 1], mixing.kept[k, at + 2], mixing.kept[k, at + 3] = x, y, z, w
+        to = 4 * part
+        mixing.kept[k, to], mixing.kept[k, to + 1], mixing.kept[k, to + 2], mixing.kept[k, to + 3] = x, y, z, w
 
 
 @inlined

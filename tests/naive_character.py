@@ -1,0 +1,171 @@
+"""The slow, readable twin of the kernels that pose characters, from the bank's clips in their editable form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from motion import quaternion
+from motion.quaternion import Floats
+from motion.roles import common_ancestor
+from runtime import character_state as col
+from runtime.bank import Bank
+from runtime.requests import METHODS, POSTURES
+from tests.naive import best_rotation, rotation_between, vectors_between
+
+UP = [0.0, 1.0, 0.0]
+
+
+class Locomotion(NamedTuple):
+    """What a slot of locomotion gives: its share, its root as seen from its path, and how its torso sits on it."""
+
+    share: float
+    root: Floats
+    rotations: Floats
+    cloud: Floats
+    frame: Floats
+    offset: Floats
+    posture: Floats
+
+
+def mixed(rotations: Sequence[Floats], shares: Sequence[float]) -> Floats:
+    """Rotations [..., 4] by their shares, each added by the shorter way round."""
+    total = np.zeros_like(rotations[0])
+    for rotation, share in zip(rotations, shares, strict=True):
+        near = np.sum(total * rotation, axis=-1, keepdims=True)
+        total = total + share * np.where(near >= 0.0, rotation, -rotation)
+    return np.asarray(total / np.linalg.norm(total, axis=-1, keepdims=True))
+
+
+def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
+    """Root position [3] and local rotations [J, 4] of the character in a row."""
+    pelvis, upper = bank.roles.pelvis, bank.skeleton.subtree(bank.roles.pelvis)
+    slots = [s[col.FIRST_LOCOMOTION + k * col.LOCOMOTION_COLUMNS :] for k in range(int(s[col.LOCOMOTIONS]))]
+    legs = [locomotion(bank, slot, 1.0 if len(slots) == 1 else slot[col.SHARE]) for slot in slots]
+    shares = [one.share for one in legs]
+
+    def mean(values: Sequence[Floats]) -> Floats:
+        return np.asarray(sum(share * value for share, value in zip(shares, values, strict=True)))
+
+    rotations = mixed([one.rotations for one in legs], shares)
+    root, cloud = mean([one.root for one in legs]), mean([one.cloud for one in legs])
+    frame, offset = mixed([one.frame for one in legs], shares), mixed([one.offset for one in legs], shares)
+    posture, own_pelvis = mean([one.posture for one in legs]), rotations[pelvis].copy()
+    layers = [s[col.FIRST_ACTION + k * col.ACTION_COLUMNS :] for k in range(int(s[col.ACTIONS]))]
+    weights = parts_of_layers(layers)
+    sources, pelves = [rotations.copy()], [own_pelvis]
+    for layer in layers:
+        if layer[col.KIND] == col.OWN:
+            sources.append(rotations)
+            pelves.append(own_pelvis)
+            continue
+        name, at = bank.clips[int(layer[col.CLIP])].name, layer[col.FRAME]
+        if layer[col.KIND] == METHODS["naive"]:
+            last = bank.clip(name).frame_count - 1.0
+            at = at if at <= last else at % last
+        sampled = bank.motion(name, seam=True).sampled([at])[1][0]
+        sources.append(sampled)
+        if layer[col.KIND] == METHODS["naive"]:
+            pelves.append(sampled[pelvis])
+            continue
+        torso = bank.torso(name, seam=True)
+        turned = quaternion.multiply(own_pelvis, best_rotation(cloud, vectors_between(torso.clouds, at)))
+        turn = quaternion.IDENTITY
+        if layer[col.POSTURE] == POSTURES["relative"]:
+            turn = quaternion.multiply(rotation_between(torso.offsets, at), quaternion.conjugate(offset))
+        elif layer[col.POSTURE] == POSTURES["absolute"]:
+            turn = best_rotation(bank.tables["postures"][bank.number(name)], posture)
+        seen = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
+        pelves.append(quaternion.multiply(seen, turned))
+    ways = limbs(bank)
+    for joint in upper:
+        part = next((part for part, way in ways.items() if joint in bank.skeleton.subtree(way[-1])), 0)
+        if joint == pelvis:
+            rotations[joint] = mixed(pelves, [weight[0] for weight in weights])
+        else:
+            given = [weight[part] for weight in weights]
+            if part and joint == ways[part][-1]:
+                for number, layer in enumerate(layers, 1):
+                    given[number] *= not is_apart(layer)
+            if sum(given) > 1e-9:
+                rotations[joint] = mixed([source[joint] for source in sources], given)
+    for part, way in ways.items():
+        rest = 1.0 - sum(w[part] for w, layer in zip(weights[1:], layers, strict=True) if is_apart(layer))
+        for number, layer in enumerate(layers, 1):
+            if is_apart(layer) and weights[number][part] > 0.0:
+                wanted = quaternion.multiply(pelves[number], chained(sources[number], way))
+                trunk = quaternion.multiply(rotations[pelvis], chained(rotations, way[:-1]))
+                local = quaternion.multiply(quaternion.conjugate(trunk), wanted)
+                share = weights[number][part]
+                rotations[way[-1]] = mixed([local, rotations[way[-1]]], [share, max(rest, 0.0)])
+                rest += share
+    if not s[col.IN_PLACE]:
+        turn = quaternion.about(UP, s[col.HEADING])
+        root = quaternion.rotate(turn, root) + s[col.PLACE : col.PLACE + 3]
+        rotations[0] = quaternion.multiply(turn, rotations[0])
+    return root, rotations
+
+
+def locomotion(bank: Bank, slot: Floats, share: float) -> Locomotion:
+    name, at = bank.clips[int(slot[col.CLIP])].name, slot[col.FRAME]
+    roots, rotations = bank.motion(name, seam=True).sampled([at])
+    x, y, z, heading = vectors_between(bank.root_path(name, seam=True), at)
+    torso, turn = bank.torso(name, seam=True), quaternion.about(UP, -heading)
+    rotations[0, 0] = quaternion.multiply(turn, rotations[0, 0])
+    return Locomotion(
+        share,
+        quaternion.rotate(turn, roots[0] - [x, y, z]),
+        rotations[0],
+        vectors_between(torso.clouds, at),
+        rotation_between(torso.frames, at),
+        rotation_between(torso.offsets, at),
+        bank.tables["postures"][bank.number(name)],
+    )
+
+
+def parts_of_layers(layers: Sequence[Floats]) -> list[list[float]]:
+    """The share of each part that the locomotions' own upper body has, then each action."""
+    weights = [[1.0] * col.PARTS]
+    for layer in layers:
+        risen = fade(layer)
+        given = 0.0 if layer[col.KIND] == col.OWN else layer[col.WEIGHT]
+        covers = [risen if int(layer[col.MASK]) >> part & 1 else 0.0 for part in range(col.PARTS)]
+        weights = [[w * (1.0 - c) for w, c in zip(one, covers, strict=True)] for one in weights]
+        weights[0] = [w + c * (1.0 - given) for w, c in zip(weights[0], covers, strict=True)]
+        weights.append([c * given for c in covers])
+    return weights
+
+
+def fade(slot: Floats) -> float:
+    t = 1.0 if slot[col.ELAPSED] >= slot[col.LASTING] else slot[col.ELAPSED] / slot[col.LASTING]
+    forms = {
+        col.LINEAR: t,
+        col.SMOOTH: t * t * (3.0 - 2.0 * t),
+        col.EASE_IN: t * t,
+        col.EASE_OUT: 1.0 - (1.0 - t) ** 2,
+    }
+    return float(forms[int(slot[col.CURVE])])
+
+
+def is_apart(layer: Floats) -> bool:
+    return bool(layer[col.KIND] == METHODS["splice"] and not int(layer[col.MASK]) & col.TRUNK)
+
+
+def limbs(bank: Bank) -> dict[int, list[int]]:
+    """By the number of the part, the joints from the pelvis's child to where a limb parts from the spine."""
+    skeleton, roles = bank.skeleton, bank.roles
+    chest = common_ancestor(skeleton.parents, [roles.left_shoulder, roles.right_shoulder])
+    found = {}
+    for part, tip in ((1, roles.left_shoulder), (2, roles.right_shoulder), (3, roles.neck)):
+        chain = skeleton.chain(tip)[::-1]
+        found[part] = [int(one) for one in chain[chain.index(roles.pelvis) + 1 : chain.index(chest) + 2]]
+    return found
+
+
+def chained(rotations: Floats, way: Sequence[int]) -> Floats:
+    turn = np.asarray(quaternion.IDENTITY)
+    for joint in way:
+        turn = quaternion.multiply(turn, rotations[joint])
+    return turn

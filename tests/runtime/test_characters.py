@@ -1,0 +1,392 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
+from motion.formats.bvh import dump
+from motion.procedural.library import make
+from motion.quaternion import Floats
+from precompute.job import precompute
+from runtime import character_state as col
+from runtime.bank import Bank
+from runtime.character import Characters, Stage
+from runtime.evaluator import Evaluator
+from tests import naive_character
+
+RATE = 60.0
+MOST = 1.5  # times the larger source's fastest
+seeds = st.integers(0, 2**32 - 1)
+Setup = Callable[[], Characters]
+
+
+@pytest.fixture(scope="module")
+def stage(bank: Bank) -> Stage:
+    return Stage(Evaluator(bank))
+
+
+@pytest.fixture
+def one(stage: Stage) -> Setup:
+    return lambda: Characters(stage, RATE)
+
+
+def shown(characters: Characters) -> tuple[Floats, Floats]:
+    """Root positions [n, 3] and rotations [n, J, 4]."""
+    poses = characters.stage.evaluator.poses(len(characters))
+    characters.evaluate(poses)
+    return poses.root_positions.astype(np.float64), poses.rotations.astype(np.float64)
+
+
+def world(characters: Characters) -> Floats:
+    """World positions [n, J, 3] of all joints."""
+    evaluator = characters.stage.evaluator
+    poses = evaluator.poses(len(characters))
+    characters.evaluate(poses)
+    positions = np.empty((len(characters), characters.stage.bank.skeleton.joint_count, 3), np.float32)
+    evaluator.world_positions(poses, positions)
+    return np.asarray(positions)
+
+
+def slot(characters: Characters, number: int, column: int, row: int = 0) -> float:
+    return float(characters.state[row, col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS + column])
+
+
+def layer(characters: Characters, number: int, column: int, row: int = 0) -> float:
+    return float(characters.state[row, col.FIRST_ACTION + number * col.ACTION_COLUMNS + column])
+
+
+def passed(characters: Characters, frames: int) -> list[int]:
+    """The events of so many frames."""
+    return [characters.advance() for _ in range(frames)]
+
+
+def commanded(characters: Characters, draw: np.random.Generator, frames: int, shortest: float = 0.2) -> None:
+    """One command of any kind to each character in about 25 frames, for so many frames."""
+    for _ in range(frames):
+        for row in np.flatnonzero(draw.random(len(characters)) < 0.04):
+            command(characters, [int(row)], draw, shortest)
+        characters.advance()
+
+
+def command(characters: Characters, rows: list[int], draw: np.random.Generator, shortest: float) -> None:
+    names = [clip.name for clip in characters.stage.bank.clips]
+    first, second = draw.choice(names, 2, replace=False)
+    blend = float(draw.uniform(shortest, 0.6))
+    kind = draw.integers(6)
+    if kind == 0:
+        characters.play(rows, first, blend=blend)
+    elif kind == 1:
+        characters.play(rows, {first: 0.4, second: 0.6}, blend=blend)
+    elif kind == 2:
+        when: Any = draw.choice(list(col.WHENS))
+        characters.act(rows, first, blend=blend, blend_out=blend, loop=bool(draw.integers(2)), when=when)
+    elif kind == 3:
+        mask: Any = draw.choice(list(col.MASKS))
+        posture: Any = draw.choice(["relative", "absolute", "off"])
+        characters.act(rows, first, blend=blend, mask=mask, weight=draw.uniform(0.3, 1.0), posture=posture)
+    elif kind == 4:
+        characters.stop(rows, blend=blend)
+    else:
+        characters.speed(rows, draw.uniform(0.7, 1.2))
+
+
+def test_one_locomotion_is_the_clip_put_elsewhere(one: Setup, bank: Bank) -> None:
+    characters = one()
+    characters.add(1, "turn_180")
+    clip = characters.stage.evaluator.clip("turn_180")
+    path = bank.root_path("turn_180")
+    for frame in range(200):
+        root, rotations = shown(characters)
+        at = frame / RATE * clip.rate
+        roots, sampled = clip.sampled([at])
+        turn = quaternion.about([0.0, 1.0, 0.0], -path[0, 3])
+        np.testing.assert_allclose(rotations[0, 1:], sampled[0, 1:], atol=2e-6)
+        np.testing.assert_allclose(root[0], quaternion.rotate(turn, roots[0] - path[0, :3]), atol=2e-5)
+        assert quaternion.angle(rotations[0, 0], quaternion.multiply(turn, sampled[0, 0])) < 1e-5
+        characters.advance()
+
+
+def test_an_action_of_weight_0_is_the_locomotion_and_of_weight_1_the_splice(one: Setup) -> None:
+    alone, none, whole = one(), one(), one()
+    for characters in (alone, none, whole):
+        characters.add(1, "walk", time=0.5)
+    none.act([0], "carry_box", blend=0.0, weight=0.0)
+    whole.act([0], "carry_box", blend=0.0)
+    evaluator = whole.stage.evaluator
+    for frame in range(90):
+        np.testing.assert_allclose(shown(none)[1], shown(alone)[1], atol=1e-6)
+        splice = evaluator.pose("walk", 0.5 + frame / RATE, "carry_box").rotations[0, 1:]
+        if whole.state[0, col.ACTIONS] == 1:
+            frames = evaluator.action_frames("walk", np.array([0.5 + frame / RATE]), "carry_box")
+            if abs(frames[0] - layer(whole, 0, col.FRAME)) < 1e-6:
+                np.testing.assert_allclose(shown(whole)[1][0, 1:], splice, atol=1e-6)
+        for characters in (alone, none, whole):
+            characters.advance()
+    assert layer(whole, 0, col.PHASE) % 1.0 == pytest.approx(slot(whole, 0, col.PHASE) % 1.0, abs=1e-9)
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seeds)
+def test_poses_are_those_of_the_twin(one: Setup, seed: int) -> None:
+    draw, characters = np.random.default_rng(seed), one()
+    names = [clip.name for clip in characters.stage.bank.clips]
+    for _ in range(3):
+        characters.add(1, str(draw.choice(names)))
+    commanded(characters, draw, 60)
+    before = characters.state.copy()
+    roots, rotations = shown(characters)
+    for row, state in enumerate(before):
+        root, twin = naive_character.pose(characters.stage.bank, state)
+        np.testing.assert_allclose(roots[row], root, atol=1e-4)
+        assert quaternion.angle(rotations[row], twin).max() < 1e-3
+
+
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seeds)
+def test_nothing_pops(one: Setup, bank: Bank, seed: int) -> None:
+    draw, characters = np.random.default_rng(seed), one()
+    loops = [clip.name for clip in bank.clips]
+    characters.add(1, str(draw.choice(loops)))
+    positions = [world(characters)]
+    for _ in range(240):
+        if draw.random() < 0.05:
+            command(characters, [0], draw, 0.25)
+        characters.advance()
+        positions.append(world(characters))
+    speed = np.linalg.norm(np.diff(positions, axis=0), axis=-1).max() * RATE
+    assert speed < MOST * 1.2 * fastest(characters)  # 1.2: of the clips' own speed
+
+
+def fastest(characters: Characters) -> float:
+    """How fast any joint of any clip moves, metres a second."""
+    evaluator, bank = characters.stage.evaluator, characters.stage.bank
+    most = 0.0
+    for clip in bank.clips:
+        times = np.arange(0.0, clip.duration, 1.0 / RATE)
+        poses = evaluator.sequence(clip.name, times)
+        positions = np.empty((len(times), bank.skeleton.joint_count, 3), np.float32)
+        evaluator.world_positions(poses, positions)
+        most = max(most, float(np.linalg.norm(np.diff(positions, axis=0), axis=-1).max()) * RATE)
+    return most
+
+
+@pytest.mark.parametrize("locomotion", ["walk", "run", "turn_180", "stairs_up", {"walk": 0.5, "run": 0.5}])
+def test_deltas_add_up_to_the_path_and_loops_do_not_jump(one: Setup, locomotion: Any) -> None:
+    characters = one()
+    characters.add(1, locomotion)
+    place, heading = np.zeros(3), 0.0
+    roots = []
+    for _ in range(900):
+        roots.append(shown(characters)[0][0])
+        characters.advance()
+        delta = characters.deltas[0]
+        place += quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], heading), delta[:3])
+        heading += delta[3]
+    np.testing.assert_allclose(place, characters.state[0, col.PLACE : col.PLACE + 3], atol=1e-9)
+    assert heading == pytest.approx(characters.state[0, col.HEADING])
+    steps = np.linalg.norm(np.diff(roots, axis=0), axis=1) * RATE
+    assert steps.max() < 1.5 * np.percentile(steps, 95.0)
+
+
+def test_in_place_stays_and_looks_the_same(one: Setup) -> None:
+    moved, still = one(), one()
+    for characters in (moved, still):
+        characters.add(1, "turn_180")
+    still.in_place([0])
+    for _ in range(400):
+        moved.advance()
+        still.advance()
+        np.testing.assert_array_equal(shown(moved)[1][:, 1:], shown(still)[1][:, 1:])
+        assert np.hypot(*shown(still)[0][0, [0, 2]]) < 0.15
+    assert np.linalg.norm(moved.state[0, col.PLACE : col.PLACE + 3]) > 0.5
+
+
+def test_a_switch_is_in_step(one: Setup) -> None:
+    characters = one()
+    characters.add(1, "walk", time=0.4)
+    passed(characters, 37)
+    characters.play([0], "run", blend=0.5)
+    assert characters.state[0, col.LOCOMOTIONS] == 2
+    for _ in range(25):
+        apart = slot(characters, 0, col.PHASE) - slot(characters, 1, col.PHASE)
+        assert abs(apart - round(apart)) < 1e-9
+        characters.advance()
+    passed(characters, 6)
+    assert characters.state[0, col.LOCOMOTIONS] == 1
+
+
+def test_weights_are_followed_and_speed_lies_between(one: Setup) -> None:
+    characters = one()
+    characters.add(1, {"walk": 1.0, "run": 0.0})
+    speeds = []
+    for weight in (0.0, 0.5, 1.0):
+        characters.weigh([0], {"walk": 1.0 - weight, "run": weight})
+        passed(characters, 60)
+        before = characters.state[0, col.PLACE + 2]
+        passed(characters, 120)
+        speeds.append((characters.state[0, col.PLACE + 2] - before) / 2.0)
+    assert speeds[0] < speeds[1] - 0.3 < speeds[2] - 0.6
+    with pytest.raises(SettingsError, match="not one of the locomotions"):
+        characters.weigh([0], {"side_step": 1.0})
+
+
+def test_what_has_no_room_waits(one: Setup) -> None:
+    characters = one()
+    characters.add(1, {"walk": 1.0, "run": 1.0, "side_step": 1.0})
+    characters.play([0], {"walk": 1.0, "run": 1.0, "side_step": 1.0}, blend=0.5)
+    characters.play([0], {"walk": 1.0, "turn_180": 1.0, "stairs_up": 1.0}, blend=0.5)
+    assert characters.state[0, col.NEXT_COUNT] == 3
+    passed(characters, 32)
+    assert characters.state[0, col.NEXT_COUNT] == 0
+
+
+def test_an_action_that_is_played_once_ends_and_tells(one: Setup, bank: Bank) -> None:
+    characters = one()
+    characters.add(1, "walk")
+    characters.act([0], "wave", loop=False, blend_out=0.3)
+    assert characters.events[0] & col.ACTION_BEGAN
+    events = passed(characters, 400)
+    ended = [frame for frame, bits in enumerate(events) if bits & col.ACTION_ENDED]
+    assert len(ended) == 1
+    assert ended[0] / RATE == pytest.approx(bank.clip("wave").duration, abs=0.8)
+    assert characters.state[0, col.ACTIONS] == 0
+    assert bank.clips[int(characters.state[0, col.ENDED])].name == "wave"
+
+
+def test_an_action_begins_when_it_is_told(one: Setup, bank: Bank) -> None:
+    for when, event in (("left_foot", col.LEFT_DOWN), ("right_foot", col.RIGHT_DOWN)):
+        characters = one()
+        characters.add(1, "walk")
+        characters.act([0], "wave", when=when)  # type: ignore[arg-type]
+        begun = next(bits for bits in passed(characters, 200) if bits & col.ACTION_BEGAN)
+        assert begun & event
+    characters = one()
+    characters.add(1, "walk")
+    characters.act([0], "wave", when="phase", start=0.7)
+    for _ in range(200):
+        if characters.advance() & col.ACTION_BEGAN:
+            break
+    assert layer(characters, 0, col.FRAME) / bank.clip("wave").rate == pytest.approx(0.7, abs=0.05)
+
+
+def test_an_own_clock_keeps_time_and_comes_back_into_step(one: Setup, bank: Bank) -> None:
+    characters = one()
+    characters.add(1, "run", time=0.3)
+    characters.act([0], "wave", own_clock=(0.2, 0.9), start=0.2)
+    rate = bank.clip("wave").rate
+    passed(characters, 30)
+    assert layer(characters, 0, col.FRAME) / rate == pytest.approx(0.2 + 30 / RATE, abs=0.02)
+    passed(characters, 240)
+    apart = layer(characters, 0, col.PHASE) - slot(characters, 0, col.PHASE)
+    assert abs(apart - round(apart)) < 1e-6
+
+
+def test_strides_and_contacts_are_told(one: Setup, bank: Bank) -> None:
+    characters = one()
+    characters.add(1, "walk")
+    events = passed(characters, round(bank.clip("walk").duration * RATE) - 1)
+    contacts = bank.contacts("walk")
+    for foot, bit in (("left", col.LEFT_DOWN), ("right", col.RIGHT_DOWN)):
+        downs = [contact.down for contact in contacts if contact.foot == foot and contact.down > 0.0]
+        told = [(frame + 1) / RATE for frame, bits in enumerate(events) if bits & bit]
+        np.testing.assert_allclose([one for one in told if one > 0.1], [one for one in downs if one > 0.1], atol=0.03)
+    strides = [(frame + 1) / RATE for frame, bits in enumerate(events) if bits & col.STRIDE]
+    left = [contact.down for contact in contacts if contact.foot == "left" and contact.down > 0.0]
+    assert all(min(abs(stride - down) for down in left) < 0.08 for stride in strides)
+
+
+def test_a_locomotion_that_is_not_repeated_is_held_and_told_once(one: Setup) -> None:
+    characters = one()
+    characters.add(1, "stairs_up", loop=False)
+    events = passed(characters, 400)
+    assert sum(bool(bits & col.LOCOMOTION_ENDED) for bits in events) == 1
+    before = shown(characters)
+    characters.advance()
+    np.testing.assert_array_equal(shown(characters)[0], before[0])
+
+
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(seeds)
+def test_same_commands_same_bytes_alone_and_among_others_and_after_a_restore(one: Setup, seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    together = one()
+    together.add(21, "walk")
+    commanded(together, draw, 120)
+    row = int(draw.integers(21))
+    alone = Characters(together.stage, RATE, together.state[[row]].copy())
+    kept = np.frombuffer(together.state.tobytes()).reshape(together.state.shape).copy()
+    twice = Characters(together.stage, RATE, kept)
+    for frame in range(60):
+        if frame == 20:
+            for characters, rows in ((together, [row]), (twice, [row]), (alone, [0])):
+                characters.act(rows, "carry_box", when="foot")
+        roots, rotations = shown(together)
+        assert roots[row].tobytes() == shown(alone)[0][0].tobytes()
+        assert rotations[row].tobytes() == shown(alone)[1][0].tobytes()
+        assert rotations.tobytes() == shown(twice)[1].tobytes()
+        for characters in (together, alone, twice):
+            characters.advance()
+    assert together.state.tobytes() == twice.state.tobytes()
+
+
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory: pytest.TempPathFactory) -> Stage:
+    """A bank with someone who stands and sways."""
+    folder = tmp_path_factory.mktemp("standing")
+    walk = make("walk", seed=1, seconds=4.0)
+    frames = np.zeros(walk.frame_count, np.int64)
+    rotations = walk.rotations[frames].copy()
+    sway = 0.03 * np.sin(np.arange(walk.frame_count) / 40.0)
+    rotations[:, 1] = quaternion.multiply(rotations[:, 1], quaternion.about([0.0, 0.0, 1.0], sway))
+    idle = Clip("idle", walk.skeleton, walk.rate, walk.root_positions[frames], rotations)
+    for name, clip in {"walk": walk, "idle": idle, "wave": make("walk", "wave", seed=2)}.items():
+        (folder / f"{name}.bvh").write_bytes(dump(clip))
+    precompute([folder], folder / "bank", baseline="walk", jobs=1)
+    return Stage(Evaluator(Bank.open(Path(folder / "bank"))))
+
+
+def test_without_a_gait_an_action_goes_by_its_own_clock(standing: Stage) -> None:
+    assert not standing.bank.clip("idle").gait
+    characters = Characters(standing, RATE)
+    characters.add(1, "idle")
+    characters.act([0], "wave", blend=0.2)
+    passed(characters, 60)
+    assert layer(characters, 0, col.FRAME) / standing.bank.clip("wave").rate == pytest.approx(1.0, abs=0.03)
+    np.testing.assert_allclose(characters.state[0, col.PLACE : col.PLACE + 3], 0.0, atol=1e-9)
+    characters.play([0], "walk", blend=0.4)
+    passed(characters, 120)
+    apart = layer(characters, 0, col.PHASE) - slot(characters, 0, col.PHASE)
+    assert abs(apart - round(apart)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("do", "error"),
+    [
+        (lambda one: one.play([0], "wakl"), UnknownClipError),
+        (lambda one: one.play([0], "walk", time=99.0), TimeRangeError),
+        (lambda one: one.play([0], "walk", blend=-1.0), SettingsError),
+        (lambda one: one.play([0], {}), SettingsError),
+        (lambda one: one.play([0], {"walk": -1.0, "run": 2.0}), SettingsError),
+        (lambda one: one.act([0], "wave", when="soon"), SettingsError),
+        (lambda one: one.act([0], "wave", mask="tail"), SettingsError),
+        (lambda one: one.act([0], "wave", weight=np.nan), SettingsError),
+        (lambda one: one.speed([0], np.inf), SettingsError),
+        (lambda one: one.add(1, "nobody"), UnknownClipError),
+    ],
+)
+def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Callable[..., None], error: Any) -> None:
+    characters = one()
+    characters.add(1, "walk")
+    before = characters.state.copy()
+    with pytest.raises(error) as raised:
+        do(characters)
+    assert isinstance(raised.value, MotionError)
+    np.testing.assert_array_equal(characters.state, before)

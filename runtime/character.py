@@ -246,6 +246,38 @@ class Characters:
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 
+    def clips(self) -> set[str]:
+        """The names of all clips that are played, or wait to be."""
+        return {self.stage.bank.clips[number].name for number in np.unique(self._numbers()[1]).tolist()}
+
+    def moved(self, stage: Stage) -> Characters:
+        """The same characters on another bank, which has all clips of theirs, at the same frames."""
+        at, played = self._numbers()
+        numbers = np.zeros(len(self.stage.bank.clips))
+        for number in np.unique(played).tolist():
+            numbers[number] = stage.bank.number(self.stage.bank.clips[number].name)
+        state = self.state.copy()
+        state[at] = numbers[played]
+        clock_kernels.settle_in(stage.evaluator.arrays, stage.ground, state.reshape(-1))
+        return Characters(stage, self.rate, state)
+
+    def _numbers(self) -> tuple[tuple[NDArray[np.int64], ...], NDArray[np.int64]]:
+        """Where in the state clip numbers are, and these."""
+        state = self.state
+        mixed = col.NEXT_CLIPS + np.arange(col.MOST_MIXED)
+        legs = col.FIRST_LOCOMOTION + col.CLIP + col.LOCOMOTION_COLUMNS * np.arange(col.MOST_LOCOMOTIONS)
+        layers = col.FIRST_ACTION + col.CLIP + col.ACTION_COLUMNS * np.arange(col.MOST_ACTIONS)
+        counted = ((legs, col.LOCOMOTIONS), (layers, col.ACTIONS), (mixed, col.NEXT_COUNT))
+        used = np.zeros(state.shape, np.bool_)
+        for columns, count in counted:
+            used[:, columns] = np.arange(len(columns)) < state[:, [count]]
+        used[:, layers] &= state[:, layers + col.KIND - col.CLIP] != col.OWN
+        used[:, col.NEXT_ACTION + col.CLIP] = (state[:, col.WHEN] > 0) & (
+            state[:, col.NEXT_ACTION + col.KIND] != col.OWN
+        )
+        at = np.nonzero(used)
+        return at, state[at].astype(np.int64)
+
     @property
     def deltas(self) -> States:
         """What the last frame added to where they are [n, 4]: metres to the left, up and ahead, as seen from where they

@@ -44,6 +44,25 @@ def begin(bank: BankArrays, ground: Ground, states: Array, rows: Array) -> None:
 
 
 @kernel
+def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
+    """Makes phases and ways those of a bank, for characters that come from another one."""
+    for c in range(0, len(s), col.COLUMNS):
+        for number in range(int(s[c + col.LOCOMOTIONS])):
+            settle_slot(bank, s, locomotion(c, number))
+            keep_way(bank, ground, s, locomotion(c, number))
+        for number in range(int(s[c + col.ACTIONS])):
+            settle_slot(bank, s, action(c, number))
+        settle_slot(bank, s, c + col.NEXT_ACTION)
+
+
+@inlined
+def settle_slot(bank: BankArrays, s: Array, slot: int) -> None:
+    clip = int(s[slot + col.CLIP])
+    s[slot + col.FRAME] = min(s[slot + col.FRAME], bank.clips[clip, arrays.ROW_COUNT] - 1.0)
+    s[slot + col.PHASE] = phase_of(bank, clip, s[slot + col.FRAME])
+
+
+@kernel
 def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
     """Moves characters on in time; returns all bits of events that happened to any of them."""
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)

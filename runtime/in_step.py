@@ -1,18 +1,15 @@
-"""Which whole cycles bring an action to a moment of one's choice, and a locomotion from its end back into itself.
+"""Which whole cycles bring an action to a moment of one's choice.
 
 Clips are given by number; numbers and times may be arrays, of many characters at once.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from runtime import arrays
 from runtime.arrays import BankArrays
-from runtime.bank import Bank
 from runtime.lookup_kernels import IN_STEP
 
 Floats = NDArray[np.float64]
@@ -49,25 +46,3 @@ def action_phase(
 def _cycles_from_the_first_frame(bank: BankArrays, locomotion: Clips, action: Clips) -> Floats:
     first = bank.clips[..., arrays.FIRST_PHASE]
     return np.asarray(np.ceil(first[action] - first[locomotion] - IN_STEP))
-
-
-class WaysBack(NamedTuple):
-    """Where each locomotion of a bank goes on when it is at its end: at times [C], seconds, cycles [C] earlier."""
-
-    times: Floats
-    cycles: Ints
-
-    @classmethod
-    def of(cls, bank: Bank) -> WaysBack:
-        """By whole strides that are alike, so that it goes on as it stopped; to its beginning if it has none."""
-        times, cycles = np.zeros(len(bank.clips)), np.zeros(len(bank.clips), np.int64)
-        for number, entry in enumerate(bank.clips):
-            phases = bank.phase(entry.name)
-            back = phases[-1] - entry.loop
-            if entry.loop > 0 and back >= phases[0]:
-                after = min(max(int(np.searchsorted(phases, back)), 1), len(phases) - 1)
-                part = (back - phases[after - 1]) / (phases[after] - phases[after - 1])
-                times[number], cycles[number] = (after - 1 + part) / entry.rate, entry.loop
-            else:
-                cycles[number] = round(phases[-1] - phases[0])
-        return cls(times, cycles)

@@ -10,9 +10,8 @@ from typing import Any
 
 from motion.errors import MotionError
 from runtime.bank import Bank
+from runtime.character import Stage
 from runtime.evaluator import Evaluator
-from runtime.in_step import WaysBack
-from service.characters.playback import warm as warm_playback
 from service.wire.encoding import warm as warm_encoding
 
 logger = logging.getLogger(__name__)
@@ -28,7 +27,7 @@ class Edition:
 
     bank: Bank
     evaluator: Evaluator
-    ways_back: WaysBack
+    stage: Stage
 
     @property
     def rig(self) -> dict[str, Any]:
@@ -42,8 +41,9 @@ class Edition:
         evaluator = Evaluator(bank)
         evaluator.warm()
         warm_encoding()
-        warm_playback()
-        return cls(bank, evaluator, WaysBack.of(bank))
+        stage = Stage(evaluator)
+        stage.warm()
+        return cls(bank, evaluator, stage)
 
 
 class Serving:

@@ -16,6 +16,7 @@ from bench.service.process import serving
 from bench.service.statistics import lost
 from bench.service.stream_client import Job
 from runtime.bank import Bank
+from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
 
 STREAMS = 32
@@ -46,7 +47,11 @@ def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
     wanted = {}
     for folder in (first, other):
         opened = Bank.open(folder)
-        wanted[opened.digest] = Evaluator(opened).pose("run", 1.0).rotations.tobytes()
+        characters = Characters(Stage(Evaluator(opened)), 60.0)
+        characters.add(1, "run", time=1.0)
+        poses = characters.stage.evaluator.poses(1)
+        characters.evaluate(poses)
+        wanted[opened.digest] = poses.rotations.tobytes()
     frames = [msgpack.unpackb(message) for one in taken for message in one.kept]
     torn = sum(frame["rotations"] != wanted[frame["bank"]] for frame in frames)
     told = Findings(f"{exchanges} exchanges under {STREAMS} streams at 60 Hz")

@@ -10,7 +10,8 @@ from typing import Any, get_args
 import orjson
 
 from motion.errors import did_you_mean
-from runtime.requests import Method, Posture
+from runtime.character_state import EVENT_NAMES, Curve, Mask, When
+from runtime.requests import Posture
 from service.problems import RequestError
 
 LARGEST_ID = 2**32 - 1
@@ -40,16 +41,46 @@ def _is_text(value: object) -> bool:
     return isinstance(value, str)
 
 
-TIMES = _number(0.0, 1e9)
+def _is_mix(value: object) -> bool:
+    return isinstance(value, dict) and all(_number(0.0, 1e9)(weight) for weight in value.values())
+
+
+def _are(count: int, check: Check) -> Check:
+    return lambda value: isinstance(value, list) and len(value) == count and all(check(one) for one in value)
+
+
+def _names(kind: Any) -> tuple[Check, str]:
+    return _one_of(*get_args(kind)), f"one of {', '.join(get_args(kind))}"
+
+
+TIMES, FAR = _number(0.0, 1e9), _number(-1e9, 1e9)
 KEYS: Mapping[str, tuple[Check, str]] = {
-    "locomotion": (_is_text, "a clip's name"),
+    "locomotion": (lambda value: _is_text(value) or _is_mix(value), "a clip's name, or a map of names to weights"),
+    "weights": (_is_mix, "a map of names to weights"),
     "action": (_is_text, "a clip's name"),
+    "blend": (TIMES, "seconds, at least 0"),
+    "blend_out": (TIMES, "seconds, at least 0"),
+    "curve": _names(Curve),
+    "when": _names(When),
+    "mask": _names(Mask),
+    "weight": (_number(0.0, 1.0), "a number from 0 to 1"),
+    "own_clock": (
+        lambda value: isinstance(value, bool) or _are(2, TIMES)(value),
+        "true, false or two times of the action, seconds",
+    ),
+    "position": (_are(3, FAR), "three numbers"),
+    "heading": (FAR, "radians"),
+    "in_place": (lambda value: isinstance(value, bool), "true or false"),
+    "events": (
+        lambda value: isinstance(value, list) and all(_one_of(*EVENT_NAMES.values())(one) for one in value),
+        f"a list of {', '.join(EVENT_NAMES.values())}",
+    ),
     "time": (TIMES, "seconds, at least 0"),
     "start": (TIMES, "seconds, at least 0"),
     "speed": (_number(0.0, FASTEST), f"a number from 0 to {FASTEST:g}"),
     "loop": (lambda value: isinstance(value, bool), "true or false"),
-    "method": (_one_of(*get_args(Method)), f"one of {', '.join(get_args(Method))}"),
-    "posture": (_one_of(*get_args(Posture)), f"one of {', '.join(get_args(Posture))}"),
+    "method": (_one_of("splice", "naive"), "one of splice, naive"),
+    "posture": _names(Posture),
     "rate": (_number(1.0, 1000.0), "frames per second, at least 1"),
     "ahead": (lambda value: type(value) is int and 1 <= value <= 1000, "frames, at least 1"),
 }
@@ -58,16 +89,23 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "play": ("locomotion",),
     "act": ("action",),
     "stop": (),
-    "seek": ("time",),
+    "weigh": ("weights",),
+    "weight": ("weight",),
     "speed": ("speed",),
+    "place": ("position",),
+    "in_place": ("in_place",),
     "remove": (),
     "set": (),
 }
 TAKEN: Mapping[str, tuple[str, ...]] = {
-    "create": ("time", "speed", "loop"),
-    "play": ("time", "speed", "loop"),
-    "act": ("start", "method", "posture"),
-    "set": ("rate", "ahead"),
+    "create": ("time", "loop", "speed", "position", "heading", "in_place"),
+    "play": ("time", "loop", "blend", "curve"),
+    "act": (
+        *("when", "start", "blend", "blend_out", "curve", "weight", "loop", "own_clock", "mask", "method", "posture"),
+    ),
+    "stop": ("blend", "curve"),
+    "place": ("heading",),
+    "set": ("rate", "ahead", "events"),
 }
 
 

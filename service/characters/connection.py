@@ -26,6 +26,7 @@ logger = logging.getLogger(__name__)
 
 TRANSPORT = "motionsplice.transport"  # the name of the extension
 BURST = 10_000.0  # commands that may come at once before they have to wait
+COPIED = 100.0  # characters whose copy, which a message works on, costs about what a command does
 MOST_EVENTS = 1000  # that may wait for a client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
 
@@ -159,7 +160,7 @@ class Connection:
             past = max(0, math.floor((now - sent.due) * sent.rate) + 1)
             scene = sent.scene.copy()
             for _ in range(past):
-                scene.pass_frame(1.0 / sent.rate)
+                scene.pass_frame()
             return replace(sent, scene=scene).after(past)
         return replace(self.play, scene=self.play.scene.copy())
 
@@ -209,4 +210,5 @@ class Connection:
             self.close(FAILED, "the service failed; its log says how")
             return 1.0
         self.tell("done", ref=ref, frame=self.play.frame)
-        return sum(1.0 + len(command.ids) / 10.0 for command in commands)
+        held = len(self.play.scene) / COPIED
+        return held + sum(1.0 + len(command.ids) / 10.0 for command in commands)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from starlette.types import Receive, Scope, Send
 
-from runtime.requests import Memory, Requests
+from runtime.requests import Poses
 from service.admission import SUBPROTOCOL
 from service.characters.commands import Command
 from service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play
@@ -32,6 +32,7 @@ CHARACTERS = Query(
     integer("ahead", "frames in a message", 1, least=1, most=1000),
     *HOW,
 )
+LEFT_OUT = 1.0  # seconds: characters move on for so much of what is left out at most
 BEHIND = 0.1  # seconds that the clock may be behind before frames are left out
 EARLY = 0.0005  # seconds before it is due at which a frame is made: as exact as the event loop's timers are
 
@@ -139,8 +140,8 @@ class Hub:
         for later in range(ahead):
             frames.append(self._evaluate(edition, scenes, how))
             for one in group:
-                for ended in one.play.scene.advance(1.0 / rate):
-                    one.tell("ended", id=ended, frame=one.play.frame + later + 1)
+                for told in one.play.scene.advance():
+                    one.tell(frame=one.play.frame + later + 1, **told)
         wall, loop = time.time(), asyncio.get_running_loop().time()
         sent = 0
         for one, first, end in zip(group, [0, *ends], ends, strict=False):
@@ -155,14 +156,11 @@ class Hub:
     def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
         """All characters of some scenes, as arrays [n, ...]."""
         began = time.perf_counter()
-        records, state = Scene.together(scenes)
-        poses = edition.evaluator.poses(len(records))
-        edition.evaluator.evaluate(Requests(records), poses, Memory(state, scenes[0].share))
-        if len(scenes) > 1:
-            first = 0
-            for scene in scenes:
-                scene.state[:] = state[first : first + len(scene)]
-                first += len(scene)
+        poses, first = edition.evaluator.poses(sum(len(scene) for scene in scenes)), 0
+        for scene in scenes:
+            rows = slice(first, first + len(scene))
+            scene.evaluate(Poses(poses.root_positions[rows], poses.rotations[rows]))
+            first += len(scene)
         arrays = how.arrays(edition.evaluator, poses)
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
         return arrays
@@ -177,6 +175,8 @@ class Hub:
                 due = play.due if rate == play.rate else _next_tick(now, rate)
                 play = replace(play, rate=float(rate), ahead=ahead, due=due)
                 play.scene.keep_time(play.rate)
+                if "events" in command.values:
+                    play.scene.tell(command.values["events"])
             else:
                 play.scene.do(command)
         self._check(play, connection.play.load)
@@ -236,7 +236,8 @@ def _catch_up(connection: Connection, now: float) -> int:
     play = connection.play
     missed = math.floor((now - play.due) * play.rate) if now - play.due > BEHIND else 0
     if missed:
-        play.scene.advance(missed / play.rate)
+        for _ in range(min(missed, math.ceil(LEFT_OUT * play.rate))):
+            play.scene.pass_frame()
         connection.play = play.after(missed)
     return missed
 

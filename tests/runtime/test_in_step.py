@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from runtime import kernels
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
-from runtime.in_step import WaysBack, action_phase, cycles_to, phase_at
+from runtime.in_step import action_phase, cycles_to, phase_at
 from runtime.requests import Requests
 
 
@@ -39,20 +39,6 @@ def test_an_action_begins_at_a_moment_or_less_than_a_cycle_after(
         own = bank.tables["phase_of_frame"][rows]
         frame = np.interp(phase, own, np.arange(len(own)))
         assert max(0.0, shown(bank, locomotion, time, action, cycles)) == pytest.approx(frame, abs=1e-4)
-
-
-def test_a_locomotion_goes_back_to_a_moment_that_is_like_its_end(bank: Bank) -> None:
-    looping = [number for number, clip in enumerate(bank.clips) if clip.loop]
-    assert looping
-    arrays, ways = Evaluator(bank).arrays, WaysBack.of(bank)
-    for number in looping:
-        clip, time = bank.clips[number], ways.times[number]
-        assert 0.0 <= time < clip.duration
-        strides = phase_at(arrays, number, clip.duration) - phase_at(arrays, number, time)
-        assert strides == pytest.approx(ways.cycles[number])
-        motion = bank.motion(clip.name)
-        there, end = motion.sampled([time * clip.rate])[1][0, 1:], motion.rotations[-1, 1:]  # but for the heading
-        assert (np.abs(np.sum(there * end, axis=-1)) > np.cos(np.radians(20.0))).all(), clip.name
 
 
 def test_many_characters_are_each_of_them_alone(bank: Bank) -> None:

@@ -8,9 +8,8 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from runtime.bank import Bank
+from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
-from runtime.in_step import WaysBack, action_phase, cycles_to, phase_at
-from runtime.requests import Poses, Requests
 from service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
@@ -19,42 +18,41 @@ WALK = {"do": "create", "id": 7, "locomotion": "walk"}
 FRAGMENTS = b"\x01\x80mask" + 1023 * b"\x00\x80mask"  # of one message that does not end
 
 
-def locomotion_alone(bank: Bank, name: str, times: Any) -> Poses:
-    return Evaluator(bank).sequence(name, np.asarray(times))
+def twin(bank: Bank, *commands: tuple[str, dict[str, Any]], frames: int = 0) -> tuple[Any, Any]:
+    """Root position [3] and rotations [J, 4] of a character that was added and commanded, after so many frames."""
+    characters = Characters(Stage(Evaluator(bank)), 60.0)
+    for do, values in commands:
+        if do == "add":
+            characters.add(1, **values)
+        else:
+            getattr(characters, do)([0], **values)
+    for _ in range(frames):
+        characters.evaluate(characters.stage.evaluator.poses(1))
+        characters.advance()
+    poses = characters.stage.evaluator.poses(1)
+    characters.evaluate(poses)
+    return poses.root_positions[0], poses.rotations[0]
 
 
-def test_frames_are_the_evaluators_numbered_by_their_own_clock(service: Running, bank: Bank) -> None:
-    with Player(service, "?rate=50") as player:
+def test_frames_are_those_of_the_runtime_numbered_by_their_own_clock(service: Running, bank: Bank) -> None:
+    with Player(service, "?rate=60") as player:
         assert player.welcome["bank"] == bank.digest
-        assert (player.welcome["rate"], player.welcome["ahead"]) == (50.0, 1)
-        first = player.do(WALK)["frame"]
-        frames = player.frames_until(first + 10)
+        assert (player.welcome["rate"], player.welcome["ahead"]) == (60.0, 1)
+        act = {"do": "act", "id": 7, "action": "wave", "when": "foot", "mask": "arms"}
+        first = player.do({**WALK, "position": [1, 0, 2], "heading": 0.5}, act)["frame"]
+        frames = player.frames_until(first + 40)
         assert frames[0]["frame"] == first
-        times = np.array([frame["frame"] - first for frame in frames]) / 50.0
-        poses = locomotion_alone(bank, "walk", times)
-        np.testing.assert_allclose([frame["rotations"][0, 0] for frame in frames], poses.rotations, atol=1e-6)
-        np.testing.assert_allclose([frame["root_positions"][0, 0] for frame in frames], poses.root_positions, atol=1e-6)
+        acted = "act", {"action": "wave", "when": "foot", "mask": "arms"}
+        added = ("add", {"locomotion": "walk"}), ("place", {"position": (1, 0, 2), "heading": 0.5})
+        for frame in frames[::10]:
+            later = frame["frame"] - first
+            root, rotations = twin(bank, *added, acted, frames=later)
+            np.testing.assert_array_equal(frame["rotations"][0, 0], rotations)
+            np.testing.assert_array_equal(frame["root_positions"][0, 0], root)
         due = np.array([frame["time"] for frame in frames])
-        np.testing.assert_allclose(np.diff(due), np.diff(times), atol=1e-3)
+        numbers = np.array([frame["frame"] for frame in frames])
+        np.testing.assert_allclose(np.diff(due), np.diff(numbers) / 60.0, atol=1e-3)
         assert all(frame["ids"] == [7] and frame["count"] == 1 for frame in frames)
-
-
-def test_an_action_begins_in_step_at_its_beginning(service: Running, bank: Bank) -> None:
-    evaluator, walk, wave = Evaluator(bank), bank.number("walk"), bank.number("wave")
-    for start in (0.0, 0.8):
-        with Player(service) as player:
-            first = player.do({**WALK, "time": 2.0})["frame"]
-            done = player.do({"do": "act", "id": 7, "action": "wave", "start": start})["frame"]
-            frame = player.frames_until(done)[-1]
-        time = 2.0 + (done - first) / 60.0
-        requests, poses = Requests.empty(1), evaluator.poses(1)
-        requests.locomotion[:], requests.action[:], requests.time[:] = walk, wave, time
-        begin = phase_at(evaluator.arrays, wave, start)
-        requests.cycles[:] = cycles_to(evaluator.arrays, walk, time, wave, begin)
-        evaluator.evaluate(requests, poses)
-        np.testing.assert_allclose(frame["rotations"][0, 0], poses.rotations[0], atol=1e-6)
-        phase = action_phase(evaluator.arrays, walk, time, wave, int(requests.cycles[0]))
-        assert begin - 0.0011 <= phase < begin + 1.0
 
 
 def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
@@ -67,38 +65,47 @@ def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
         player.frames_until(done + 1)
         one, two = player.frame(), player.frame()
         np.testing.assert_array_equal(one["rotations"], two["rotations"])
-        done = player.do({"do": "seek", "id": 3, "time": 1.25})["frame"]
-        frame = player.frames_until(done)[-1]
-        np.testing.assert_allclose(
-            frame["rotations"][0, 1], locomotion_alone(bank, "run", [1.25]).rotations[0], atol=1e-6
-        )
-        done = player.do({"do": "play", "id": 3, "locomotion": "side_step", "time": 0.5})["frame"]
-        frame = player.frames_until(done)[-1]
-        wanted = locomotion_alone(bank, "side_step", [0.5]).rotations[0]
-        np.testing.assert_allclose(frame["rotations"][0, 1], wanted, atol=1e-6)
-        done = player.do({"do": "act", "id": 3, "action": "wave", "method": "naive", "start": 1.0})["frame"]
+        done = player.do({"do": "play", "id": 3, "locomotion": "side_step", "time": 0.5, "blend": 0})["frame"]
+        beside = player.frames_until(done)[-1]["rotations"][0, 1]
+        wave = {"do": "act", "id": 3, "action": "wave", "method": "naive", "start": 1.0, "blend": 0}
+        done = player.do(wave)["frame"]
         frame = player.frames_until(done)[-1]
         upper = bank.skeleton.subtree(bank.roles.pelvis)
-        wave = bank.motion("wave").sampled([1.0 * bank.clip("wave").rate])[1][0, upper]
-        np.testing.assert_allclose(frame["rotations"][0, 1][upper], wave, atol=1e-5)
-        done = player.do({"do": "stop", "id": 3})["frame"]
-        frame = player.frames_until(done)[-1]
-        np.testing.assert_allclose(frame["rotations"][0, 1], wanted, atol=1e-6)
+        wanted = bank.motion("wave").sampled([1.0 * bank.clip("wave").rate])[1][0, upper]
+        np.testing.assert_allclose(frame["rotations"][0, 1][upper], wanted, atol=1e-5)
+        done = player.do({"do": "stop", "id": 3, "blend": 0})["frame"]
+        np.testing.assert_allclose(player.frames_until(done)[-1]["rotations"][0, 1], beside, atol=1e-6)
+        done = player.do({"do": "place", "id": 3, "position": [5, 1, 6]}, {"do": "in_place", "id": 7, "in_place": True})
+        frame = player.frames_until(done["frame"])[-1]
+        np.testing.assert_allclose(frame["root_positions"][0, :, [0, 2]], [[0, 5], [0, 6]], atol=0.2)
 
 
-def test_a_locomotion_goes_back_by_whole_strides_or_holds_its_end(service: Running, bank: Bank) -> None:
-    duration, way = bank.clip("run").duration, WaysBack.of(bank)
+def test_locomotions_are_mixed_by_weight(service: Running) -> None:
     with Player(service) as player:
-        near = duration - 2.5 / 60.0
-        run = {"do": "create", "locomotion": "run", "time": near}
-        first = player.do({**run, "id": 1}, {**run, "id": 2, "loop": False})["frame"]
-        told = player.event("ended")
-        assert (told["id"], told["frame"]) == (2, first + 3)
-        frame = player.frames_until(first + 5)[-1]
-        number = bank.number("run")
-        back = way.times[number] + near + 5.0 / 60.0 - duration
-        poses = locomotion_alone(bank, "run", [back, duration])
-        np.testing.assert_allclose(frame["rotations"][0], poses.rotations, atol=1e-5)
+        first = player.do({**WALK, "locomotion": {"walk": 1, "run": 0}})["frame"]
+        told = player.do({"do": "weigh", "id": 7, "weights": {"run": 1}})
+        assert told["event"] == "done"
+        frames = player.frames_until(first + 60)
+        ahead = np.diff([frame["root_positions"][0, 0, 2] for frame in frames])
+        assert ahead[-10:].mean() > 1.3 * ahead[:5].mean()
+
+
+def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank) -> None:
+    with Player(service) as player:
+        told = player.do({"do": "set", "events": ["left_down", "action_began", "action_ended", "locomotion_ended"]})
+        assert told["event"] == "done"
+        near = bank.clip("run").duration - 2.5 / 60.0
+        run = {"do": "create", "locomotion": "run", "time": near, "loop": False}
+        first = player.do(WALK, {**run, "id": 2})["frame"]
+        ended = player.event("locomotion_ended")
+        assert (ended["ids"], ended["frame"]) == ([2], first + 3)
+        done = player.do({"do": "act", "id": 7, "action": "wave", "when": "left_foot", "loop": False})["frame"]
+        down, began = player.event("left_down"), player.event("action_began")
+        assert (began["ids"], began["action"]) == ([7], "wave")
+        assert done < began["frame"] == down["frame"]
+        over = player.event("action_ended")
+        assert (over["ids"], over["action"]) == ([7], "wave")
+        assert 1.0 < (over["frame"] - began["frame"]) / 60.0 < bank.clip("wave").duration
 
 
 @pytest.mark.parametrize(
@@ -111,8 +118,12 @@ def test_a_locomotion_goes_back_by_whole_strides_or_holds_its_end(service: Runni
         ([{"do": "create", "id": 8}], "request", "locomotion: create needs it"),
         ([{"do": "create", "id": 8, "locomotion": "walk", "sped": 2}], "request", "create takes no 'sped'"),
         ([{"do": "dance", "id": 7}], "request", "there is no command 'dance'"),
-        ([{"do": "seek", "id": 7, "time": 99}], "time-range", "Give a time from 0 to 5.000"),
-        ([{"do": "seek", "id": 7, "time": -1}], "request", "time: it is -1, and should be seconds"),
+        ([{"do": "play", "id": 7, "locomotion": "walk", "time": 99}], "time-range", "Give a time from 0 to 5.000"),
+        ([{"do": "play", "id": 7, "locomotion": "walk", "time": -1}], "request", "time: it is -1, and should be"),
+        ([{"do": "play", "id": 7, "locomotion": {}}], "request", "0 locomotions cannot be mixed"),
+        ([{"do": "weigh", "id": 7, "weights": {"run": 1}}], "request", "not one of the locomotions"),
+        ([{"do": "act", "id": 7, "action": "wave", "own_clock": [1]}], "request", "own_clock: it is [1]"),
+        ([{"do": "set", "events": ["boom"]}], "request", "a list of left_down"),
         ([{"do": "act", "id": 7, "action": "wave", "start": 9}], "time-range", "start 9 s lies outside clip 'wave'"),
         ([{"do": "act", "id": 7, "action": "wave", "posture": "up"}], "request", "posture: it is 'up'"),
         ([{"do": "speed", "id": 6, "speed": 1}], "request", "there is no character 6"),
@@ -200,9 +211,10 @@ def test_clients_of_one_rate_are_due_at_the_same_moment(service: Running) -> Non
 def test_a_newer_bank_is_played_on_from_the_next_frame(service: Running, bank: Bank) -> None:
     hub = service.config.front.hub
     with Player(service) as player:
-        player.do(WALK, {"do": "act", "id": 7, "action": "wave"})
+        player.do(WALK, {"do": "act", "id": 7, "action": "wave"}, {"do": "stop", "id": 7, "blend": 9})
         old = service.config.front.shared.serving.edition
-        twin = type(old)(Bank.open(bank.path), Evaluator(Bank.open(bank.path)), old.ways_back)
+        evaluator = Evaluator(Bank.open(bank.path))
+        twin = type(old)(evaluator.bank, evaluator, Stage(evaluator))
         loop = service.server.servers[0].get_loop()
         loop.call_soon_threadsafe(service.config.front.shared.serving.exchange, twin)
         told = player.event("bank")

@@ -15,6 +15,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from websockets.exceptions import ConnectionClosed
 
 from runtime.bank import Bank
+from service.characters.commands import NEEDED
 from service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
@@ -34,15 +35,23 @@ options = st.fixed_dictionaries(
         "method": st.sampled_from(["splice", "naive", "none", "x"]),
         "posture": st.sampled_from(["relative", "absolute", "running", "off", "x"]),
         "ref": st.integers(-(2**63), 2**63) | st.text(max_size=5) | st.none(),
-        "locomotion": clips,
+        "locomotion": clips | st.dictionaries(clips, numbers, max_size=5),
         "action": clips,
         "rate": numbers,
         "ahead": st.integers(-1, 130),
+        "weights": st.dictionaries(clips, numbers, max_size=5),
+        "weight": numbers,
+        "blend": numbers,
+        "when": st.sampled_from(["now", "phase", "foot", "x"]),
+        "mask": st.sampled_from(["upper_body", "arms", "x"]),
+        "own_clock": st.booleans() | st.lists(numbers, max_size=3),
+        "position": st.lists(numbers, max_size=4),
+        "in_place": st.booleans(),
     },
 )
 commands = st.builds(
     lambda do, id_, rest: {"do": do, "id": id_, **rest},
-    st.sampled_from(["create", "play", "act", "stop", "seek", "speed", "remove", "set", "x"]),
+    st.sampled_from([*NEEDED, "x"]),
     ids,
     options,
 )
@@ -53,7 +62,10 @@ likely = st.sampled_from(
         {"do": "act", "id": 1, "action": "wave", "posture": "running"},
         {"do": "act", "id": 1, "action": "carry_box", "method": "naive", "start": 0.5},
         {"do": "play", "id": 1, "locomotion": "turn_180"},
-        {"do": "seek", "id": 1, "time": 2.0},
+        {"do": "play", "id": 1, "locomotion": {"walk": 1, "run": 2}, "blend": 0.1},
+        {"do": "weigh", "id": 1, "weights": {"run": 1}},
+        {"do": "act", "id": 1, "action": "wave", "when": "foot", "mask": "left_arm", "loop": False},
+        {"do": "set", "events": ["left_down", "right_up", "stride"]},
         {"do": "stop", "id": 1},
         {"do": "remove", "id": 2},
         {"do": "set", "rate": 120, "ahead": 1},

@@ -152,6 +152,11 @@ class Hub:
             one.play = play.after(ahead)
             one.wanted = one.play.due
         self._shared.metrics.frames_sent.inc(sent)
+        newest = self._shared.serving.edition
+        if edition is not newest:
+            for one in group:
+                if not one.play.scene.missing(newest):  # what the newest has not may have been faded out
+                    asyncio.get_running_loop().call_soon(self._move, one, newest)
 
     def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
         """All characters of some scenes, as arrays [n, ...]."""

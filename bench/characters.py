@@ -3,7 +3,7 @@
 pops         random commands to a character for six seconds, again and again: the fastest that any joint moves, over the
              fastest of the clips that were played.
 slide        how far feet slide over the ground while all that is mixed has them stand, metres, median over stances.
-masks        a right arm that waves, on a person who walks otherwise: how far elbow and wrist are, from the hips, from
+masks        the right arm of an action, on a person who walks otherwise: how far elbow and wrist are, from the hips, from
              where the person has them who does both; with the arm's own rotations, and turned with its attachment.
 cost         of a character and frame, in turns with a plain splice by the evaluator.
 """
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -160,13 +161,13 @@ def stands(stage: Stage, s: Floats) -> int:
 
 def masks(stage: Stage) -> Findings:
     """A right arm alone, against the motion of one who does both."""
-    told, bank = Findings("A right arm that waves: centimetres from the truth, mean of elbow and wrist"), stage.bank
-    for locomotion in ("walk", "run", "curve", "side_step", "slow_walk"):
-        real, roles = truth(locomotion, "wave"), bank.roles
+    told, bank = Findings("A right arm alone: centimetres from the truth, mean of elbow and wrist"), stage.bank
+    for locomotion, action in product(("walk", "run", "side_step"), ("wave", "punch", "push", "carry_box")):
+        real, roles = truth(locomotion, action), bank.roles
         arm = bank.skeleton.subtree(bank.skeleton.parents[roles.right_shoulder])
         characters = Characters(stage, RATE)
         characters.add(1, locomotion)
-        characters.act([0], "wave", mask="right_arm", blend=0.0)
+        characters.act([0], action, mask="right_arm", blend=0.0)
         turned, plain, wanted = [], [], []
         wanted_all = from_hips(joint_positions(real), bank)
         for frame in range(200):
@@ -174,7 +175,7 @@ def masks(stage: Stage) -> Findings:
             characters.evaluate(poses)
             turned.append(placed(stage, poses)[0])
             slot = characters.state[0, col.FIRST_ACTION :]
-            own = bank.motion("wave", seam=True).sampled([slot[col.FRAME]])[1][0]
+            own = bank.motion(action, seam=True).sampled([slot[col.FRAME]])[1][0]
             poses.rotations[0, arm] = own[arm]
             plain.append(placed(stage, poses)[0])
             wanted.append(wanted_all[round(frame * real.rate / RATE)])
@@ -182,7 +183,7 @@ def masks(stage: Stage) -> Findings:
         joints = [roles.right_elbow, roles.right_wrist]
         for label, found in (("its own rotations", plain), ("turned with its attachment", turned)):
             apart = from_hips(np.array(found), bank)[:, joints] - np.array(wanted)[:, joints]
-            told.add(f"{locomotion}, {label}", 100.0 * float(np.linalg.norm(apart, axis=-1).mean()), "{:.1f}")
+            told.add(f"{action} on {locomotion}, {label}", 100.0 * float(np.linalg.norm(apart, axis=-1).mean()), "{:.1f}")
     return told
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from bench import flatness
@@ -15,6 +16,7 @@ from bench.generated import Size, generate
 from bench.pair_list import grid_pairs, truth_of
 from bench.scores import Form, score_pair, splice_pair
 from bench.speed_charts import speed_chart
+from motion.clip import Clip
 from motion.procedural.library import make, truth
 from motion.roles import find_roles
 from motionsplice.command_demo import demo_command
@@ -22,6 +24,7 @@ from motionsplice.correlation_charts import draw_chart
 from motionsplice.drawing import contact_sheet
 from precompute.body_angles import View
 from precompute.correlation import study
+from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
 from runtime.requests import Posture
 
@@ -42,7 +45,41 @@ def main() -> None:
         evaluator, real = Evaluator(bank), truth("stairs_up", "carry_box")
         rows = [(form, evaluator.clip("stairs_up", "carry_box", posture=form), bank.roles) for form in FORMS]
         contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=real).save(IMAGES / "postures.png")
+        draw_characters(evaluator)
         draw_quality(evaluator)
+
+
+SCENE = {
+    1.5: ("act", "carry_box", {}),
+    4.5: ("play", "run", {"blend": 0.5}),
+    7.5: ("stop", None, {}),
+    9.0: ("act", "wave", {"mask": "right_arm", "loop": False}),
+    11.5: ("play", {"walk": 0.5, "run": 0.5}, {"blend": 0.5}),
+    14.0: ("act", "punch", {"when": "left_foot"}),
+    16.0: ("play", "curve", {"blend": 0.5}),
+    18.0: ("stop", None, {}),
+}  # seconds: what is commanded
+
+
+def draw_characters(evaluator: Evaluator) -> None:
+    """Twenty seconds of a character, as rows of five."""
+    characters, roots, rotations = Characters(Stage(evaluator), 60.0), [], []
+    characters.add(1, "walk")
+    poses = evaluator.poses(1)
+    for frame in range(20 * 60 + 1):
+        do, what, how = SCENE.get(frame / 60.0, ("", None, {}))
+        if do:
+            getattr(characters, do)([0], *([what] if what else []), **how)
+        characters.evaluate(poses)
+        roots.append(poses.root_positions[0].astype(np.float64))
+        rotations.append(poses.rotations[0].astype(np.float64))
+        characters.advance()
+    rows = []
+    for start in range(0, 20, 5):
+        part = slice(60 * start, 60 * start + 301)
+        clip = Clip(f"{start} s", evaluator.bank.skeleton, 60.0, np.array(roots[part]), np.array(rotations[part]))
+        rows.append((f"{start} s to {start + 5} s", clip, evaluator.bank.roles))
+    contact_sheet(rows, columns=12).save(IMAGES / "characters.png")
 
 
 def draw_quality(evaluator: Evaluator) -> None:

@@ -387,10 +387,15 @@ def add_parts(
 ) -> None:
     """Adds the rotations of an upper half to a sum, each by the weight of its part; but not, if they are turned apart,
     the joints by which limbs hang on the trunk."""
-    at = first
+    begin, at, whole = col.PARTS * source, first, not apart
+    for part in range(1, col.PARTS):
+        whole &= weights[begin + part] == weights[begin]
+    if whole:
+        add_lanes(lanes, first, np.uint64(4) * width, np.float32(weights[begin]), total, new)
+        return
     for lane in range(width):
         part = limbs.part_of_lane[lane]
-        weight = np.float32(weights[col.PARTS * source + part])
+        weight = np.float32(weights[begin + part])
         if apart and limbs.attachments[part] == lane:
             weight = np.float32(0.0)
         add_lanes(lanes, at, np.uint64(4), weight, total, new)

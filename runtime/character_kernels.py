@@ -316,7 +316,7 @@ def sample_action(
             mixing.kept[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
 
 
-@inlined
+@kernel
 def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> None:
     """The posture that locomotions have stored, mixed, for an action that is turned from there."""
     mixing.requests[k]["posture"] = GIVEN
@@ -356,7 +356,7 @@ def mix_actions(
     normalise_lanes(mixing.sum, above, np.uint64(4) * width, lanes)
 
 
-@inlined
+@kernel
 def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
     """What share of each part [PARTS] the locomotions' own upper body has, then each action."""
     for part in range(col.PARTS):
@@ -402,7 +402,7 @@ def add_parts(
         at += np.uint64(4)
 
 
-@inlined
+@kernel
 def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
     """How each limb's attachment is turned against the pelvis in an action's own upper half."""
     for part in range(1, col.PARTS):

@@ -55,7 +55,7 @@ def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
         settle_slot(bank, s, c + col.NEXT_ACTION)
 
 
-@inlined
+@kernel
 def settle_slot(bank: BankArrays, s: Array, slot: int) -> None:
     clip = int(s[slot + col.CLIP])
     s[slot + col.FRAME] = min(s[slot + col.FRAME], bank.clips[clip, arrays.ROW_COUNT] - 1.0)
@@ -159,7 +159,7 @@ def tempo(bank: BankArrays, clip: int, frame: float) -> float:
     return (bank.phases[row + ONE] - bank.phases[row]) * bank.clips[clip, arrays.RATE]
 
 
-@inlined
+@kernel
 def end_locomotion(s: Array, c: int, number: int, before: float, after: float, last: float, rate: float) -> None:
     """What becomes of a clip that does not go on by itself: it is held, or its group begins again over itself."""
     slot = locomotion(c, number)
@@ -250,7 +250,7 @@ def advance_splice(
     s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, clip, reached)
 
 
-@inlined
+@kernel
 def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
     """Has the newest action faded out in time before it ends, or begun again over itself."""
     slot = action(c, count - 1)

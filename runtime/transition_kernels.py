@@ -83,7 +83,7 @@ def keep_way(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
     s[slot + col.WAY_SIN], s[slot + col.WAY_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
 
 
-@inlined
+@kernel
 def reference(bank: BankArrays, s: Array, c: int) -> float:
     """The phase that what begins has to be in step with: the newest gait's, or else the newest spliced action's."""
     for number in range(int(s[c + col.LOCOMOTIONS]) - 1, -1, -1):
@@ -97,7 +97,7 @@ def reference(bank: BankArrays, s: Array, c: int) -> float:
     return UNKNOWN
 
 
-@inlined
+@kernel
 def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
     """The first phase of a clip from `start` on that is a whole number of cycles from `phase`; `start` if none is."""
     if phase == UNKNOWN:
@@ -141,7 +141,7 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
     share_locomotions(s, c)
 
 
-@inlined
+@kernel
 def is_time(bank: BankArrays, s: Array, c: int, passed: float, downs: int) -> bool:
     """Whether the action that waits is to begin."""
     when, phase = s[c + col.WHEN], reference(bank, s, c)
@@ -221,7 +221,7 @@ def drop_actions(s: Array, c: int) -> None:
     s[c + col.ACTIONS] = count
 
 
-@inlined
+@kernel
 def leave_action(s: Array, c: int, number: int, lasting: float) -> None:
     """Has an action that comes to its end faded out, by the locomotion's own upper body above it."""
     slot = action(c, number)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TICKS = os.sysconf("SC_CLK_TCK")
-PATIENCE = 60.0  # seconds
+PATIENCE = 300.0  # seconds: kernels may have to be compiled
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from service.server import listen
 from service.settings import Settings
 
 PATIENCE = 30.0  # seconds: far more than anything takes
+COMPILING = 600.0  # but for kernels that are compiled for the first time
 
 
 class Running:
@@ -46,9 +47,9 @@ class Running:
         return len(self.config.ledger), len(state.connections), len(state.tasks), len(front.shared.streams)
 
 
-def eventually(holds: Callable[[], bool]) -> None:
+def eventually(holds: Callable[[], bool], patience: float = PATIENCE) -> None:
     """Waits until something holds, and fails if it does not come to that."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + patience
     while not holds():
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -74,7 +75,7 @@ def running(path: Path, settings: Settings) -> Iterator[Running]:
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
     service = Running(config, server, port)
-    eventually(lambda: _is_ready(service))
+    eventually(lambda: _is_ready(service), COMPILING)
     yield service
     server.should_exit = True
     thread.join(PATIENCE)

@@ -3,8 +3,8 @@
 pops         random commands to a character for six seconds, again and again: the fastest that any joint moves, over the
              fastest of the clips that were played.
 slide        how far feet slide over the ground while all that is mixed has them stand, metres, median over stances.
-masks        the right arm of an action, on a person who walks otherwise: how far elbow and wrist are, from the hips, from
-             where the person has them who does both; with the arm's own rotations, and turned with its attachment.
+masks        the right arm of an action on a person who walks otherwise: how far elbow and wrist are, from the hips, off
+             the motion of the person who does both; with the arm's own rotations, and turned with its attachment.
 cost         of a character and frame, in turns with a plain splice by the evaluator.
 """
 
@@ -183,7 +183,9 @@ def masks(stage: Stage) -> Findings:
         joints = [roles.right_elbow, roles.right_wrist]
         for label, found in (("its own rotations", plain), ("turned with its attachment", turned)):
             apart = from_hips(np.array(found), bank)[:, joints] - np.array(wanted)[:, joints]
-            told.add(f"{action} on {locomotion}, {label}", 100.0 * float(np.linalg.norm(apart, axis=-1).mean()), "{:.1f}")
+            told.add(
+                f"{action} on {locomotion}, {label}", 100.0 * float(np.linalg.norm(apart, axis=-1).mean()), "{:.1f}"
+            )
     return told
 
 

@@ -19,7 +19,8 @@ Real = float | np.float32
 FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # not what takes NaN for impossible
 LANES = 8  # float32 that are computed with at once
 
-# Kernels make no arrays, so none has to be counted for (_nrt): that was half the time of a character
-kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, _nrt=False)
+UNCOUNTED: dict[str, Any] = {"_nrt": False}  # kernels make no arrays; counting references to them took half the time
+
+kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **UNCOUNTED)
 parallel_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)
-inlined = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, inline="always", _nrt=False)
+inlined = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, inline="always", **UNCOUNTED)

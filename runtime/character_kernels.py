@@ -13,30 +13,14 @@ import numpy as np
 
 from runtime import arrays
 from runtime import character_state as col
-from runtime.arrays import (
-    ALIGNED,
-    BLOCK,
-    FRAME,
-    OWN,
-    ROW_L,
-    ROW_U,
-    SHARE_L,
-    SHARE_U,
-    SPLICED,
-    THEIRS,
-    TURN,
-    BankArrays,
-    Limbs,
-    Mixing,
-    Scratch,
-)
+from runtime.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Limbs, Mixing, Scratch
 from runtime.compiled import Array, Index, Real, inlined, kernel
-from runtime.kernels import copy_rotation
+from runtime.kernels import copy_lower, copy_rotation, copy_upper
 from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
-from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, other_postures, settle
-from runtime.rotation_kernels import BACK, ONE, ONWARD, TINY, horn, multiply, normalise, product, sample
+from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, turn_pelves
+from runtime.rotation_kernels import ONE, TINY, product, sample
 from runtime.rows import CLOUD, FIRST_JOINT, PELVIS, ROOT, SIZE
-from runtime.transition_kernels import action, faded, locomotion
+from runtime.transition_kernels import action, faded, locomotion, row_of, seen
 
 
 @kernel
@@ -67,15 +51,7 @@ def evaluate_characters(
             splices += int(s[c + col.ACTIONS])
             k += lanes_of(s, c)
         if splices > 0:
-            horn(block)
-            settle(mixing.requests, mixing.memory, block, 0, k)
-            multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
-            multiply(block, THEIRS, OWN, TURN, BACK)
-            other_postures(bank, mixing.requests, mixing.memory, share, block, 0, k)
-            multiply(block, FRAME, TURN, TURN, ONWARD)
-            multiply(block, TURN, FRAME, TURN, BACK)
-            multiply(block, TURN, SPLICED, SPLICED, ONWARD)
-            normalise(block, SPLICED)
+            turn_pelves(bank, mixing.requests, mixing.memory, share, block, 0, k)
             k = 0
             for character in range(first, stop):
                 c = character * col.COLUMNS
@@ -99,7 +75,7 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion(c, number)
         clip = int(s[slot + col.CLIP])
-        row, _ = locate(s[slot + col.FRAME], bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+        row, _ = row_of(bank, clip, s[slot + col.FRAME])
         fetch_ahead(bank.lower, row)
         if s[c + col.ACTIONS] == 0.0:
             fetch_ahead(bank.upper, row)
@@ -141,7 +117,7 @@ def mix_lower(
     for number in range(count):
         slot = locomotion(c, number)
         clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
-        row, t = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+        row, t = row_of(bank, clip, frame)
         px, py, pz = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2]
         t32 = np.float32(t)
         sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
@@ -149,10 +125,9 @@ def mix_lower(
         dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t32) - pz
         share = s[slot + col.SHARE] if count > 1 else 1.0
         sin, cos = s[slot + col.WAY_SIN], s[slot + col.WAY_COS]
-        cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
-        x += share * (cosine * dx - sine * dz)
+        dx, dz = seen(sin, cos, dx, dz)
+        x, z = x + share * dx, z + share * dz
         y += share * (between_rows(bank.lower, row, np.uint64(ROOT + 1), t32) - py)
-        z += share * (cosine * dz + sine * dx)
         turn_about_y(lanes, root, -sin, cos)
         if count == 1:
             block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
@@ -164,15 +139,11 @@ def mix_lower(
         block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
     if s[c + col.IN_PLACE] == 0.0:
         sin, cos = s[c + col.SIN], s[c + col.COS]
-        cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
         turn_about_y(lanes, root, sin, cos)
-        x, z = s[c + col.PLACE] + cosine * x + sine * z, s[c + col.PLACE + 2] + cosine * z - sine * x
-        y += s[c + col.PLACE + 1]
+        x, z = seen(-sin, cos, x, z)
+        x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
-    below, at = np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], root
-    for joint in range(np.uint64(arrays.COLUMNS), below):
-        copy_rotation(lanes, at, rotations, character, rig[joint])
-        at += np.uint64(4)
+    copy_lower(rig, lanes, rotations, character)
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
 
 
@@ -241,7 +212,6 @@ def mix_upper(
         sample_own(bank, s, c, lanes, mixing)
     elif is_plain(s, c):
         sample_action(bank, s, c, 0, k, lanes, block, mixing)
-        mixing.weights[0] = 0.0
         for part in range(col.PARTS):
             mixing.weights[col.PARTS + part] = 1.0
     else:
@@ -249,10 +219,7 @@ def mix_upper(
     for number in range(count):
         for part in range(col.PARTS):
             mixing.shares[k + number, part] = mixing.weights[col.PARTS * (number + 1) + part]
-    at, below = above + np.uint64(4 * FIRST_JOINT), np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT]
-    for joint in range(below, np.uint64(len(rig))):
-        copy_rotation(lanes, at, rotations, character, rig[joint])
-        at += np.uint64(4)
+    copy_upper(rig, lanes, above, rotations, character)
 
 
 @inlined
@@ -276,7 +243,7 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
     for number in range(count):
         slot = locomotion(c, number)
         clip = int(s[slot + col.CLIP])
-        row, t = locate(s[slot + col.FRAME], bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+        row, t = row_of(bank, clip, s[slot + col.FRAME])
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
         if count > 1:
             share = np.float32(s[slot + col.SHARE])

@@ -14,19 +14,22 @@ from runtime import character_state as col
 from runtime.arrays import BankArrays, Ground
 from runtime.compiled import Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.lookup_kernels import NAIVE, SPLICE, locate
+from runtime.lookup_kernels import NAIVE, SPLICE
 from runtime.rotation_kernels import ONE
 from runtime.transition_kernels import (
     UNKNOWN,
     action,
     begin_waiting,
     drop_actions,
+    frame_after_last,
     frame_of,
     is_own_clock,
     keep_way,
     leave_action,
     locomotion,
     phase_of,
+    row_of,
+    seen,
     share_locomotions,
     way,
 )
@@ -84,18 +87,19 @@ def fade(s: Array, c: int, seconds: float, follow: float) -> None:
     count = int(s[c + col.LOCOMOTIONS])
     if count > 1:
         for number in range(count):
-            slot = locomotion(c, number)
-            s[slot + col.ELAPSED] += seconds
-            s[slot + col.LAGGING] += follow * (s[slot + col.GOAL] - s[slot + col.LAGGING])
-            s[slot + col.WEIGHT] += follow * (s[slot + col.LAGGING] - s[slot + col.WEIGHT])
+            fade_slot(s, locomotion(c, number), seconds, follow)
         share_locomotions(s, c)
     for number in range(int(s[c + col.ACTIONS])):
-        slot = action(c, number)
-        s[slot + col.ELAPSED] += seconds
-        s[slot + col.LAGGING] += follow * (s[slot + col.GOAL] - s[slot + col.LAGGING])
-        s[slot + col.WEIGHT] += follow * (s[slot + col.LAGGING] - s[slot + col.WEIGHT])
+        fade_slot(s, action(c, number), seconds, follow)
     if s[c + col.ACTIONS] > 1.0 or (s[c + col.ACTIONS] > 0.0 and s[c + col.FIRST_ACTION + col.KIND] == col.OWN):
         drop_actions(s, c)
+
+
+@inlined
+def fade_slot(s: Array, slot: int, seconds: float, follow: float) -> None:
+    s[slot + col.ELAPSED] += seconds
+    s[slot + col.LAGGING] += follow * (s[slot + col.GOAL] - s[slot + col.LAGGING])
+    s[slot + col.WEIGHT] += follow * (s[slot + col.LAGGING] - s[slot + col.WEIGHT])
 
 
 @inlined
@@ -126,11 +130,11 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
             reached -= rounds * loop
             after = min(frame_of(bank, clip, reached), last)
         else:
-            after, rounds, back = before + ahead * rate, 0.0, 0.0
+            after, rounds = before + ahead * rate, 0.0
             if after > last and loop > 0.0:
-                back = frame_of(bank, clip, bank.clips[clip, arrays.LAST_PHASE] - loop)
-                rounds = np.ceil((after - last) / (last - back))
-                after -= rounds * (last - back)
+                lasting = last - frame_after_last(bank, clip)
+                rounds = np.ceil((after - last) / lasting)
+                after -= rounds * lasting
             after = min(after, last)
             reached = phase_of(bank, clip, after)
             if count == 1 and bank.clips[clip, arrays.GAIT] > 0.0:
@@ -155,7 +159,7 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
 @inlined
 def tempo(bank: BankArrays, clip: int, frame: float) -> float:
     """Cycles a second of a clip at a frame."""
-    row, _ = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+    row, _ = row_of(bank, clip, frame)
     return (bank.phases[row + ONE] - bank.phases[row]) * bank.clips[clip, arrays.RATE]
 
 
@@ -194,8 +198,7 @@ def travelled(
         x1, y1, z1, h1 = way(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
         x, z = seen(sin, cos, x1 - x0, z1 - z0)
         y, turn = y1 - y0, h1 - h0
-        back = frame_of(bank, clip, bank.clips[clip, arrays.LAST_PHASE] - bank.clips[clip, arrays.LOOP])
-        x0, y0, z0, h0 = way(bank, ground, clip, back)
+        x0, y0, z0, h0 = way(bank, ground, clip, frame_after_last(bank, clip))
         for _ in range(int(rounds) - 1):
             dx, dz = seen(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
             x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
@@ -203,13 +206,6 @@ def travelled(
     keep_way(bank, ground, s, slot)
     dx, dz = seen(sin, cos, s[slot + col.WAY] - x0, s[slot + col.WAY + 2] - z0)
     return x + dx, y + s[slot + col.WAY + 1] - y0, z + dz, turn + s[slot + col.WAY + 3] - h0
-
-
-@inlined
-def seen(sin: float, cos: float, x: float, z: float) -> tuple[float, float]:
-    """A vector as seen after a turn about Y by twice the angle of sin and cos."""
-    cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
-    return cosine * x - sine * z, cosine * z + sine * x
 
 
 @inlined
@@ -265,14 +261,12 @@ def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) 
     if left > max(fading * s[c + col.SPEED], seconds * s[c + col.SPEED]):
         return
     if not goes_on:
-        leave_action(s, c, count - 1, fading)
+        leave_action(s, c, slot, fading)
     elif s[c + col.WHEN] == col.NEVER:
         for column in range(col.ACTION_COLUMNS):
             s[c + col.NEXT_ACTION + column] = s[slot + column]
-        s[c + col.NEXT_ACTION + col.PHASE], s[c + col.NEXT_ACTION + col.FRAME] = (
-            bank.clips[clip, arrays.FIRST_PHASE],
-            0.0,
-        )
+        s[c + col.NEXT_ACTION + col.PHASE] = bank.clips[clip, arrays.FIRST_PHASE]
+        s[c + col.NEXT_ACTION + col.FRAME] = 0.0
         s[c + col.NEXT_ACTION + col.LASTING], s[c + col.WHEN] = fading, col.NOW
 
 
@@ -285,7 +279,7 @@ def step(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float) -> i
             most = number
     slot = locomotion(c, most)
     clip, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE]
-    row, _ = locate(s[slot + col.FRAME], bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+    row, _ = row_of(bank, clip, s[slot + col.FRAME])
     now, before, events = int(ground.contacts[row]), int(s[c + col.STANDING]), int(s[c + col.EVENTS])
     downs, ups = now & ~before, before & ~now
     events |= col.LEFT_DOWN if downs & LEFT_FOOT else 0

@@ -10,25 +10,11 @@ import numpy as np
 from numba import prange
 
 from runtime import arrays
-from runtime.arrays import (
-    ALIGNED,
-    BLOCK,
-    FRAME,
-    OWN,
-    ROW_L,
-    ROW_U,
-    SHARE_L,
-    SHARE_U,
-    SPLICED,
-    THEIRS,
-    TURN,
-    BankArrays,
-    Scratch,
-)
+from runtime.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Scratch
 from runtime.compiled import Array, Index, inlined, kernel, parallel_kernel
 from runtime.lookup_kernels import NAIVE, SPLICE, frame_at, frame_near, locate, look_up, phase_in_step
-from runtime.posture_kernels import RUNNING, correlate, other_postures, settle
-from runtime.rotation_kernels import BACK, ONE, ONWARD, horn, multiply, normalise, sample
+from runtime.posture_kernels import RUNNING, correlate, turn_pelves
+from runtime.rotation_kernels import ONE, sample
 from runtime.rows import FIRST_JOINT, PELVIS, ROOT
 
 
@@ -116,15 +102,7 @@ def evaluate_part(
             half = np.uint64(4 * PELVIS) + (above if method == NAIVE else np.uint64(0))
             copy_rotation(lanes, half, rotations, first + k, pelvis)
         if splices > 0:
-            horn(block)
-            settle(requests, memory, block, first, count)
-            multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
-            multiply(block, THEIRS, OWN, TURN, BACK)
-            other_postures(bank, requests, memory, share, block, first, count)
-            multiply(block, FRAME, TURN, TURN, ONWARD)
-            multiply(block, TURN, FRAME, TURN, BACK)
-            multiply(block, TURN, SPLICED, SPLICED, ONWARD)
-            normalise(block, SPLICED)
+            turn_pelves(bank, requests, memory, share, block, first, count)
             for k in range(count):
                 if requests[first + k]["method"] == SPLICE:
                     for i in range(4):
@@ -151,12 +129,24 @@ def sample_halves(
     sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     sample(bank.upper, row, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
-    below, at = np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], np.uint64(4 * FIRST_JOINT)
-    for joint in range(np.uint64(arrays.COLUMNS), below):
+    copy_lower(rig, lanes, rotations, character)
+    copy_upper(rig, lanes, above, rotations, character)
+
+
+@inlined
+def copy_lower(rig: Array, lanes: Array, rotations: Array, character: int) -> None:
+    """The joints of a lower half from lanes into a pose."""
+    at = np.uint64(4 * FIRST_JOINT)
+    for joint in range(np.uint64(arrays.COLUMNS), np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT]):
         copy_rotation(lanes, at, rotations, character, rig[joint])
         at += np.uint64(4)
+
+
+@inlined
+def copy_upper(rig: Array, lanes: Array, above: Index, rotations: Array, character: int) -> None:
+    """The joints of an upper half, which begins at `above`, from lanes into a pose."""
     at = above + np.uint64(4 * FIRST_JOINT)
-    for joint in range(below, np.uint64(len(rig))):
+    for joint in range(np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], np.uint64(len(rig))):
         copy_rotation(lanes, at, rotations, character, rig[joint])
         at += np.uint64(4)
 

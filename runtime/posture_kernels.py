@@ -30,7 +30,7 @@ from runtime.arrays import (
 from runtime.compiled import LANES, Array, Index, Real, inlined, kernel
 from runtime.lanes import load, spread, total
 from runtime.lookup_kernels import SPLICE
-from runtime.rotation_kernels import ONE, horn, product, rotated
+from runtime.rotation_kernels import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
 from runtime.rows import CLOUD, PELVIS, POSTURE_FRAME, SIZE, TORSO_OFFSET
 
 OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
@@ -81,6 +81,22 @@ def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
     """A column's value `t` of the way from a row to the next."""
     here = table[row, column]
     return here + t * (table[row + ONE, column] - here)
+
+
+@inlined
+def turn_pelves(
+    bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
+) -> None:
+    """Turns the pelvis of each splice of a block, in SPLICED, from the locomotion's to the splice's."""
+    horn(block)
+    settle(requests, memory, block, first, count)
+    multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
+    multiply(block, THEIRS, OWN, TURN, BACK)
+    other_postures(bank, requests, memory, share, block, first, count)
+    multiply(block, FRAME, TURN, TURN, ONWARD)
+    multiply(block, TURN, FRAME, TURN, BACK)
+    multiply(block, TURN, SPLICED, SPLICED, ONWARD)
+    normalise(block, SPLICED)
 
 
 @kernel

@@ -14,6 +14,7 @@ from runtime import arrays
 from runtime import character_state as col
 from runtime.arrays import BankArrays, Ground
 from runtime.compiled import Array, inlined, kernel
+from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
 from runtime.lookup_kernels import IN_STEP, SPLICE, between, frame_at, frame_near, locate
 from runtime.rotation_kernels import ONE
 
@@ -48,9 +49,15 @@ def faded(elapsed: float, lasting: float, curve: float) -> float:
 
 
 @inlined
+def row_of(bank: BankArrays, clip: int, frame: float) -> tuple[np.uint64, float]:
+    """The row before a real-valued frame of a clip, its seam's among them, and how far past it."""
+    return locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+
+
+@inlined
 def phase_of(bank: BankArrays, clip: int, frame: float) -> float:
-    """A clip's phase at a real-valued frame, its seam's among them."""
-    row, t = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+    """A clip's phase at a frame."""
+    row, t = row_of(bank, clip, frame)
     return between(bank.phases, row, t)
 
 
@@ -62,9 +69,22 @@ def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
 
 
 @inlined
+def frame_after_last(bank: BankArrays, clip: int) -> float:
+    """The frame at which a clip with a loop goes on after its last one."""
+    return frame_of(bank, clip, bank.clips[clip, arrays.LAST_PHASE] - bank.clips[clip, arrays.LOOP])
+
+
+@inlined
+def seen(sin: float, cos: float, x: float, z: float) -> tuple[float, float]:
+    """A vector as seen after a turn about Y by twice the angle of sin and cos."""
+    cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
+    return cosine * x - sine * z, cosine * z + sine * x
+
+
+@inlined
 def way(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[float, float, float, float]:
     """A clip's path at a frame."""
-    row, t = locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
+    row, t = row_of(bank, clip, frame)
     x, y, z, h = ground.paths[row, 0], ground.paths[row, 1], ground.paths[row, 2], ground.paths[row, 3]
     after = row + ONE
     return (
@@ -150,8 +170,8 @@ def is_time(bank: BankArrays, s: Array, c: int, passed: float, downs: int) -> bo
     if when == col.IN_PHASE:
         start = s[c + col.NEXT_ACTION + col.PHASE]
         return np.floor(phase - start + IN_STEP) > np.floor(phase - passed - start + IN_STEP)
-    feet = 3 if when == col.ON_FOOT else when - col.ON_LEFT + 1  # the bits of `runtime.contacts`
-    return int(feet) & downs > 0
+    left, right = downs & LEFT_FOOT > 0, downs & RIGHT_FOOT > 0
+    return left if when == col.ON_LEFT else right if when == col.ON_RIGHT else left or right
 
 
 @kernel
@@ -222,14 +242,12 @@ def drop_actions(s: Array, c: int) -> None:
 
 
 @kernel
-def leave_action(s: Array, c: int, number: int, lasting: float) -> None:
-    """Has an action that comes to its end faded out, by the locomotion's own upper body above it."""
-    slot = action(c, number)
+def leave_action(s: Array, c: int, slot: int, lasting: float) -> None:
+    """Has the newest action, which comes to its end, faded out by the locomotion's own upper body above it."""
     s[slot + col.LEAVING] = 1.0
-    own = action(c, int(s[c + col.ACTIONS]))
+    own = slot + col.ACTION_COLUMNS
     for column in range(col.ACTION_COLUMNS):
         s[own + column] = 0.0
     s[own + col.KIND], s[own + col.MASK] = col.OWN, s[slot + col.MASK]
     s[own + col.LASTING], s[own + col.CURVE] = lasting, s[slot + col.CURVE]
-    s[own + col.WEIGHT] = s[own + col.GOAL] = s[own + col.LAGGING] = 1.0
     s[c + col.ACTIONS] += 1.0

@@ -33,6 +33,7 @@ from runtime.bank import Bank
 from runtime.character import Characters, Stage
 from runtime.contacts import FEET
 from runtime.evaluator import Evaluator
+from runtime.requests import Poses
 
 RATE, FRAMES = 60.0, 360
 LIKELY = 0.04  # that a command comes with a frame
@@ -97,19 +98,19 @@ def pop(stage: Stage, fastest: Mapping[str, float], seed: int) -> float:
 
 def shown(characters: Characters) -> Floats:
     """World positions [n, J, 3] of all joints."""
-    stage = characters.stage
-    poses = stage.evaluator.poses(len(characters))
+    poses = characters.stage.evaluator.poses(len(characters))
     characters.evaluate(poses)
-    positions = np.empty((len(characters), stage.bank.skeleton.joint_count, 3), np.float32)
-    stage.evaluator.world_positions(poses, positions)
-    return positions.astype(np.float64)
+    return in_the_world(characters.stage, poses)
 
 
 def clip_positions(stage: Stage, name: str) -> Floats:
     """The same [F, J, 3] of a clip by itself."""
     times = np.arange(0.0, stage.bank.clip(name).duration, 1.0 / RATE)
-    poses = stage.evaluator.sequence(name, times)
-    positions = np.empty((len(times), stage.bank.skeleton.joint_count, 3), np.float32)
+    return in_the_world(stage, stage.evaluator.sequence(name, times))
+
+
+def in_the_world(stage: Stage, poses: Poses) -> Floats:
+    positions = np.empty((len(poses.flat), stage.bank.skeleton.joint_count, 3), np.float32)
     stage.evaluator.world_positions(poses, positions)
     return positions.astype(np.float64)
 
@@ -173,11 +174,11 @@ def masks(stage: Stage) -> Findings:
         for frame in range(200):
             poses = stage.evaluator.poses(1)
             characters.evaluate(poses)
-            turned.append(placed(stage, poses)[0])
+            turned.append(in_the_world(stage, poses)[0])
             slot = characters.state[0, col.FIRST_ACTION :]
             own = bank.motion(action, seam=True).sampled([slot[col.FRAME]])[1][0]
             poses.rotations[0, arm] = own[arm]
-            plain.append(placed(stage, poses)[0])
+            plain.append(in_the_world(stage, poses)[0])
             wanted.append(wanted_all[round(frame * real.rate / RATE)])
             characters.advance()
         joints = [roles.right_elbow, roles.right_wrist]
@@ -187,12 +188,6 @@ def masks(stage: Stage) -> Findings:
                 f"{action} on {locomotion}, {label}", 100.0 * float(np.linalg.norm(apart, axis=-1).mean()), "{:.1f}"
             )
     return told
-
-
-def placed(stage: Stage, poses: Any) -> Floats:
-    positions = np.empty((1, stage.bank.skeleton.joint_count, 3), np.float32)
-    stage.evaluator.world_positions(poses, positions)
-    return positions.astype(np.float64)
 
 
 def from_hips(positions: Floats, bank: Bank) -> Floats:

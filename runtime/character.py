@@ -134,22 +134,15 @@ class Characters:
         """Changes the weights of the newest mix, of whose clips those left out get none: each frame, if you like, for
         they are followed within about a tenth of a second. Raises UnknownClipError or SettingsError."""
         given = self._weights(weights)
+        goals = []
         for row in np.atleast_1d(np.asarray(rows)):
-            s = self.state[row]
-            if s[col.NEXT_COUNT]:
-                clips, at, apart = int(s[col.NEXT_COUNT]), col.NEXT_CLIPS, 1
-                goals = col.NEXT_WEIGHTS
-            else:
-                count = int(s[col.LOCOMOTIONS])
-                slots = [col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS for number in range(count)]
-                head = max(number for number, slot in enumerate(slots) if s[slot + col.HEAD] > 0)
-                clips, at, apart = count - head, slots[head] + col.CLIP, col.LOCOMOTION_COLUMNS
-                goals = slots[head] + col.GOAL
-            mixed = s[at : at + apart * clips : apart].astype(int).tolist()
-            if missing := [clip for clip in given if clip not in mixed]:
-                name = self.stage.bank.clips[missing[0]].name
+            clips, at = newest_mix(self.state[row])
+            if missing := given.keys() - set(clips):
+                name = self.stage.bank.clips[min(missing)].name
                 raise SettingsError(f"{name!r} is not one of the locomotions that are mixed", mend="Play them first")
-            s[goals : goals + apart * clips : apart] = [given.get(clip, 0.0) for clip in mixed]
+            goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
+        for row, at, weighed in goals:
+            self.state[row, at] = weighed
 
     def act(
         self,
@@ -181,22 +174,18 @@ class Characters:
         entry = bank.clips[clip]
         if (fault := time_fault("start", start, entry)) is not None:
             raise fault
-        if not 0.0 <= weight <= 1.0:
-            raise SettingsError(f"weight {weight} does not lie between 0 and 1")
         own = (0.0, np.inf) if own_clock is True else own_clock or (np.inf, np.inf)
         part = np.zeros(col.ACTION_COLUMNS)
         part[col.CLIP], part[col.KIND] = clip, known(METHODS, "method", method)
         part[col.PHASE] = phase_at(self.stage.evaluator.arrays, clip, start)
         part[col.FRAME] = start * entry.rate
-        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight
+        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
         part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
         part[col.FADING_OUT], part[col.LOOP] = at_least_0("blend_out", blend_out), loop
         part[col.MASK] = self._mask(mask)
         part[col.POSTURE] = known(POSTURES, "posture", posture)
         part[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
-        memory = Memory(part[None, col.REMEMBERED :].copy(), 0.0)
-        memory.forget(slice(None))
-        part[col.REMEMBERED :] = memory.state[0]
+        part[col.REMEMBERED :] = Memory.begin(1, self.rate).state[0]
         self._wait(rows, part, known(col.WHENS, "moment", when))
 
     def stop(self, rows: Rows, *, blend: float = BLEND, curve: col.Curve = "smooth") -> None:
@@ -212,15 +201,13 @@ class Characters:
 
     def weight(self, rows: Rows, weight: float) -> None:
         """How much of the newest action is shown, followed within about a tenth of a second. Raises SettingsError."""
-        if not 0.0 <= weight <= 1.0:
-            raise SettingsError(f"weight {weight} does not lie between 0 and 1")
+        part_of_1(weight)
         for row in np.atleast_1d(np.asarray(rows)):
             s = self.state[row]
-            newest = (
-                col.NEXT_ACTION if s[col.WHEN] else col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS
-            )
-            if s[col.WHEN] or s[col.ACTIONS]:
-                s[newest + col.GOAL] = weight
+            if s[col.WHEN]:
+                s[col.NEXT_ACTION + col.GOAL] = weight
+            elif s[col.ACTIONS]:
+                s[col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS + col.GOAL] = weight
 
     def place(self, rows: Rows, position: Sequence[float], heading: float = 0.0) -> None:
         """Puts them elsewhere: position [3], metres, of the ground under them, and heading, radians about Y from Z."""
@@ -272,9 +259,8 @@ class Characters:
         for columns, count in counted:
             used[:, columns] = np.arange(len(columns)) < state[:, [count]]
         used[:, layers] &= state[:, layers + col.KIND - col.CLIP] != col.OWN
-        used[:, col.NEXT_ACTION + col.CLIP] = (state[:, col.WHEN] > 0) & (
-            state[:, col.NEXT_ACTION + col.KIND] != col.OWN
-        )
+        waits, is_own = state[:, col.WHEN] > 0, state[:, col.NEXT_ACTION + col.KIND] == col.OWN
+        used[:, col.NEXT_ACTION + col.CLIP] = waits & ~is_own
         at = np.nonzero(used)
         return at, state[at].astype(np.int64)
 
@@ -311,9 +297,26 @@ class Characters:
 
     def _mask(self, name: str) -> int:
         mask = known(col.MASKS, "mask", name)
-        if any(mask >> part & 1 and self.stage.limbs.lengths[part] == 0 for part in range(1, col.PARTS)) and mask != 15:
+        limbs = [part for part in range(1, col.PARTS) if mask >> part & 1]
+        if mask != col.UPPER_BODY and not self.stage.limbs.lengths[limbs].all():
             raise SettingsError(f"this rig has no {name}", mend="Name the joints of its limbs as roles")
         return mask
+
+
+def newest_mix(s: States) -> tuple[list[int], NDArray[np.int64]]:
+    """The clips of the group that waits in a row, or else of the newest, and where in the row their weights are set."""
+    if s[col.NEXT_COUNT]:
+        numbers = np.arange(int(s[col.NEXT_COUNT]))
+        return s[col.NEXT_CLIPS + numbers].astype(int).tolist(), col.NEXT_WEIGHTS + numbers
+    slots = col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS * np.arange(int(s[col.LOCOMOTIONS]))
+    newest = slots[np.flatnonzero(s[slots + col.HEAD])[-1] :]
+    return s[newest + col.CLIP].astype(int).tolist(), newest + col.GOAL
+
+
+def part_of_1(weight: float) -> float:
+    if not 0.0 <= weight <= 1.0:
+        raise SettingsError(f"weight {weight} does not lie between 0 and 1")
+    return weight
 
 
 def at_least_0(label: str, value: float) -> float:

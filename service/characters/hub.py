@@ -128,6 +128,10 @@ class Hub:
                 logger.exception("frames could not be made")
                 for one in group:
                     one.close(FAILED, "the service failed; its log says how")
+        newest = self._shared.serving.edition
+        for one in self.connections:  # what the newest bank has not may have been faded out
+            if one.play.scene.edition is not newest and not one.play.scene.missing(newest):
+                self._move(one, newest)
 
     def _make(self, edition: Edition, rate: float, ahead: int, how: Encoding, group: list[Connection]) -> None:
         """Makes a message of `ahead` frames for each of a group, and advances their scenes."""
@@ -152,11 +156,6 @@ class Hub:
             one.play = play.after(ahead)
             one.wanted = one.play.due
         self._shared.metrics.frames_sent.inc(sent)
-        newest = self._shared.serving.edition
-        if edition is not newest:
-            for one in group:
-                if not one.play.scene.missing(newest):  # what the newest has not may have been faded out
-                    asyncio.get_running_loop().call_soon(self._move, one, newest)
 
     def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
         """All characters of some scenes, as arrays [n, ...]."""
@@ -186,8 +185,6 @@ class Hub:
                 play.scene.do(command)
         self._check(play, connection.play.load)
         connection.change(play, now)
-        if play.scene.edition is not self._shared.serving.edition:  # once what was done is told
-            asyncio.get_running_loop().call_soon(self._move, connection, self._shared.serving.edition)
         self._changed.set()
 
     def _check(self, play: Play, load: float) -> None:

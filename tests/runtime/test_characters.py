@@ -20,6 +20,7 @@ from runtime import character_state as col
 from runtime.bank import Bank
 from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
+from runtime.requests import Poses
 from tests import naive_character
 
 RATE = 60.0
@@ -47,11 +48,14 @@ def shown(characters: Characters) -> tuple[Floats, Floats]:
 
 def world(characters: Characters) -> Floats:
     """World positions [n, J, 3] of all joints."""
-    evaluator = characters.stage.evaluator
-    poses = evaluator.poses(len(characters))
+    poses = characters.stage.evaluator.poses(len(characters))
     characters.evaluate(poses)
-    positions = np.empty((len(characters), characters.stage.bank.skeleton.joint_count, 3), np.float32)
-    evaluator.world_positions(poses, positions)
+    return in_the_world(characters.stage, poses)
+
+
+def in_the_world(stage: Stage, poses: Poses) -> Floats:
+    positions = np.empty((len(poses.flat), stage.bank.skeleton.joint_count, 3), np.float32)
+    stage.evaluator.world_positions(poses, positions)
     return np.asarray(positions)
 
 
@@ -171,9 +175,7 @@ def fastest(characters: Characters) -> float:
     most = 0.0
     for clip in bank.clips:
         times = np.arange(0.0, clip.duration, 1.0 / RATE)
-        poses = evaluator.sequence(clip.name, times)
-        positions = np.empty((len(times), bank.skeleton.joint_count, 3), np.float32)
-        evaluator.world_positions(poses, positions)
+        positions = in_the_world(characters.stage, evaluator.sequence(clip.name, times))
         most = max(most, float(np.linalg.norm(np.diff(positions, axis=0), axis=-1).max()) * RATE)
     return most
 

@@ -1,8 +1,8 @@
 """The poses of characters: what their slots give, mixed.
 
 As `runtime.kernels`: nothing here checks, allocates or holds the GIL. Lower bodies are mixed first, so that each action
-is laid on the lower body that is shown; then upper bodies, part by part. A character that plays one locomotion and one
-action, neither of them fading, costs what a plain splice does.
+is laid on the lower body that is shown; then upper bodies, part by part. Of one locomotion and one action, neither of
+them fading, nothing is mixed.
 """
 
 from __future__ import annotations

@@ -23,4 +23,5 @@ UNCOUNTED: dict[str, Any] = {"_nrt": False}  # kernels make no arrays; counting 
 
 kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **UNCOUNTED)
 parallel_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)
-inlined = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, inline="always", **UNCOUNTED)
+# by LLVM, once it is lowered: where Numba itself inlines, it infers types anew in each caller, and took twice as long
+inlined = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True, **UNCOUNTED)

@@ -128,8 +128,9 @@ class Mixing(NamedTuple):
 
     requests: Array  # [BLOCK] REQUEST: what each lane splices
     memory: Array  # [BLOCK, MEMORY_COLUMNS]: what is remembered of it
-    sum: Array  # [lower lanes + upper lanes] float32: rotations
-    row: Array  # [2, columns] float32: a row of `lower`, twice
+    sum: Array  # [4, lanes of a half] float32: rotations
+    lane_weights: Array  # [1, lanes of a half] float32: of what is added to that
+    row: Array  # [2, columns] float32: a row of `lower`, and one of zeros, which no one is on the way to
     weights: Array  # [1 + actions, parts]
     shares: Array  # [BLOCK, parts]
     kept: Array  # [BLOCK, 4 parts]: rotations

@@ -48,11 +48,12 @@ class Stage:
         self.bank: Bank = bank
         self.ground = arrays.ground(bank)
         self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
-        lanes = 4 * (bank.layout.lower.width + bank.layout.upper.width)
+        width = max(bank.layout.lower.width, bank.layout.upper.width)
         self.mixing = arrays.Mixing(
             requests=np.zeros(arrays.BLOCK, REQUEST),
             memory=np.zeros((arrays.BLOCK, arrays.MEMORY_COLUMNS)),
-            sum=np.zeros(lanes, np.float32),
+            sum=np.zeros((4, width), np.float32),
+            lane_weights=np.zeros((1, width), np.float32),
             row=np.zeros((2, bank.layout.lower.columns), np.float32),
             weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 1)),
             shares=np.zeros((arrays.BLOCK, col.PARTS)),

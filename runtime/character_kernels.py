@@ -14,13 +14,16 @@ import numpy as np
 from runtime import arrays
 from runtime import character_state as col
 from runtime.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Limbs, Mixing, Scratch
-from runtime.compiled import Array, Index, Real, inlined, kernel
+from runtime.compiled import LANES, ZERO, Array, Index, Real, inlined, kernel
 from runtime.kernels import copy_lower, copy_rotation, copy_upper
 from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
-from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, turn_pelves
+from runtime.lanes import interleave, load, root, separate, signed, spread, store
+from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, mixed, turn_pelves
 from runtime.rotation_kernels import ONE, TINY, product, sample
 from runtime.rows import CLOUD, FIRST_JOINT, PELVIS, ROOT, SIZE
 from runtime.transition_kernels import action, faded, locomotion, row_of, seen
+
+FOUR = np.uint64(4)  # numbers of a rotation
 
 
 @kernel
@@ -43,7 +46,7 @@ def evaluate_characters(
             taken += lanes_of(s, stop * col.COLUMNS)
             fetch_slots(bank, s, stop * col.COLUMNS)
             stop += 1
-        k = splices = 0
+        k = splices = ZERO
         for character in range(first, stop):
             c = character * col.COLUMNS
             mix_lower(bank, s, c, k, lanes, block, mixing, character, roots, rotations)
@@ -51,8 +54,8 @@ def evaluate_characters(
             splices += int(s[c + col.ACTIONS])
             k += lanes_of(s, c)
         if splices > 0:
-            turn_pelves(bank, mixing.requests, mixing.memory, share, block, 0, k)
-            k = 0
+            turn_pelves(bank, mixing.requests, mixing.memory, share, block, ZERO, k)
+            k = ZERO
             for character in range(first, stop):
                 c = character * col.COLUMNS
                 if s[c + col.ACTIONS] > 0.0:
@@ -112,7 +115,7 @@ def mix_lower(
     """Samples the lower half of all locomotions into lanes, mixed, and writes root and joints into the pose."""
     rig = bank.rig
     count, width, planes = int(s[c + col.LOCOMOTIONS]), rig[arrays.LOWER_WIDTH], rig[arrays.FIRST_PLANE]
-    root = np.uint64(4 * FIRST_JOINT)
+    first_joint = np.uint64(4 * FIRST_JOINT)
     x = y = z = 0.0
     for number in range(count):
         slot = locomotion(c, number)
@@ -128,18 +131,19 @@ def mix_lower(
         dx, dz = seen(sin, cos, dx, dz)
         x, z = x + share * dx, z + share * dz
         y += share * (between_rows(bank.lower, row, np.uint64(ROOT + 1), t32) - py)
-        turn_about_y(lanes, root, -sin, cos)
+        turn_about_y(lanes, first_joint, -sin, cos)
         if count == 1:
             block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
         else:
-            add_lanes(lanes, np.uint64(0), np.uint64(4) * width, np.float32(share), mixing.sum, number == 0)
+            weigh_lanes(mixing.lane_weights, width, np.float32(share))
+            add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
             add_cloud(bank, row, t32, np.float32(share), mixing.row, number == 0)
     if count > 1:
-        normalise_lanes(mixing.sum, np.uint64(0), np.uint64(4) * width, lanes)
+        normalise_lanes(mixing.sum, np.uint64(0), width, lanes)
         block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
     if s[c + col.IN_PLACE] == 0.0:
         sin, cos = s[c + col.SIN], s[c + col.COS]
-        turn_about_y(lanes, root, sin, cos)
+        turn_about_y(lanes, first_joint, sin, cos)
         x, z = seen(-sin, cos, x, z)
         x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
@@ -156,38 +160,49 @@ def turn_about_y(lanes: Array, at: Index, sin: float, cos: float) -> None:
 
 
 @inlined
-def add_lanes(lanes: Array, first: Index, count: Index, weight: Real, total: Array, new: bool) -> None:
-    """Adds rotations with a weight to a sum, each by the shorter way round."""
-    for at in range(first, first + count, np.uint64(4)):
-        b, c, d = at + np.uint64(1), at + np.uint64(2), at + np.uint64(3)
-        x, y, z, w = lanes[at], lanes[b], lanes[c], lanes[d]
+def add_lanes(lanes: Array, first: Index, width: Index, mixing: Mixing, new: bool) -> None:
+    """Adds rotations, each with a weight of its own, to the sum, by the shorter way round."""
+    weights, total = mixing.lane_weights, mixing.sum
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        x, y, z, w = separate(lanes, first + FOUR * lane)
+        weight = load(weights, 0, lane)
         if new:
-            total[at], total[b], total[c], total[d] = weight * x, weight * y, weight * z, weight * w
+            x, y, z, w = weight * x, weight * y, weight * z, weight * w
         else:
-            near = total[at] * x + total[b] * y + total[c] * z + total[d] * w
-            signed = weight if near >= np.float32(0.0) else -weight
-            total[at] += signed * x
-            total[b] += signed * y
-            total[c] += signed * z
-            total[d] += signed * w
+            sx, sy, sz, sw = load(total, 0, lane), load(total, 1, lane), load(total, 2, lane), load(total, 3, lane)
+            weight = signed(weight, (sx * x + sy * y) + (sz * z + sw * w))
+            x, y, z, w = sx + weight * x, sy + weight * y, sz + weight * z, sw + weight * w
+        store(total, 0, lane, x)
+        store(total, 1, lane, y)
+        store(total, 2, lane, z)
+        store(total, 3, lane, w)
 
 
 @inlined
-def normalise_lanes(total: Array, first: Index, count: Index, out: Array) -> None:
-    for at in range(first, first + count, np.uint64(4)):
-        b, c, d = at + np.uint64(1), at + np.uint64(2), at + np.uint64(3)
-        x, y, z, w = total[at], total[b], total[c], total[d]
-        scale = np.float32(1.0) / np.sqrt(max(x * x + y * y + z * z + w * w, np.float32(1e-30)))
-        out[at], out[b], out[c], out[d] = x * scale, y * scale, z * scale, w * scale
+def normalise_lanes(total: Array, first: Index, width: Index, out: Array) -> None:
+    """The rotations of a sum into lanes."""
+    one, least = spread(np.float32(1.0)), spread(np.float32(1e-30))
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        x, y, z, w = load(total, 0, lane), load(total, 1, lane), load(total, 2, lane), load(total, 3, lane)
+        scale = one / root(least + ((x * x + y * y) + (z * z + w * w)))
+        interleave(out, first + FOUR * lane, x * scale, y * scale, z * scale, w * scale)
 
 
 @inlined
 def add_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, total: Array, new: bool) -> None:
-    """Adds the cloud of a row of `lower`, and its size, to a row of the same form, and to the one after it."""
-    for column in range(np.uint64(SIZE), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH]):
-        value = weight * between_rows(bank.lower, row, column, t)
-        value += np.float32(0.0) if new else total[0, column]
-        total[0, column], total[1, column] = value, value
+    """Adds the cloud of a row of `lower`, and its size, to a row of the same form."""
+    size = weight * between_rows(bank.lower, row, np.uint64(SIZE), t)
+    total[0, SIZE] = size if new else total[0, SIZE] + size
+    for column in range(np.uint64(CLOUD), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH], np.uint64(LANES)):
+        value = spread(weight) * mixed(bank.lower, row, column, t)
+        store(total, 0, column, value if new else value + load(total, 0, column))
+
+
+@inlined
+def weigh_lanes(weights: Array, width: Index, weight: Real) -> None:
+    """The same weight for all lanes."""
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        store(weights, 0, lane, spread(weight))
 
 
 @inlined
@@ -246,10 +261,10 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
         row, t = row_of(bank, clip, s[slot + col.FRAME])
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
         if count > 1:
-            share = np.float32(s[slot + col.SHARE])
-            add_lanes(lanes, above, np.uint64(4) * width, share, mixing.sum, number == 0)
+            weigh_lanes(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
+            add_lanes(lanes, above, width, mixing, number == 0)
     if count > 1:
-        normalise_lanes(mixing.sum, above, np.uint64(4) * width, lanes)
+        normalise_lanes(mixing.sum, above, width, lanes)
 
 
 @inlined
@@ -304,12 +319,13 @@ def mix_actions(
     rig = bank.rig
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     weigh_actions(s, c, count, mixing.weights)
-    own = 0.0
+    new = True
     for part in range(col.PARTS):
-        own = max(own, mixing.weights[part])
-    if own > 0.0:
+        new &= mixing.weights[part] == 0.0
+    if not new:
         sample_own(bank, s, c, lanes, mixing)
-    add_parts(limbs, lanes, above, width, mixing.weights, 0, mixing.sum, True, False)
+        weigh_parts(limbs, width, mixing, 0, False)
+        add_lanes(lanes, above, width, mixing, True)
     for number in range(count):
         slot = action(c, number)
         mixing.requests[k + number]["method"] = 0
@@ -319,8 +335,10 @@ def mix_actions(
             if apart:
                 keep_limbs(bank, limbs, lanes, above, k + number, mixing)
                 mixing.limbs_turn[k] = 1
-            add_parts(limbs, lanes, above, width, mixing.weights, number + 1, mixing.sum, False, apart)
-    normalise_lanes(mixing.sum, above, np.uint64(4) * width, lanes)
+            weigh_parts(limbs, width, mixing, number + 1, apart)
+            add_lanes(lanes, above, width, mixing, new)
+            new = False
+    normalise_lanes(mixing.sum, above, width, lanes)
 
 
 @kernel
@@ -341,32 +359,21 @@ def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
 
 
 @inlined
-def add_parts(
-    limbs: Limbs,
-    lanes: Array,
-    first: Index,
-    width: Index,
-    weights: Array,
-    source: int,
-    total: Array,
-    new: bool,
-    apart: bool,
-) -> None:
-    """Adds the rotations of an upper half to a sum, each by the weight of its part; but not, if they are turned apart,
-    the joints by which limbs hang on the trunk."""
-    begin, at, whole = col.PARTS * source, first, not apart
+def weigh_parts(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: bool) -> None:
+    """The weight of its part for each lane of an upper half; but none, if limbs are turned apart, for the joints by
+    which they hang on the trunk."""
+    begin, whole = col.PARTS * source, not apart
     for part in range(1, col.PARTS):
-        whole &= weights[begin + part] == weights[begin]
+        whole &= mixing.weights[begin + part] == mixing.weights[begin]
     if whole:
-        add_lanes(lanes, first, np.uint64(4) * width, np.float32(weights[begin]), total, new)
+        weigh_lanes(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
         return
     for lane in range(width):
-        part = limbs.part_of_lane[lane]
-        weight = np.float32(weights[begin + part])
-        if apart and limbs.attachments[part] == lane:
-            weight = np.float32(0.0)
-        add_lanes(lanes, at, np.uint64(4), weight, total, new)
-        at += np.uint64(4)
+        mixing.lane_weights[0, lane] = np.float32(mixing.weights[begin + limbs.part_of_lane[lane]])
+    if apart:
+        for part in range(1, col.PARTS):
+            if limbs.lengths[part] > 0:
+                mixing.lane_weights[0, limbs.attachments[part]] = np.float32(0.0)
 
 
 @kernel

@@ -12,7 +12,7 @@ import numpy as np
 from runtime import arrays
 from runtime import character_state as col
 from runtime.arrays import BankArrays, Ground
-from runtime.compiled import Array, inlined, kernel
+from runtime.compiled import ZERO, Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
 from runtime.lookup_kernels import NAIVE, SPLICE
 from runtime.rotation_kernels import ONE
@@ -43,7 +43,7 @@ AGAIN = 0.3  # seconds of the fade into itself of a clip that has no two strides
 def begin(bank: BankArrays, ground: Ground, states: Array, rows: Array) -> None:
     """Begins what characters [n] wait for, as far as that need not wait."""
     for row in rows:
-        begin_waiting(bank, ground, states, row * col.COLUMNS, 0.0, 0)
+        begin_waiting(bank, ground, states, row * col.COLUMNS, 0.0, ZERO)
 
 
 @kernel

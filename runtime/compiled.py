@@ -18,10 +18,11 @@ Real = float | np.float32
 
 FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # not what takes NaN for impossible
 LANES = 8  # float32 that are computed with at once
+ZERO = np.int64(0)  # to begin counting from: kernels are compiled apart for each literal that they are given
 
 UNCOUNTED: dict[str, Any] = {"_nrt": False}  # kernels make no arrays; counting references to them took half the time
 
 kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **UNCOUNTED)
 parallel_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)
 # by LLVM, once it is lowered: where Numba itself inlines, it infers types anew in each caller, and took twice as long
-inlined = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True, **UNCOUNTED)
+inlined = njit(nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True, **UNCOUNTED)

@@ -46,7 +46,12 @@ def _define(operation, instruction):
         return getattr(builder, instruction)(*arguments, flags=FLAGS)
 
 
-for _operation, _instruction in ((operator.add, "fadd"), (operator.sub, "fsub"), (operator.mul, "fmul")):
+for _operation, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
     _define(_operation, _instruction)
 
 
@@ -70,9 +75,24 @@ def total(lanes: Array) -> Real:
     return lanes.sum()
 
 
+def root(lanes: Array) -> Array:
+    """The square root of each."""
+    return np.sqrt(lanes)
+
+
+def signed(size: Array, like: Array) -> Array:
+    """Numbers of the size of one and the sign of the other."""
+    return np.copysign(size, like)
+
+
 def interleave(out: Array, at: Index, x: Array, y: Array, z: Array, w: Array) -> None:
     """Stores x, y, z, w of the first lane, then of the second, and so on."""
     out[at : at + 4 * LANES] = np.stack([x, y, z, w], axis=-1).ravel()
+
+
+def separate(table: Array, at: Index) -> tuple[Array, Array, Array, Array]:
+    """What `interleave` has stored."""
+    return tuple(table[at : at + 4 * LANES].reshape(LANES, 4).T)
 
 
 def gather(table: Array, first: Index, last: Index, column: Index) -> tuple[Array, Array, Array, Array]:
@@ -137,6 +157,26 @@ def _total(_, lanes):
 
 
 @intrinsic
+def _root(_, lanes):
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(VECTOR, [VECTOR])
+        take = builder.module.declare_intrinsic(f"llvm.sqrt.v{LANES}f32", [], kind)
+        return builder.call(take, arguments, fastmath=FLAGS)
+
+    return lanes_type(lanes), generate
+
+
+@intrinsic
+def _signed(_, size, like):
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(VECTOR, [VECTOR, VECTOR])
+        copy = builder.module.declare_intrinsic(f"llvm.copysign.v{LANES}f32", [], kind)
+        return builder.call(copy, arguments)
+
+    return lanes_type(size, like), generate
+
+
+@intrinsic
 def _interleave(_, out, at, x, y, z, w):
     def generate(context, builder, signature, arguments):
         x, y, z, w = arguments[2:]
@@ -168,6 +208,30 @@ def _shuffled(builder, a, b, order):
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order))
 
 
+def _transposed(builder, quads):
+    """Four times eight numbers from eight times four."""
+    pairs = [_shuffled(builder, quads[i], quads[i + 4], list(range(8))) for i in range(4)]  # rows i and i + 4
+    low, high = [0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15]
+    mixed = [_shuffled(builder, pairs[i], pairs[i + 1], order) for i in (0, 2) for order in (low, high)]
+    first_half, second_half = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+    x, y = (_shuffled(builder, mixed[0], mixed[2], order) for order in (first_half, second_half))
+    z, w = (_shuffled(builder, mixed[1], mixed[3], order) for order in (first_half, second_half))
+    return x, y, z, w
+
+
+@intrinsic
+def _separate(_, table, at):
+    def generate(context, builder, signature, arguments):
+        kind = ir.VectorType(ir.FloatType(), 4)
+        place = _address(context, builder, signature.args[0], arguments[0], arguments[1:])
+        place = builder.bitcast(place, kind.as_pointer())
+        places = [builder.gep(place, [ir.Constant(ir.IntType(64), number)]) for number in range(LANES)]
+        quads = [builder.load(one, align=4) for one in places]
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, quads))
+
+    return types.UniTuple(lanes_type, 4)(table, at), generate
+
+
 @intrinsic
 def _gather(_, table, first, last, column):
     def generate(context, builder, signature, arguments):
@@ -177,13 +241,7 @@ def _gather(_, table, first, last, column):
         for row in _rows(builder, first, last):
             place = _address(context, builder, signature.args[0], table, (row, column))
             quads.append(builder.load(builder.bitcast(place, kind.as_pointer()), align=4))
-        pairs = [_shuffled(builder, quads[i], quads[i + 4], list(range(8))) for i in range(4)]  # rows i and i + 4
-        low, high = [0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15]
-        mixed = [_shuffled(builder, pairs[i], pairs[i + 1], order) for i in (0, 2) for order in (low, high)]
-        first_half, second_half = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
-        x, y = (_shuffled(builder, mixed[0], mixed[2], order) for order in (first_half, second_half))
-        z, w = (_shuffled(builder, mixed[1], mixed[3], order) for order in (first_half, second_half))
-        return context.make_tuple(builder, signature.return_type, (x, y, z, w))
+        return context.make_tuple(builder, signature.return_type, _transposed(builder, quads))
 
     return types.UniTuple(lanes_type, 4)(table, first, last, column), generate
 
@@ -221,6 +279,21 @@ def _(value):
 @overload(total, inline="always")
 def _(lanes):
     return lambda lanes: _total(lanes)
+
+
+@overload(root, inline="always")
+def _(lanes):
+    return lambda lanes: _root(lanes)
+
+
+@overload(signed, inline="always")
+def _(size, like):
+    return lambda size, like: _signed(size, like)
+
+
+@overload(separate, inline="always")
+def _(table, at):
+    return lambda table, at: _separate(table, at)
 
 
 @overload(interleave, inline="always")

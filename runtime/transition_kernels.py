@@ -13,7 +13,7 @@ import numpy as np
 from runtime import arrays
 from runtime import character_state as col
 from runtime.arrays import BankArrays, Ground
-from runtime.compiled import Array, inlined, kernel
+from runtime.compiled import ZERO, Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
 from runtime.lookup_kernels import IN_STEP, SPLICE, between, frame_at, frame_near, locate
 from runtime.rotation_kernels import ONE
@@ -134,7 +134,7 @@ def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: fl
     the feet whose bits are in `downs` have come down."""
     if s[c + col.NEXT_COUNT] > 0.0:
         if s[c + col.NEXT_LASTING] <= 0.0:
-            begin_locomotion(bank, ground, s, c, 0)
+            begin_locomotion(bank, ground, s, c, ZERO)
         elif s[c + col.LOCOMOTIONS] + s[c + col.NEXT_COUNT] <= col.MOST_LOCOMOTIONS:
             begin_locomotion(bank, ground, s, c, int(s[c + col.LOCOMOTIONS]))
     if s[c + col.WHEN] > col.NEVER and s[c + col.ACTIONS] < col.MOST_ACTIONS and is_time(bank, s, c, passed, downs):

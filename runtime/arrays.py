@@ -131,7 +131,7 @@ class Mixing(NamedTuple):
     sum: Array  # [4, lanes of a half] float32: rotations
     lane_weights: Array  # [1, lanes of a half] float32: of what is added to that
     row: Array  # [2, columns] float32: a row of `lower`, and one of zeros, which no one is on the way to
-    weights: Array  # [1 + actions, parts]
+    weights: Array  # [1 + actions + 1, parts]
     shares: Array  # [BLOCK, parts]
     kept: Array  # [BLOCK, 4 parts]: rotations
     limbs_turn: Array  # [BLOCK]

@@ -55,7 +55,7 @@ class Stage:
             sum=np.zeros((4, width), np.float32),
             lane_weights=np.zeros((1, width), np.float32),
             row=np.zeros((2, bank.layout.lower.columns), np.float32),
-            weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 1)),
+            weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
             shares=np.zeros((arrays.BLOCK, col.PARTS)),
             kept=np.zeros((arrays.BLOCK, 4 * col.PARTS)),
             limbs_turn=np.zeros(arrays.BLOCK, np.int64),

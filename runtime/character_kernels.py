@@ -18,7 +18,7 @@ from runtime.compiled import LANES, ZERO, Array, Index, Real, inlined, kernel
 from runtime.kernels import copy_lower, copy_rotation, copy_upper
 from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
 from runtime.lanes import interleave, load, root, separate, signed, spread, store
-from runtime.posture_kernels import ABSOLUTE, GIVEN, between_rows, correlate, mixed, turn_pelves
+from runtime.posture_kernels import ABSOLUTE, GIVEN, RUNNING, between_rows, correlate, mixed, turn_pelves
 from runtime.rotation_kernels import ONE, TINY, product, sample
 from runtime.rows import CLOUD, FIRST_JOINT, PELVIS, ROOT, SIZE
 from runtime.transition_kernels import action, faded, locomotion, row_of, seen
@@ -281,8 +281,11 @@ def sample_action(
     request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])
     request["action"], request["locomotion"] = int(s[slot + col.CLIP]), int(s[c + col.FIRST_LOCOMOTION + col.CLIP])
     if kind == SPLICE:
-        for column in range(arrays.MEMORY_COLUMNS):
+        for column in range(arrays.MEAN_POSTURE):
             mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
+        if request["posture"] == RUNNING:
+            for column in range(arrays.MEAN_POSTURE, arrays.MEMORY_COLUMNS):
+                mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
         if s[c + col.LOCOMOTIONS] > 1.0:
             block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
             correlate(bank, mixing.row, block, k, lanes, above)
@@ -341,21 +344,24 @@ def mix_actions(
     normalise_lanes(mixing.sum, above, width, lanes)
 
 
-@kernel
+@inlined
 def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
-    """What share of each part [PARTS] the locomotions' own upper body has, then each action."""
+    """What share of each part [PARTS] the locomotions' own upper body has, then each action; from the top down, so that
+    the row after them holds what is left for those below."""
+    left = col.PARTS * (count + 1)
     for part in range(col.PARTS):
-        weights[part] = 1.0
-    for number in range(count):
-        slot = action(c, number)
-        risen = faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])
+        weights[part], weights[left + part] = 0.0, 1.0
+    for number in range(count - 1, -1, -1):
+        slot, at = action(c, number), col.PARTS * (number + 1)
+        mask, risen = int(s[slot + col.MASK]), faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])
         given = 0.0 if s[slot + col.KIND] == col.OWN else s[slot + col.WEIGHT]
         for part in range(col.PARTS):
-            share = risen if int(s[slot + col.MASK]) >> part & 1 else 0.0
-            for below in range(number + 1):
-                weights[col.PARTS * below + part] *= 1.0 - share
+            share = weights[left + part] * (risen if mask >> part & 1 else 0.0)
+            weights[left + part] -= share
             weights[part] += share * (1.0 - given)
-            weights[col.PARTS * (number + 1) + part] = share * given
+            weights[at + part] = share * given
+    for part in range(col.PARTS):
+        weights[part] += weights[left + part]
 
 
 @inlined
@@ -422,9 +428,11 @@ def turn_pelvis(
 @inlined
 def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
     """Gives a slot back what the evaluator remembers of its splice."""
-    kept = arrays.MEAN_POSTURE if mixing.requests[lane]["posture"] == GIVEN else arrays.MEMORY_COLUMNS
-    for column in range(kept):
+    for column in range(arrays.MEAN_POSTURE):
         s[slot + col.REMEMBERED + column] = mixing.memory[lane, column]
+    if mixing.requests[lane]["posture"] == RUNNING:
+        for column in range(arrays.MEAN_POSTURE, arrays.MEMORY_COLUMNS):
+            s[slot + col.REMEMBERED + column] = mixing.memory[lane, column]
 
 
 @kernel

@@ -197,18 +197,25 @@ def from_hips(positions: Floats, bank: Bank) -> Floats:
 
 
 def costs(stage: Stage) -> Findings:
-    """A character's frame, evaluated and advanced: playing, and in the middle of transitions."""
+    """A character's frame, evaluated and advanced: playing, and in the middle of transitions; beside the evaluator's
+    splices at any times, and at times that go on by a frame, as a character's do, so that rows are in the caches."""
     count = 1000
-    work: dict[str, Work] = {"evaluator": evaluation(stage.evaluator, request_sets(stage.bank, count, Scene()))}
-    for name, fading in (("a splice", ()), ("locomotions", ("play",)), ("actions", ("act",))):
+    work: dict[str, Work] = {
+        name: evaluation(stage.evaluator, request_sets(stage.bank, count, Scene(sequential=going_on)))
+        for name, going_on in (("evaluator", False), ("evaluator, times that go on", True))
+    }
+    transitions = {"locomotions": ("play",), "actions": ("act",), "both": ("play", "act")}
+    for name, fading in {"a splice": (), **transitions}.items():
         work[name] = played(crowd(stage, count, count if fading else 0, fading))
     seconds = interleaved(work, 100)
     told = Findings(f"{count} characters of a generated bank, nanoseconds a character and frame")
     for name, one in seconds.items():
         told.add(name, 1e9 * float(np.median(one)) / count, "{:.0f}")
-    for name in ("locomotions", "actions"):
-        told.add(f"{name} in transition, over a splice", paired_ratio(seconds[name], seconds["a splice"]), most=2.2)
     told.add("a splice as character, over the evaluator", paired_ratio(seconds["a splice"], seconds["evaluator"]))
+    for name in transitions:
+        most = 2.2 if name != "both" else None
+        for other, wanted in (("evaluator", most), ("evaluator, times that go on", None), ("a splice", None)):
+            told.add(f"{name} over {other}", paired_ratio(seconds[name], seconds[other]), most=wanted)
     many = {part: played(crowd(stage, 10_000, part, ("play", "act"))) for part in (0, 100)}
     seconds = interleaved({str(part): one for part, one in many.items()}, 40)
     told.add("10,000, 1 % in transition, over none", paired_ratio(seconds["100"], seconds["0"]), most=1.15)

@@ -1,8 +1,8 @@
 """What a fresh process waits for: `python -m bench.first_call [--compile]`.
 
-Prints the seconds of a process that imports the library, opens a bank and evaluates its first frame, with kernels
-compiled before. With `--compile` the same from a copy of the package that cannot be written to, as on a read-only file
-system, whose kernels go into NUMBA_CACHE_DIR: a first process compiles them, and a second one finds them.
+Prints the seconds of a process that imports the library, opens a bank, evaluates its first frame and warms characters,
+with kernels compiled before. With `--compile` the same from a copy of the package that cannot be written to, as on a
+read-only file system, whose kernels go into NUMBA_CACHE_DIR: a first process compiles them, a second one finds them.
 """
 
 from __future__ import annotations
@@ -25,13 +25,14 @@ from bench.generated import Size, generate
 from motionsplice.cli import run
 
 PROJECT = Path(__file__).parents[1]
-STEPS = ("start Python, import", "open the bank", "make an evaluator", "first frame", "second frame")
+STEPS = ("start Python, import", "open the bank", "make an evaluator", "first frame", "second frame", "characters")
 CHILD = """
 import json, sys, time
 marks = [float(sys.argv[2])]
 def mark():
     marks.append(time.time())
 from runtime.bank import Bank
+from runtime.character import Stage
 from runtime.evaluator import Evaluator
 mark()
 bank = Bank.open(sys.argv[1])
@@ -41,6 +42,8 @@ mark()
 for _ in range(2):
     evaluator.pose(bank.clips[0].name, 0.5, bank.clips[-1].name)
     mark()
+Stage(evaluator).warm()
+mark()
 print(json.dumps([after - before for before, after in zip(marks, marks[1:])]))
 """
 

@@ -16,8 +16,8 @@ from runtime import character_state as col
 from runtime.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Limbs, Mixing, Scratch
 from runtime.compiled import LANES, ZERO, Array, Index, Real, inlined, kernel
 from runtime.kernels import copy_lower, copy_rotation, copy_upper
-from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
 from runtime.lanes import interleave, load, root, separate, signed, spread, store
+from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
 from runtime.posture_kernels import ABSOLUTE, GIVEN, RUNNING, between_rows, correlate, mixed, turn_pelves
 from runtime.rotation_kernels import ONE, TINY, product, sample
 from runtime.rows import CLOUD, FIRST_JOINT, PELVIS, ROOT, SIZE
@@ -193,7 +193,9 @@ def add_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, total: Array,
     """Adds the cloud of a row of `lower`, and its size, to a row of the same form."""
     size = weight * between_rows(bank.lower, row, np.uint64(SIZE), t)
     total[0, SIZE] = size if new else total[0, SIZE] + size
-    for column in range(np.uint64(CLOUD), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH], np.uint64(LANES)):
+    for column in range(
+        np.uint64(CLOUD), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH], np.uint64(LANES)
+    ):
         value = spread(weight) * mixed(bank.lower, row, column, t)
         store(total, 0, column, value if new else value + load(total, 0, column))
 

@@ -92,7 +92,8 @@ def interleave(out: Array, at: Index, x: Array, y: Array, z: Array, w: Array) ->
 
 def separate(table: Array, at: Index) -> tuple[Array, Array, Array, Array]:
     """What `interleave` has stored."""
-    return tuple(table[at : at + 4 * LANES].reshape(LANES, 4).T)
+    x, y, z, w = table[at : at + 4 * LANES].reshape(LANES, 4).T
+    return x, y, z, w
 
 
 def gather(table: Array, first: Index, last: Index, column: Index) -> tuple[Array, Array, Array, Array]:

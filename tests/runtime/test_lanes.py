@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from runtime.compiled import LANES, Array, Real, kernel
-from runtime.lanes import gather, interleave, load, scatter, spread, store, total
+from runtime.lanes import gather, interleave, load, root, scatter, separate, signed, spread, store, total
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -15,7 +15,7 @@ seeds = st.integers(0, 2**32 - 1)
 @kernel
 def move(table: Array, row: int, column: int, factor: Real, out: Array) -> Real:
     a, b = load(table, row, column), load(table, row + 1, column + 3)
-    mixed = a * spread(factor) + b - a
+    mixed = signed(a * spread(factor) / root(spread(np.float32(1.0)) + b * b), b) + b - a
     store(out, row, column, mixed)
     return total(mixed)
 
@@ -23,8 +23,9 @@ def move(table: Array, row: int, column: int, factor: Real, out: Array) -> Real:
 @kernel
 def transpose(table: Array, first: int, last: int, column: int, rows: Array, flat: Array) -> None:
     x, y, z, w = gather(table, first, last, column)
-    scatter(rows, first, last, column, y, z, w)
     interleave(flat, 5, x, y, z, w)
+    x, y, z, w = separate(flat, 5)
+    scatter(rows, first, last, column, y, z, w)
 
 
 @given(seeds, st.integers(0, 2), st.integers(0, 9))

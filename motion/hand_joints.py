@@ -1,0 +1,152 @@
+"""The joints of a rig's hands: which finger is which, and how those of one rig sit on another."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields, replace
+from typing import Literal
+
+import numpy as np
+
+from motion.errors import SkeletonError
+from motion.pointcloud import horn_rotation
+from motion.quaternion import IDENTITY, Floats, angle, rotate
+from motion.role_names import side_and_part
+from motion.roles import Roles
+from motion.skeleton import Integers, Skeleton
+
+Side = Literal["left", "right"]
+SIDES: tuple[Side, ...] = ("left", "right")
+FINGER = re.compile(r"(thumb|index|middle|mid|ring|pinky|little)\D*(\d*)")
+SAME_FINGER = {"mid": "middle", "little": "pinky"}
+ALIKE = 0.1  # radians: bind poses of hands that are nearer count as one, for hands are not all of one shape
+
+
+def wrist_of(roles: Roles, side: Side) -> int:
+    return int(getattr(roles, f"{side}_wrist"))
+
+
+def elbow_of(roles: Roles, side: Side) -> int:
+    return int(getattr(roles, f"{side}_elbow"))
+
+
+def fingers_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
+    """The joints that hang on a wrist, in order."""
+    return skeleton.subtree(wrist_of(roles, side))[1:]
+
+
+def has_fingers(skeleton: Skeleton, roles: Roles) -> bool:
+    """Whether either hand has a joint below its wrist."""
+    return any(fingers_of(skeleton, roles, side) for side in SIDES)
+
+
+def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: Roles, side: Side) -> dict[int, int]:
+    """For each joint of our hand the one of theirs: by the names of fingers, else by the order of like chains.
+
+    Joints of ours that they lack (a metacarpal) are left out. Raises SkeletonError if nothing fits.
+    """
+    mine, other = fingers_of(ours, our_roles, side), fingers_of(theirs, their_roles, side)
+    named = {name: joint for joint in other if (name := _finger(theirs.names[joint]))}
+    match = {joint: named[name] for joint in mine if (name := _finger(ours.names[joint])) in named}
+    if not match and _shape(ours, mine) == _shape(theirs, other):
+        match = dict(zip(mine, other, strict=True))
+    if mine and not match:
+        raise SkeletonError(
+            f"the fingers of the {side} hand, {ours.names[mine[0]]!r} and so on, are not those of the hands' rig",
+            mend="Name them thumb, index, middle, ring and pinky, with a number from the palm on",
+        )
+    return match
+
+
+def _finger(name: str) -> str:
+    """ "index 1" of any rig's first joint of an index finger; empty if it is no finger's."""
+    found = FINGER.search(side_and_part(name)[1])
+    if found is None:
+        return ""
+    finger, number = found.groups()
+    return f"{SAME_FINGER.get(finger, finger)} {int(number) if number else 0}"
+
+
+def _shape(skeleton: Skeleton, joints: list[int]) -> list[int]:
+    """How joints hang on each other: the place of each one's parent among them."""
+    return [joints.index(int(skeleton.parents[joint])) if skeleton.parents[joint] in joints else -1 for joint in joints]
+
+
+def bind_turn(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: Roles, side: Side) -> Floats:
+    """The rotation [4] that lays their hand on ours as both are in their bind poses.
+
+    By forearm and fingers; where we have no fingers, by the forearm alone.
+    """
+    pairs = [(wrist_of(our_roles, side), wrist_of(their_roles, side))]
+    if fingers_of(ours, our_roles, side):
+        pairs += match_fingers(ours, our_roles, theirs, their_roles, side).items()
+    mine = np.array([_unit(ours.offsets[one]) for one, _ in pairs])
+    other = np.array([_unit(theirs.offsets[one]) for _, one in pairs])
+    if len(pairs) == 1:
+        mine, other = (np.concatenate([one, [_unit(_ahead(one[0]))]]) for one in (mine, other))
+    turn = horn_rotation(mine, other)
+    return turn if angle(turn, IDENTITY) > ALIKE else IDENTITY
+
+
+def _ahead(bone: Floats) -> Floats:
+    """Square to a bone, and as far ahead as can be: where the thumb's side of a wrist is in a bind pose."""
+    return np.array([0.0, 0.0, 1.0]) - bone * bone[2] / float(bone @ bone)
+
+
+def _unit(v: Floats) -> Floats:
+    size = float(np.linalg.norm(v))
+    return v / size if size > 0.0 else v
+
+
+def graft_fingers(
+    skeleton: Skeleton, roles: Roles, theirs: Skeleton, their_roles: Roles
+) -> tuple[Skeleton, Roles, Integers]:
+    """A rig without fingers with theirs, as large as its forearms are; the new roles; and where its joints are now [J].
+
+    Raises SkeletonError if they have none either.
+    """
+    if not has_fingers(theirs, their_roles):
+        raise SkeletonError("neither the body nor the hands have fingers", mend="Export the hands with their fingers")
+    sides = {wrist_of(roles, side): side for side in SIDES}
+    names: list[str] = []
+    parents: list[int] = []
+    offsets: list[Floats] = []
+    ends: list[tuple[int, Floats]] = []
+    places = np.zeros(skeleton.joint_count, np.int64)
+    for joint in range(skeleton.joint_count):
+        places[joint] = len(names)
+        names.append(skeleton.names[joint])
+        parents.append(int(places[skeleton.parents[joint]]) if joint else -1)
+        offsets.append(skeleton.offsets[joint])
+        if joint not in sides:
+            ends += [(int(places[joint]), offset) for offset in skeleton.end_offsets[skeleton.end_parents == joint]]
+            continue
+        wrist = wrist_of(their_roles, sides[joint])
+        turn = bind_turn(skeleton, roles, theirs, their_roles, sides[joint])
+        size = skeleton.bone_length(joint) / theirs.bone_length(wrist)
+        at = {wrist: int(places[joint])}
+        for finger in fingers_of(theirs, their_roles, sides[joint]):
+            at[finger], name = len(names), theirs.names[finger]
+            names.append(name if name not in skeleton.names else f"{sides[joint]}:{name}")
+            parents.append(at[int(theirs.parents[finger])])
+            offsets.append(size * rotate(turn, theirs.offsets[finger]))
+            tips = theirs.end_offsets[theirs.end_parents == finger]
+            ends += [(at[finger], size * rotate(turn, tip)) for tip in tips]
+    rig = Skeleton(
+        names=tuple(names),
+        parents=np.array(parents),
+        offsets=np.array(offsets),
+        end_parents=np.array([parent for parent, _ in ends], np.int64),
+        end_offsets=np.array([offset for _, offset in ends]).reshape(-1, 3),
+    )
+    return rig, moved_roles(roles, places), places
+
+
+def moved_roles(roles: Roles, places: Integers) -> Roles:
+    """The roles of a rig whose joints are now at `places` [J]."""
+
+    def place(joint: int) -> int:
+        return int(places[joint]) if joint >= 0 else -1
+
+    moved = {one.name: place(getattr(roles, one.name)) for one in fields(Roles) if one.name != "spine"}
+    return replace(roles, **moved, spine=tuple(place(joint) for joint in roles.spine))

@@ -1,0 +1,79 @@
+"""The fingers of one clip on the body of another, at the frames that an alignment says go together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.hand_joints import Side, bind_turn, elbow_of, graft_fingers, has_fingers, match_fingers, wrist_of
+from motion.quaternion import Floats, conjugate, multiply
+from motion.roles import Roles
+
+
+def merge_hands(
+    body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, frames: Mapping[Side, Floats], *, wrist: bool = False
+) -> tuple[Clip, Roles]:
+    """The body's clip with the fingers of the hands' clip; with `wrist` also its wrists, and the twist of its forearms.
+
+    frames: of each hand to take, the real-valued frame [F] of the hands' clip that goes with each of the body's. Rigs
+    may differ outside the hands; a body without fingers is given those of the hands' rig. Raises SkeletonError.
+    """
+    clip = body
+    if not has_fingers(body.skeleton, roles):
+        skeleton, roles, places = graft_fingers(body.skeleton, roles, hands.skeleton, hand_roles)
+        rotations = np.tile(quaternion.IDENTITY, (body.frame_count, skeleton.joint_count, 1))
+        rotations[:, places] = body.rotations
+        clip = replace(body, skeleton=skeleton, rotations=rotations)
+    rotations = clip.rotations.copy()
+    for side, at in frames.items():
+        driven = hand_rotations(clip, roles, hands, hand_roles, side, at, wrist=wrist)
+        for joint, turned in driven.items():
+            rotations[:, joint] = turned
+    return replace(clip, rotations=rotations), roles
+
+
+def hand_rotations(
+    body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, side: Side, frames: Floats, *, wrist: bool
+) -> dict[int, Floats]:
+    """The rotations [F, 4] of those joints of the body, by joint, that the hands' clip drives. Raises SkeletonError.
+
+    As seen from the forearm, and with the bind pose of their hand laid on that of ours. The twist of a wrist belongs to
+    the forearm: bones of the wrist hardly twist, and a rig may have either.
+    """
+    match = match_fingers(body.skeleton, roles, hands.skeleton, hand_roles, side)
+    turn = bind_turn(body.skeleton, roles, hands.skeleton, hand_roles, side)
+    theirs = _taken(hands, frames, turn, list(match.values()))
+    driven = dict(zip(match, np.moveaxis(theirs, 1, 0), strict=True))
+    if wrist:
+        elbow, joint = elbow_of(roles, side), wrist_of(roles, side)
+        way = hands.skeleton.chain(wrist_of(hand_roles, side))
+        way = way[: way.index(elbow_of(hand_roles, side)) + 1][::-1]  # elbow, bones that twist, wrist
+        bone = body.skeleton.offsets[joint] / body.skeleton.bone_length(joint)
+        turns = _taken(hands, frames, turn, way)
+        twist = twist_about(turns[:, 0], bone)
+        for between in range(1, len(way)):
+            twist = multiply(twist, twist_about(turns[:, between], bone))
+        own = body.rotations[:, elbow]
+        swing = multiply(own, conjugate(twist_about(own, bone)))
+        driven[elbow] = multiply(swing, twist)
+        driven[joint] = multiply(conjugate(twist_about(turns[:, -1], bone)), turns[:, -1])
+    return {joint: quaternion.one_hemisphere(turned) for joint, turned in driven.items()}
+
+
+def _taken(hands: Clip, frames: Floats, turn: Floats, joints: list[int]) -> Floats:
+    """Rotations [F, n, 4] of joints at real-valued frames [F], in our bind pose's axes."""
+    before, after, t = quaternion.neighbours(hands.frame_count, frames)
+    own = hands.rotations[:, joints]
+    return multiply(multiply(turn, quaternion.slerp(own[before], own[after], t[:, None])), conjugate(turn))
+
+
+def twist_about(q: Floats, axis: Floats) -> Floats:
+    """The part of rotations [..., 4] about a unit axis [3]: what is left, q twist^-1, turns about none of it."""
+    along = q[..., :3] @ axis
+    twist = np.concatenate([along[..., None] * axis, q[..., 3:]], axis=-1)
+    size = quaternion.length(twist)[..., None]
+    return np.where(size > 1e-9, twist / np.maximum(size, 1e-9), quaternion.IDENTITY)

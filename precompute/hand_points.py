@@ -1,0 +1,67 @@
+"""What two performances of a gesture are compared by: four points of a hand, as seen from its shoulder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from motion.clip import Clip
+from motion.errors import ClipError
+from motion.hand_joints import Side
+from motion.kinematics import heading, world_transforms
+from motion.quaternion import Floats, rotate
+from motion.roles import Roles
+
+THUMB_SIDE, LITTLE_SIDE, FOREARM, HAND = 0, 1, 2, 3  # the points
+WRIST_WIDTH = 0.12  # of the forearm's length, from the wrist's middle to each side
+KNUCKLES = 0.35  # of the forearm's length beyond the wrist, on a rig whose hand has nothing below it
+
+
+@dataclass(frozen=True, eq=False)
+class HandMotion:
+    """One hand over F frames.
+
+    points: [F, 4, 3] metres, from the shoulder: both sides of the wrist, forearm and hand. Markers will do as well as
+    what `hand_motion` derives from joints. trunk: [F] radians about Y, which way the trunk faces; None if not known.
+    Raises ClipError if they are not that.
+    """
+
+    points: Floats
+    trunk: Floats | None = None
+
+    def __post_init__(self) -> None:
+        count = len(self.points)
+        if self.points.shape != (count, 4, 3) or (self.trunk is not None and self.trunk.shape != (count,)):
+            raise ClipError("a hand needs four points [F, 4, 3] and one angle of the trunk a frame")
+        if not np.isfinite(self.points).all() or not (self.trunk is None or np.isfinite(self.trunk).all()):
+            raise ClipError("a point of a hand is not a finite number")
+
+
+def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
+    """The points of a rig's hand, as markers would show them (Majkowska et al. 2006, 3 and 4).
+
+    The sides of the wrist turn with the forearm; the hand's point is where the fingers begin.
+    """
+    shoulder, elbow, wrist = (getattr(roles, f"{side}_{part}") for part in ("shoulder", "elbow", "wrist"))
+    skeleton = clip.skeleton
+    positions, world = world_transforms(skeleton, clip.root_positions, clip.rotations)
+    bone = skeleton.offsets[wrist]
+    length = float(np.linalg.norm(bone))
+    across = np.array([0.0, 0.0, 1.0]) - bone * bone[2] / length**2  # in the bind pose thumbs are in front
+    across *= WRIST_WIDTH * length / np.linalg.norm(across)
+    aside = rotate(world[:, skeleton.parents[wrist]], across)
+    at, upper = positions[:, wrist], positions[:, elbow]
+    hand = at + rotate(world[:, wrist], knuckles(clip, wrist))
+    points = np.stack([at + aside, at - aside, 0.5 * (at + upper), hand], axis=1) - positions[:, [shoulder]]
+    hips = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
+    return HandMotion(points, np.unwrap(heading(hips)))
+
+
+def knuckles(clip: Clip, wrist: int) -> Floats:
+    """Where fingers begin [3], metres, in the wrist's frame."""
+    skeleton = clip.skeleton
+    below: Sequence[Floats] = [skeleton.offsets[child] for child in skeleton.children[wrist]]
+    below = below or list(skeleton.end_offsets[skeleton.end_parents == wrist])
+    return np.mean(below, axis=0) if len(below) else skeleton.offsets[wrist] * KNUCKLES

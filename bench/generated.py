@@ -80,7 +80,9 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True)
     digests = {"neutral": write_table(folder, TABLES["neutral"][0], size.clips, [np.arange(size.clips)])}
-    for name in TABLES.keys() - {"neutral"}:
+    hands = {"hands": np.zeros((0, Layout.of(skeleton, roles).hands.columns)), "hand_frames": np.zeros((0, 2))}
+    digests |= {name: write_table(folder, TABLES[name][0], 0, [one]) for name, one in hands.items()}
+    for name in TABLES.keys() - digests.keys():
         length = size.clips * len(motions[0].tables[name])
         digests[name] = write_table(folder, TABLES[name][0], length, (one.tables[name] for one in motions))
     entries = [_entry(number, one.phase, size) for number, one in enumerate(motions)]

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from motion.clip import Clip
 from motion.errors import SkeletonError
 from motion.pointcloud import horn_rotation
 from motion.quaternion import IDENTITY, Floats, angle, rotate
@@ -140,6 +141,19 @@ def graft_fingers(
         end_offsets=np.array([offset for _, offset in ends]).reshape(-1, 3),
     )
     return rig, moved_roles(roles, places), places
+
+
+def fingered(clip: Clip, roles: Roles, theirs: Skeleton, their_roles: Roles) -> tuple[Clip, Roles]:
+    """A clip with fingers, straight ones of another rig's if it has none of its own, and its roles.
+
+    Raises SkeletonError if neither has any.
+    """
+    if has_fingers(clip.skeleton, roles):
+        return clip, roles
+    skeleton, moved, places = graft_fingers(clip.skeleton, roles, theirs, their_roles)
+    rotations = np.tile(IDENTITY, (clip.frame_count, skeleton.joint_count, 1))
+    rotations[:, places] = clip.rotations
+    return replace(clip, skeleton=skeleton, rotations=rotations), moved
 
 
 def moved_roles(roles: Roles, places: Integers) -> Roles:

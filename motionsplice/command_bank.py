@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,7 @@ from motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motion.errors import MotionError
 from motion.roles import read_roles_file
 from motionsplice.progress_file import ProgressFile
+from precompute.hand_settings import HandsOnBody
 from precompute.job import Outcome, precompute
 from runtime.bank import Bank
 
@@ -40,6 +42,9 @@ def precompute_command(
     ] = AUTOMATIC,
     jobs: Annotated[int | None, typer.Option(min=1, help="Processes; else one per core.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    hands: Annotated[
+        list[str] | None, typer.Option(help="BODY:HANDS, clips of which the second gives the first one's hands.")
+    ] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
     progress: Annotated[Path | None, typer.Option(help="File that tells how far it is, as JSON, for programs.")] = None,
@@ -47,7 +52,8 @@ def precompute_command(
     """Align clips to a baseline locomotion, and write a bank.
 
     A clips.toml beside the clips may say of each its kind ("locomotion" or "action"), neutral, tags, skip_frames and
-    unit. A clip that fails is named with its reason, the others finish, and the exit status is 1.
+    unit; a hands.toml, which hands are laid on which bodies, and how. A clip that fails is named with its reason, the
+    others finish, and the exit status is 1.
     """
     file = ProgressFile(progress) if progress is not None else None
     try:
@@ -58,6 +64,7 @@ def precompute_command(
             jobs=jobs,
             settings=ClipSettings(skip_frames=skip_frames, unit=unit),
             roles_file=roles,
+            hands=[HandsOnBody.parse(one) for one in hands or ()],
             file=file,
         )
     except MotionError as problem:
@@ -83,6 +90,7 @@ def run(
     jobs: int | None = None,
     settings: ClipSettings = DEFAULT_SETTINGS,
     roles_file: Path | None = None,
+    hands: Sequence[HandsOnBody] = (),
     file: ProgressFile | None = None,
 ) -> Outcome:
     """The offline job behind a progress bar."""
@@ -104,6 +112,7 @@ def run(
             jobs=jobs or os.cpu_count() or 1,
             settings=settings,
             roles=read_roles_file(roles_file) if roles_file else {},
+            hands=hands,
             progress=show,
         )
 
@@ -154,6 +163,8 @@ def show_bank(bank: Bank) -> None:
             f"{np.degrees(clip.shoulder_motion):.1f}" if clip.kind == "action" else "",
         )
     console.print(table)
+    if bank.hands:
+        console.print(hands_table(bank))
     for style, said in (("yellow", "warnings"), ("dim", "notes")):
         names: dict[str, list[str]] = {}
         for clip in bank.clips:
@@ -163,3 +174,24 @@ def show_bank(bank: Bank) -> None:
             console.print(
                 f"[{style}]{escape(', '.join(clips))}: {escape(sentence)}[/{style}]", highlight=False, soft_wrap=True
             )
+
+
+def hands_table(bank: Bank) -> Table:
+    """Which hands lie on which clips, and how far they go from the body's own time."""
+    table = Table(caption="ahead: by how much the hands' own time runs ahead of the body's, least and most, seconds")
+    for column in ("hands", "on", "hand", "wrist", "pairs"):
+        table.add_column(column, overflow="fold")
+    table.add_column("ahead", justify="right", no_wrap=True)
+    for one in bank.hands:
+        frames, rate = bank.hand_frames(one.name, one.body), bank.clip(one.body).rate
+        taken = {"left": [0], "right": [1]}.get(one.hand, [0, 1])
+        ahead = frames[:, taken] / one.rate - np.arange(len(frames))[:, None] / rate
+        table.add_row(
+            escape(one.name),
+            escape(one.body),
+            one.hand,
+            "yes" if one.wrist else "",
+            " ".join(one.pairs),
+            f"{ahead.min():.2f} to {ahead.max():.2f}",
+        )
+    return table

@@ -80,20 +80,31 @@ def splice_command(
         ),
     ] = Posture.RELATIVE,
     start: Annotated[float, typer.Option(help="Seconds into the action before which it does not begin.")] = 0.0,
+    hands: Annotated[str | None, typer.Option(help="The hands, which must be aligned to the action.")] = None,
 ) -> None:
     """Splice an action's upper body onto a locomotion, and write the motion as BVH."""
     opened = Bank.open(bank)
-    clip, whole = spliced(opened, locomotion, action, method, posture, start), opened.clip(locomotion)
+    clip, whole = spliced(opened, locomotion, action, method, posture, start, hands), opened.clip(locomotion)
     out.write_bytes(dump(clip))
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
 
 
-def spliced(bank: Bank, locomotion: str, action: str, method: Method, posture: Posture, start: float) -> Clip:
+def spliced(
+    bank: Bank,
+    locomotion: str,
+    action: str,
+    method: Method,
+    posture: Posture,
+    start: float,
+    hands: str | None = None,
+) -> Clip:
     """A whole splice by any method. Raises MotionError."""
     if method is not Method.EXACT:
         form = RUN_TIME_METHODS[method]
-        return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value)
+        return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
+    if hands is not None:
+        raise SettingsError("the exact splice lays no hands", mend="Leave out --hands, or use --method splice")
     if start != 0.0:
         raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
     if posture not in WHOLE_CLIP_POSTURES:

@@ -5,6 +5,7 @@ Majkowska, Zordan and Faloutsos 2006, 3. Memory is that of the band: frames x it
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,6 +19,7 @@ from motion.quaternion import Floats
 from motion.skeleton import Integers
 
 MOST_CELLS = 60_000_000  # of a band: five minutes against five at 60 Hz with a width of 30 %
+PAIR = re.compile(r"(\d{1,9})\s*:\s*(\d{1,9})(?:\s*~\s*(\d{1,9}))?")
 DIAGONAL, ALONG_BODY, ALONG_HANDS = 0, 1, 2
 
 
@@ -28,6 +30,14 @@ class FramePair:
     body: int
     hands: int
     tolerance: int = 0
+
+    @classmethod
+    def parse(cls, text: str) -> FramePair:
+        """From "120:95", or "300:288~5" with a tolerance. Raises SettingsError."""
+        found = PAIR.fullmatch(text.strip())
+        if found is None:
+            raise SettingsError("it is no pair of frames", place=f"pair {text!r}", mend="Write 120:95 or 300:288~5")
+        return cls(*(int(number or 0) for number in found.groups()))
 
     def __str__(self) -> str:
         return f"{self.body}:{self.hands}" + (f"~{self.tolerance}" if self.tolerance else "")

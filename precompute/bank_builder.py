@@ -20,10 +20,11 @@ from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.baseline import Baseline
+from precompute.hand_rows import LaidHands
 from precompute.prepared import PreparedClip, has_gait
 from precompute.torso_offset import shoulder_motion, torso_offsets
 from runtime.bank import TABLE_FOLDER
-from runtime.manifest import FORMAT, MANIFEST, TABLES, VERSION, BaselineEntry, ClipEntry, content_digest
+from runtime.manifest import FORMAT, MANIFEST, TABLES, VERSION, BaselineEntry, ClipEntry, HandsEntry, content_digest
 from runtime.rows import Layout
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
@@ -33,14 +34,21 @@ CELLS_PER_FRAME = 4  # of the inverse table: phase passes at least a quarter as 
 
 
 def write_bank(
-    path: Path, skeleton: Skeleton, roles: Roles, baseline: Baseline, prepared: Sequence[PreparedClip]
+    path: Path,
+    skeleton: Skeleton,
+    roles: Roles,
+    baseline: Baseline,
+    prepared: Sequence[PreparedClip],
+    hands: Sequence[LaidHands] = (),
 ) -> str:
-    """Writes a bank of at least one clip to the folder `path` and returns its digest.
+    """Writes a bank of at least one clip, and hands on some of them, to the folder `path` and returns its digest.
 
     Tables are written and synced first; renaming the manifest makes the new bank current, so a reader sees the
     old bank or the new one. Tables that only the bank before the last one used are removed.
     """
     clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(skeleton, roles)
+    laid = sorted(hands, key=lambda one: (one.name, one.body))
+    laid_rows = sum(len(one.rows) for one in laid)
     folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips)
     folder.mkdir(parents=True, exist_ok=True)
     rows, numbers = sum(len(one.phase) for one in clips), {one.name: number for number, one in enumerate(clips)}
@@ -53,11 +61,13 @@ def write_bank(
         "contacts": (rows, (one.contacts for one in clips)),
         "postures": (len(clips), (one.posture[None] for one in clips)),
         "neutral": (len(clips), (np.array([numbers[one.neutral]]) for one in clips)),
+        "hands": (laid_rows, [np.zeros((0, layout.hands.columns)), *(one.rows for one in laid)]),
+        "hand_frames": (laid_rows, [np.zeros((0, 2)), *(one.frames for one in laid)]),
     }
     digests = {name: write_table(folder, TABLES[name][0], *parts[name]) for name in TABLES}
     stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
     before = _tables_in_use(path / MANIFEST)
-    digest = write_manifest(path, skeleton, roles, stride, _entries(clips, offsets), digests)
+    digest = write_manifest(path, skeleton, roles, stride, _entries(clips, offsets), digests, _hands_entries(laid))
     for file in folder.glob("*.npy"):
         if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
             file.unlink()
@@ -74,6 +84,7 @@ def write_manifest(
     baseline: BaselineEntry,
     clips: Sequence[ClipEntry],
     tables: Mapping[str, str],
+    hands: Sequence[HandsEntry] = (),
 ) -> str:
     """Makes written tables, digests by name, the bank in the folder `path`; returns the bank's digest."""
     body = {
@@ -87,6 +98,7 @@ def write_manifest(
         "roles": asdict(roles),
         "baseline": asdict(baseline),
         "clips": [asdict(clip) for clip in clips],
+        "hands": [asdict(one) for one in hands],
         "tables": dict(tables),
     }
     packed = msgpack.packb(body)
@@ -159,6 +171,16 @@ def _entries(clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]) -> li
             )
         )
         row += rows
+    return entries
+
+
+def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:
+    entries, row = [], 0
+    for one in laid:
+        said = one.settings
+        pairs = tuple(str(pair) for pair in said.pairs)
+        entries.append(HandsEntry(one.name, one.body, row, one.rate, said.hand, said.wrist, pairs, one.source))
+        row += len(one.rows)
     return entries
 
 

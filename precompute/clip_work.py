@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Protocol, TypeVar
@@ -30,6 +31,7 @@ from precompute.sources import Source
 from runtime.manifest import content_digest
 
 Kept = TypeVar("Kept", covariant=True)
+Task = TypeVar("Task", contravariant=True)
 
 
 @dataclass(frozen=True)
@@ -45,18 +47,18 @@ class Identified:
 Clips = dict[str, Identified]  # by name, in order of name
 
 
-class Work(Protocol[Kept]):
-    """Work on a clip, whose result goes into the cache."""
+class Work(Protocol[Task, Kept]):
+    """Work on a clip, or on clips that go together, whose result goes into the cache."""
 
     @property
     def cache(self) -> Cache: ...
-    def key(self, one: Identified) -> str: ...
-    def run(self, one: Identified) -> None: ...
-    def load(self, one: Identified) -> Kept | None: ...
+    def key(self, one: Task, /) -> str: ...
+    def run(self, one: Task, /) -> None: ...
+    def load(self, one: Task, /) -> Kept | None: ...
 
 
-def kept(work: Work[Kept], one: Identified) -> Kept:
-    """The result of work that was done on a clip, and is done again if the entry is damaged. Raises MotionError."""
+def kept(work: Work[Task, Kept], one: Task) -> Kept:
+    """The result of work that was done, and is done again if the entry is damaged. Raises MotionError."""
     found = work.load(one)
     if found is None:
         work.run(one)
@@ -135,13 +137,13 @@ class Preparation:
     def key(self, one: Identified) -> str:
         return key_of("prepared", one.reading_key, self.rig_and_ring)
 
-    def recipe(self, clips: Clips) -> str:
-        """The digest of all that a bank of these clips depends on."""
+    def recipe(self, clips: Clips, hands: Sequence[tuple[str, str]]) -> str:
+        """The digest of all that a bank of these clips, and of hands on them, depends on."""
         ring, said = self.ring, []
         for name, one in clips.items():
             settings = one.source.settings
             said.append((name, self.key(one), settings.kind, settings.neutral, settings.tags, one.file_digest))
-        return key_of("bank", version_of("runtime"), ring.name, ring.start, ring.end, ring.loop, said)
+        return key_of("bank", version_of("runtime"), ring.name, ring.start, ring.end, ring.loop, said, hands)
 
     def run(self, one: Identified) -> None:
         """Raises MotionError if the clip cannot be read or does not fit the bank."""

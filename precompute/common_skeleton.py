@@ -9,6 +9,7 @@ from scipy.optimize import linear_sum_assignment
 
 from motion.clip import Clip
 from motion.errors import SkeletonError
+from motion.hand_joints import fingered, has_fingers
 from motion.quaternion import Floats
 from motion.roles import LIMBS, Roles
 from motion.skeleton import Skeleton
@@ -19,9 +20,12 @@ WIDEST_BIND_ANGLE = np.radians(25.0)  # between the same limb of two rigs in the
 def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles) -> Clip:
     """The clip's rotations on `skeleton`, its root's path scaled by the ratio of the legs.
 
-    Rigs may differ in bone lengths, joint order and names (CMU's two forms do), but not in topology, and their
-    bind poses must agree, or the same rotations would mean other poses. Raises SkeletonError.
+    Rigs may differ in bone lengths, joint order and names (CMU's two forms do), but not in topology, except that
+    fingers may be missing; and their bind poses must agree, or the same rotations would mean other poses. Raises
+    SkeletonError.
     """
+    if has_fingers(skeleton, skeleton_roles):
+        clip, roles = fingered(clip, roles, skeleton, skeleton_roles)
     match = _match(clip.skeleton, skeleton, clip.name)
     for role in (*LIMBS, "pelvis", "spine"):
         theirs, ours = (np.atleast_1d(getattr(one, role)).tolist() for one in (roles, skeleton_roles))

@@ -9,7 +9,7 @@ import numpy as np
 
 from motion import quaternion
 from motion.clip import Clip
-from motion.hand_joints import Side, bind_turn, elbow_of, graft_fingers, has_fingers, match_fingers, wrist_of
+from motion.hand_joints import Side, bind_turn, elbow_of, fingered, match_fingers, wrist_of
 from motion.quaternion import Floats, conjugate, multiply
 from motion.roles import Roles
 
@@ -22,12 +22,7 @@ def merge_hands(
     frames: of each hand to take, the real-valued frame [F] of the hands' clip that goes with each of the body's. Rigs
     may differ outside the hands; a body without fingers is given those of the hands' rig. Raises SkeletonError.
     """
-    clip = body
-    if not has_fingers(body.skeleton, roles):
-        skeleton, roles, places = graft_fingers(body.skeleton, roles, hands.skeleton, hand_roles)
-        rotations = np.tile(quaternion.IDENTITY, (body.frame_count, skeleton.joint_count, 1))
-        rotations[:, places] = body.rotations
-        clip = replace(body, skeleton=skeleton, rotations=rotations)
+    clip, roles = fingered(body, roles, hands.skeleton, hand_roles)
     rotations = clip.rotations.copy()
     for side, at in frames.items():
         driven = hand_rotations(clip, roles, hands, hand_roles, side, at, wrist=wrist)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from motion import quaternion
 from motion.clip import Clip
 from motion.formats.files import Reading
 from motion.roles import Roles
@@ -27,6 +28,11 @@ class Rig:
 
     skeleton: Skeleton
     roles: Roles
+
+    def still(self) -> Clip:
+        """One frame of it in its bind pose."""
+        rotations = np.tile(quaternion.IDENTITY, (1, self.skeleton.joint_count, 1))
+        return Clip("bind pose", self.skeleton, 1.0, np.zeros((1, 3)), rotations)
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,12 +70,15 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
     climbed = ends.root_positions[1, 1] - clip.sampled([counterpart])[0][0, 1]
     if abs(climbed) < LEVEL * roles.leg_length(clip.skeleton):
         positions[:, 1] -= climbed
-    offset = quaternion.multiply(quaternion.conjugate(rotations[:2]), ends.rotations)
-    bend = quaternion.log(offset)
     rise = (ends.root_positions - positions[:2])[:, 1]
-    unbent, unrisen = _settled(bend, len(after)), _settled(rise, len(after))
-    positions[2:, 1] += unrisen
-    return positions[2:], quaternion.multiply(rotations[2:], quaternion.exp(unbent))
+    positions[2:, 1] += _settled(rise, len(after))
+    return positions[2:], bent_onto(ends.rotations, rotations)
+
+
+def bent_onto(ends: Floats, rotations: Floats) -> Floats:
+    """Rotations [n, J, 4] that go on from the two in `ends` [2, J, 4]: those after the first two of [2 + n, J, 4]."""
+    bend = quaternion.log(quaternion.multiply(quaternion.conjugate(rotations[:2]), ends))
+    return quaternion.multiply(rotations[2:], quaternion.exp(_settled(bend, len(rotations) - 2)))
 
 
 def _settled(offset: Floats, count: int) -> Floats:

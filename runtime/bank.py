@@ -16,7 +16,7 @@ from motion.roles import Roles
 from motion.skeleton import Skeleton
 from runtime.bank_checks import Tables, check_contents, check_fit
 from runtime.contacts import Contact, contacts_of
-from runtime.manifest import MANIFEST, REBUILD, TABLES, BaselineEntry, ClipEntry, Manifest
+from runtime.manifest import MANIFEST, REBUILD, TABLES, BaselineEntry, ClipEntry, HandsEntry, Manifest
 from runtime.rows import Layout, TorsoRows
 
 TABLE_FOLDER = "tables"
@@ -75,6 +75,11 @@ class Bank:
     def clips(self) -> tuple[ClipEntry, ...]:
         return self.manifest.clips
 
+    @property
+    def hands(self) -> tuple[HandsEntry, ...]:
+        """Which hands lie on which clips."""
+        return self.manifest.hands
+
     @cached_property
     def layout(self) -> Layout:
         """Where in the rows of `lower` and `upper` what lies."""
@@ -95,6 +100,47 @@ class Bank:
     def clip(self, name: str) -> ClipEntry:
         """The entry of the clip called `name`; raises UnknownClipError."""
         return self.clips[self.number(name)]
+
+    @cached_property
+    def hand_clips(self) -> tuple[str, ...]:
+        """The clips of hands by name; their numbers are their places here."""
+        return tuple(sorted({one.name for one in self.hands}))
+
+    def hand_number(self, name: str) -> int:
+        """The number of the hands called `name`; raises UnknownClipError with the near names if there are none."""
+        if name in self.hand_clips:
+            return self.hand_clips.index(name)
+        problem = f"the bank has no hands {name!r}"
+        if not self.hand_clips:
+            raise UnknownClipError(problem, mend="Build it with `motionsplice precompute --hands BODY:HANDS`")
+        raise UnknownClipError(problem, mend=did_you_mean(name, self.hand_clips))
+
+    def hand_frames(self, name: str, body: str) -> NDArray[np.float64]:
+        """Which frame [F, 2] of the hands called `name`, left and right, goes with each frame of the clip `body`.
+
+        Raises UnknownClipError if the hands do not lie on that clip.
+        """
+        return np.asarray(self.tables["hand_frames"][self._hand_rows(name, body)[: self.clip(body).frame_count]])
+
+    def hand_motion(self, name: str, body: str) -> NDArray[np.float64]:
+        """Rotations [rows, n, 4] of the joints `layout.hands.joints`: the hands called `name` on the clip `body`.
+
+        Raises UnknownClipError if they do not.
+        """
+        rows = self.tables["hands"][self._hand_rows(name, body)]
+        return self.layout.hands.lanes(rows)[:, : len(self.layout.hands.joints)].astype(np.float64)
+
+    def _hand_rows(self, name: str, body: str) -> NDArray[np.int64]:
+        self.hand_number(name)
+        for one in self.hands:
+            if (one.name, one.body) == (name, body):
+                return one.first_row + np.arange(self.clip(body).row_count)
+        raise self.no_hands(name, body)
+
+    def no_hands(self, name: str, body: str) -> UnknownClipError:
+        """That hands do not lie on a clip, as an error."""
+        bodies = ", ".join(repr(one.body) for one in self.hands if one.name == name)
+        return UnknownClipError(f"hands {name!r} are not aligned to clip {body!r}", mend=f"They are to {bodies}")
 
     def neutral(self, name: str) -> str:
         """The name of the clip that the posture of `name` is relative to."""

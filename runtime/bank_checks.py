@@ -12,7 +12,19 @@ from numpy.typing import NDArray
 
 from motion.errors import BankError
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.manifest import CELLS, LOWER, REBUILD, ROWS, TABLES, UPPER, C, Manifest, file_digest
+from runtime.manifest import (
+    CELLS,
+    HAND_ROWS,
+    HANDS,
+    LOWER,
+    REBUILD,
+    ROWS,
+    TABLES,
+    UPPER,
+    C,
+    Manifest,
+    file_digest,
+)
 from runtime.rows import Layout
 
 Tables = Mapping[str, NDArray[Any]]
@@ -50,7 +62,11 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
     if manifest.baseline.clip not in {clip.name for clip in clips}:
         return "its baseline is a clip that is not there"
     layout = Layout.of(manifest.skeleton, roles)
-    sizes = {C: len(clips), LOWER: layout.lower.columns, UPPER: layout.upper.columns}
+    rows_of = {clip.name: clip.row_count for clip in clips}
+    if misfit := _misfit_of_hands(manifest, rows_of):
+        return misfit
+    sizes = {C: len(clips), LOWER: layout.lower.columns, UPPER: layout.upper.columns, HANDS: layout.hands.columns}
+    sizes[HAND_ROWS] = sum(rows_of[one.body] for one in manifest.hands)
     sizes[ROWS] = sum(clip.row_count for clip in clips)
     sizes[CELLS] = sum(clip.cell_count for clip in clips)
     for name, (kind, shape) in TABLES.items():
@@ -64,6 +80,15 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
         if not (follows and sized and 0 <= clip.loop < clip.last_phase - clip.first_phase < 1e9):
             return f"clip {clip.name!r} does not fit the tables"
         row, cell = row + clip.row_count, cell + clip.cell_count
+    return ""
+
+
+def _misfit_of_hands(manifest: Manifest, rows_of: Mapping[str, int]) -> str:
+    row, seen = 0, set[tuple[str, str]]()
+    for one in manifest.hands:
+        if one.body not in rows_of or one.first_row != row or (one.name, one.body) in seen:
+            return f"hands {one.name!r} on {one.body!r} do not fit the tables"
+        row, seen = row + rows_of[one.body], seen | {(one.name, one.body)}
     return ""
 
 

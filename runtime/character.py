@@ -123,12 +123,12 @@ class Characters:
         for clip in weights:
             if (fault := time_fault("time", time, self.stage.bank.clips[clip])) is not None:
                 raise fault
-        part = np.zeros(col.COLUMNS - col.NEXT_COUNT)
+        part = np.zeros(col.HANDS - col.NEXT_COUNT)
         part[:5] = len(weights), time, at_least_0("blend", blend), known(col.CURVES, "curve", curve), loop
         for number, (clip, weight) in enumerate(weights.items()):
             part[col.NEXT_CLIPS - col.NEXT_COUNT + number] = clip
             part[col.NEXT_WEIGHTS - col.NEXT_COUNT + number] = weight
-        self.state[rows, col.NEXT_COUNT :] = part
+        self.state[rows, col.NEXT_COUNT : col.HANDS] = part
         self._begin(rows)
 
     def weigh(self, rows: Rows, weights: Mapping[str, float]) -> None:
@@ -196,6 +196,29 @@ class Characters:
         part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
         self._wait(rows, part, col.NOW)
 
+    def wear(
+        self,
+        rows: Rows,
+        hands: str | None,
+        *,
+        blend: float = BLEND,
+        curve: col.Curve = "smooth",
+        weight: float = 1.0,
+    ) -> None:
+        """Lays hands over whatever is played of the clips to which they are aligned, within `blend` seconds.
+
+        They take the place of others; None lays all hands off. Where another clip is played, its own hands are shown.
+        While some are still being faded into others a third waits, and newer ones take its place. Raises
+        UnknownClipError or SettingsError.
+        """
+        part = np.zeros(col.HANDS_COLUMNS)
+        part[col.CLIP] = col.BARE if hands is None else self.stage.bank.hand_number(hands)
+        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
+        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
+        self.state[rows, col.NEXT_HANDS : col.HANDS_WAIT] = part
+        self.state[rows, col.HANDS_WAIT] = 1.0
+        self._begin(rows)
+
     def speed(self, rows: Rows, speed: float) -> None:
         """How fast they play, as a part of the clips' own speed. Raises SettingsError."""
         self.state[rows, col.SPEED] = at_least_0("speed", speed)
@@ -235,17 +258,21 @@ class Characters:
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 
     def clips(self) -> set[str]:
-        """The names of all clips that are played, or wait to be."""
-        return {self.stage.bank.clips[number].name for number in np.unique(self._numbers()[1]).tolist()}
+        """The names of all clips that are played, or wait to be, and of all hands that are worn."""
+        bank = self.stage.bank
+        worn = {bank.hand_clips[number] for number in np.unique(self._worn()[1]).tolist()}
+        return worn | {bank.clips[number].name for number in np.unique(self._numbers()[1]).tolist()}
 
     def moved(self, stage: Stage) -> Characters:
-        """The same characters on another bank, which has all clips of theirs, at the same frames."""
+        """The same characters on another bank, which has all clips and hands of theirs, at the same frames."""
         at, played = self._numbers()
         numbers = np.zeros(len(self.stage.bank.clips))
         for number in np.unique(played).tolist():
             numbers[number] = stage.bank.number(self.stage.bank.clips[number].name)
         state = self.state.copy()
         state[at] = numbers[played]
+        at, worn = self._worn()
+        state[at] = [stage.bank.hand_number(self.stage.bank.hand_clips[number]) for number in worn]
         clock_kernels.settle_in(stage.evaluator.arrays, stage.ground, state.reshape(-1))
         return Characters(stage, self.rate, state)
 
@@ -264,6 +291,16 @@ class Characters:
         used[:, col.NEXT_ACTION + col.CLIP] = waits & ~is_own
         at = np.nonzero(used)
         return at, state[at].astype(np.int64)
+
+    def _worn(self) -> tuple[tuple[NDArray[np.int64], ...], NDArray[np.int64]]:
+        """Where in the state numbers of hands are, and these."""
+        slots = col.FIRST_HANDS + col.HANDS_COLUMNS * np.arange(col.MOST_HANDS + 1) + col.CLIP  # the last one waits
+        used = self.state[:, slots] != col.BARE
+        used[:, :-1] &= np.arange(col.MOST_HANDS) < self.state[:, [col.HANDS]]
+        used[:, -1] &= self.state[:, col.HANDS_WAIT] > 0.0
+        rows, number = np.nonzero(used)
+        at = rows, slots[number]
+        return at, self.state[at].astype(np.int64)
 
     @property
     def deltas(self) -> States:

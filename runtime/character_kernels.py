@@ -15,6 +15,7 @@ from runtime import arrays
 from runtime import character_state as col
 from runtime.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Limbs, Mixing, Scratch
 from runtime.compiled import LANES, ZERO, Array, Index, Real, inlined, kernel
+from runtime.hand_kernels import wear_hands
 from runtime.kernels import copy_lower, copy_rotation, copy_upper
 from runtime.lanes import interleave, load, root, separate, signed, spread, store
 from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
@@ -262,6 +263,8 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
         clip = int(s[slot + col.CLIP])
         row, t = row_of(bank, clip, s[slot + col.FRAME])
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
+        if s[c + col.HANDS] > 0.0:
+            wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
         if count > 1:
             weigh_lanes(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
             add_lanes(lanes, above, width, mixing, number == 0)
@@ -278,6 +281,8 @@ def sample_action(
     above, first = np.uint64(4) * rig[arrays.LOWER_WIDTH], k - number
     row, t = row_of_action(bank, s, slot)
     sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
+    if s[c + col.HANDS] > 0.0:
+        wear_hands(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
     block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     request, kind = mixing.requests[k], int(s[slot + col.KIND])
     request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])

@@ -1,8 +1,8 @@
 """A character as a row of numbers: where it is, what it plays, and what comes next.
 
 Rows are float64 and hold nothing but numbers, so a character is saved, copied and restored with its row. What it plays
-are two stacks of slots, each slot faded in over those below it: locomotions, in groups that are mixed by weight, and
-actions over them. One of each may wait until it can begin.
+are three stacks of slots, each slot faded in over those below it: locomotions, in groups that are mixed by weight,
+actions over them, and hands over either. One of each may wait until it can begin.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from runtime.arrays import MEMORY_COLUMNS
 MOST_MIXED = 4  # locomotions of a group
 MOST_LOCOMOTIONS = 2 * MOST_MIXED  # slots: a group, and another that it is faded into
 MOST_ACTIONS = 4  # slots
+MOST_HANDS = 2  # slots
 
 # where it stands (metres, radians about Y), and what the last step added to that, seen from there
 PLACE, HEADING, DELTA = 0, 3, 4
@@ -37,7 +38,14 @@ WHEN = NEXT_ACTION + ACTION_COLUMNS
 NEXT_COUNT, NEXT_TIME, NEXT_LASTING, NEXT_CURVE, NEXT_LOOP = range(WHEN + 1, WHEN + 6)
 NEXT_CLIPS = WHEN + 6
 NEXT_WEIGHTS = NEXT_CLIPS + MOST_MIXED
-COLUMNS = NEXT_WEIGHTS + MOST_MIXED
+# hands: how many slots, and these, of which CLIP is a number of hands or BARE, the rest as of a slot; and what waits
+HANDS = NEXT_WEIGHTS + MOST_MIXED
+FIRST_HANDS, HANDS_COLUMNS = HANDS + 1, CURVE + 1
+NEXT_HANDS = FIRST_HANDS + MOST_HANDS * HANDS_COLUMNS
+HANDS_WAIT = NEXT_HANDS + HANDS_COLUMNS
+COLUMNS = HANDS_WAIT + 1
+
+BARE = -1  # no hands but the body's own
 
 OWN = 0  # the kind of an action that is the locomotion's own upper body; others are as methods are numbered
 NEVER, NOW, IN_PHASE, ON_LEFT, ON_RIGHT, ON_FOOT = range(6)

@@ -21,8 +21,10 @@ from runtime.transition_kernels import (
     action,
     begin_waiting,
     drop_actions,
+    drop_hands,
     frame_after_last,
     frame_of,
+    hands,
     is_own_clock,
     keep_way,
     leave_action,
@@ -75,7 +77,7 @@ def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
         passed = advance_locomotions(bank, ground, s, c, seconds)
         advance_actions(bank, s, c, seconds, passed)
         downs = step(bank, ground, s, c, passed)
-        if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER:
+        if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
             begin_waiting(bank, ground, s, c, passed, downs)
         happened |= int(s[c + col.EVENTS])
     return happened
@@ -93,6 +95,15 @@ def fade(s: Array, c: int, seconds: float, follow: float) -> None:
         fade_slot(s, action(c, number), seconds, follow)
     if s[c + col.ACTIONS] > 1.0 or (s[c + col.ACTIONS] > 0.0 and s[c + col.FIRST_ACTION + col.KIND] == col.OWN):
         drop_actions(s, c)
+    if s[c + col.HANDS] > 0.0:
+        fade_hands(s, c, seconds, follow)
+
+
+@kernel
+def fade_hands(s: Array, c: int, seconds: float, follow: float) -> None:
+    for number in range(int(s[c + col.HANDS])):
+        fade_slot(s, hands(c, number), seconds, follow)
+    drop_hands(s, c)
 
 
 @inlined

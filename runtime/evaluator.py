@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from threading import Lock
+from typing import Any
 
 import numba
 import numpy as np
@@ -93,13 +94,15 @@ class Evaluator:
         start: float = 0.0,
         method: Method = "splice",
         posture: Posture = "relative",
+        hands: str | None = None,
     ) -> Poses:
         """One character's pose, by name. Without an action it is the locomotion alone.
 
-        Raises UnknownClipError, TimeRangeError or SettingsError.
+        With `hands`, which must be aligned to the clip that gives the upper body, its hands are theirs. Raises
+        UnknownClipError, TimeRangeError or SettingsError.
         """
         out = self.poses(1)
-        self._one.records[0] = self.record(locomotion, action, time, start, method, posture)
+        self._one.records[0] = self.record(locomotion, action, time, start, method, posture, hands)
         self._evaluate_one(self._one, out, None)
         return out
 
@@ -112,6 +115,7 @@ class Evaluator:
         start: float = 0.0,
         method: Method = "splice",
         posture: Posture = "relative",
+        hands: str | None = None,
         memory: Memory | None = None,
     ) -> Poses:
         """The poses of one splice at many times [n] in order, seconds into the locomotion. Raises as `pose` does.
@@ -119,7 +123,7 @@ class Evaluator:
         With `memory`, of one character, that is carried on to the last of them.
         """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
-        requests.records[:] = self.record(locomotion, action, 0.0, start, method, posture)
+        requests.records[:] = self.record(locomotion, action, 0.0, start, method, posture, hands)
         requests.time[:] = times
         self._evaluate_one(requests, out, memory)
         return out
@@ -132,11 +136,14 @@ class Evaluator:
         start: float = 0.0,
         method: Method = "splice",
         posture: Posture = "relative",
+        hands: str | None = None,
     ) -> Clip:
         """A whole splice, at the locomotion's own frames, as a clip. Raises as `pose` does."""
         times, rate = self.frame_times(locomotion), self.bank.clip(locomotion).rate
         memory = Memory.begin(1, rate)
-        poses = self.sequence(locomotion, times, action, start=start, method=method, posture=posture, memory=memory)
+        poses = self.sequence(
+            locomotion, times, action, start=start, method=method, posture=posture, hands=hands, memory=memory
+        )
         return Clip(
             name=locomotion if action is None else f"{locomotion}+{action}",
             skeleton=self.bank.skeleton,
@@ -153,7 +160,7 @@ class Evaluator:
         Frames past the action's last one lie in its seam (docs/bank.md). Raises as `pose` does.
         """
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        requests.records[:] = self.record(locomotion, action, 0.0, start, "splice", "off")
+        requests.records[:] = self.record(locomotion, action, 0.0, start, "splice", "off", None)
         requests.time[:] = times
         if (fault := kernels.first_at_fault(self.arrays, requests.records, False)) >= 0:
             raise self._fault(requests, fault)
@@ -176,13 +183,25 @@ class Evaluator:
         self.world_positions(poses, np.empty((1, joints, 3), np.float32))
 
     def record(
-        self, locomotion: str, action: str | None, time: float, start: float, method: str, posture: str
-    ) -> tuple[int, int, float, float, int, int, int]:
+        self,
+        locomotion: str,
+        action: str | None,
+        time: float,
+        start: float,
+        method: str,
+        posture: str,
+        hands: str | None,
+    ) -> tuple[int, int, float, float, int, int, int, int]:
         """A record of Requests by name. Raises UnknownClipError or SettingsError."""
         number = self.bank.number(locomotion)
         played = number if action is None else self.bank.number(action)
         form = NONE if action is None else known(METHODS, "method", method)
-        return number, played, time, start, 0, form, known(POSTURES, "posture", posture)
+        worn = 0
+        if hands is not None:
+            worn, upper = 1 + self.bank.hand_number(hands), number if form == NONE else played
+            if self.arrays.hand_rows[worn - 1, upper] < 0:
+                raise self.bank.no_hands(hands, self.bank.clips[upper].name)
+        return number, played, time, start, 0, form, known(POSTURES, "posture", posture), worn
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """As `evaluate`, for requests about one character, whose number says nothing in an error."""
@@ -216,6 +235,8 @@ class Evaluator:
         ):
             if not 0 <= number < top:
                 return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
+        if (astray := self._fault_of_hands(request, place)) is not None:
+            return astray
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
             if (fault := time_fault(label, request[label], clip, place)) is not None:
                 return fault
@@ -224,3 +245,14 @@ class Evaluator:
             place=place,
             mend="Evaluate frame after frame with a Memory, or ask for a whole clip",
         )
+
+    def _fault_of_hands(self, request: Any, place: str) -> SettingsError | None:
+        """What is wrong with the hands of a request, if anything is."""
+        hands, count = int(request["hands"]) - 1, len(self.bank.hand_clips)
+        if hands >= count:
+            return SettingsError(f"hands number {hands + 1} lies outside 0 to {count}", place=place)
+        upper = self.bank.clips[request["locomotion" if request["method"] == NONE else "action"]].name
+        if hands >= 0 and self.arrays.hand_rows[hands, self.bank.number(upper)] < 0:
+            astray = self.bank.no_hands(self.bank.hand_clips[hands], upper)
+            return SettingsError(astray.problem, place=place, mend=astray.mend)
+        return None

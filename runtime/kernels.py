@@ -12,7 +12,8 @@ from numba import prange
 from runtime import arrays
 from runtime.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Scratch
 from runtime.compiled import Array, Index, inlined, kernel, parallel_kernel
-from runtime.lookup_kernels import NAIVE, SPLICE, frame_at, frame_near, locate, look_up, phase_in_step
+from runtime.hand_kernels import lay_hands
+from runtime.lookup_kernels import NAIVE, NONE, SPLICE, frame_at, frame_near, locate, look_up, phase_in_step
 from runtime.posture_kernels import RUNNING, correlate, turn_pelves
 from runtime.rotation_kernels import ONE, sample
 from runtime.rows import FIRST_JOINT, PELVIS, ROOT
@@ -61,9 +62,20 @@ def first_at_fault(bank: BankArrays, requests: Array, remembers: bool) -> int:
             return character
         if request["method"] == SPLICE and request["posture"] == RUNNING and not remembers:
             return character
+        hands = int(request["hands"]) - 1
+        if hands >= len(bank.hand_rows):
+            return character
+        if hands >= 0 and bank.hand_rows[hands, upper_clip(request)] < 0:
+            return character
         if not (within(clips, locomotion, request["time"]) and within(clips, action, request["start"])):
             return character
     return -1
+
+
+@inlined
+def upper_clip(request: Array) -> int:
+    """The clip that gives the upper body."""
+    return int(request["locomotion"]) if request["method"] == NONE else int(request["action"])
 
 
 @inlined
@@ -95,7 +107,7 @@ def evaluate_part(
         splices = 0
         for k in range(count):
             method = requests[first + k]["method"]
-            sample_halves(bank, block, k, lanes, above, first + k, roots, rotations)
+            sample_halves(bank, requests, block, k, lanes, above, first + k, roots, rotations)
             if method == SPLICE:
                 correlate(bank, bank.lower, block, k, lanes, above)
                 splices += 1
@@ -112,6 +124,7 @@ def evaluate_part(
 @inlined
 def sample_halves(
     bank: BankArrays,
+    requests: Array,
     block: Array,
     k: int,
     lanes: Array,
@@ -129,6 +142,10 @@ def sample_halves(
     sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     sample(bank.upper, row, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
+    request = requests[character]
+    if request["hands"] > 0:
+        hands = int(request["hands"]) - 1
+        lay_hands(bank, hands, upper_clip(request), row, t, np.float32(1.0), lanes, above)
     copy_lower(rig, lanes, rotations, character)
     copy_upper(rig, lanes, above, rotations, character)
 

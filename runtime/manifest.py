@@ -17,12 +17,13 @@ from motion.roles import Roles
 from motion.skeleton import Skeleton
 
 FORMAT = "motionsplice bank"
-VERSION = 4
+VERSION = 5
 MANIFEST = "manifest.msgpack"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
 REBUILD = "Build it again with `motionsplice precompute`"
 
 ROWS, LOWER, UPPER, C, CELLS = "rows", "lower columns", "upper columns", "clips", "cells"
+HAND_ROWS, HANDS = "rows of hands", "columns of hands"
 TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "lower": (np.float32, (ROWS, LOWER)),
     "upper": (np.float32, (ROWS, UPPER)),
@@ -32,6 +33,8 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "contacts": (np.uint8, (ROWS,)),
     "postures": (np.float64, (C, 2, 3)),
     "neutral": (np.int32, (C,)),
+    "hands": (np.float32, (HAND_ROWS, HANDS)),
+    "hand_frames": (np.float64, (HAND_ROWS, 2)),
 }
 
 
@@ -87,6 +90,24 @@ class BaselineEntry:
     cells: int
 
 
+@dataclass(frozen=True)
+class HandsEntry:
+    """A clip of hands on the body of a clip: where its rows lie, as many as the clip's.
+
+    rate is the hands' own; hand is `left`, `right`, `both` (by one alignment) or `each` (by two); wrist, whether wrists
+    and the twist of forearms are the hands' too; pairs are those that a user gave; source is the digest of their file.
+    """
+
+    name: str
+    body: str
+    first_row: int
+    rate: float
+    hand: str
+    wrist: bool
+    pairs: tuple[str, ...]
+    source: str
+
+
 Mark = tuple[int, int, int]
 
 
@@ -109,6 +130,7 @@ class Manifest:
     roles: Roles
     baseline: BaselineEntry
     clips: tuple[ClipEntry, ...]
+    hands: tuple[HandsEntry, ...]
     tables: Mapping[str, str]
 
     @classmethod
@@ -129,7 +151,7 @@ class Manifest:
             raise BankError(error.problem, file=str(file), mend=REBUILD) from None
 
 
-Entry = TypeVar("Entry", ClipEntry, BaselineEntry, Roles)
+Entry = TypeVar("Entry", ClipEntry, BaselineEntry, HandsEntry, Roles)
 
 
 def content_digest(data: bytes) -> str:
@@ -170,7 +192,9 @@ def _body(data: bytes, file: str) -> tuple[str, dict[str, Any]]:
     return digest, body
 
 
-def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, BaselineEntry, tuple[ClipEntry, ...]]:
+def _contents(
+    body: dict[str, Any],
+) -> tuple[Skeleton, Roles, BaselineEntry, tuple[ClipEntry, ...], tuple[HandsEntry, ...]]:
     rig = body["skeleton"]
     names = tuple(rig["names"])
     if not _fits(names, tuple, str):
@@ -183,7 +207,7 @@ def _contents(body: dict[str, Any]) -> tuple[Skeleton, Roles, BaselineEntry, tup
         end_offsets=np.array(rig["end_offsets"], np.float64).reshape(-1, 3),
     )
     (roles,), (baseline,) = _entries(Roles, [body["roles"]]), _entries(BaselineEntry, [body["baseline"]])
-    return skeleton, roles, baseline, _entries(ClipEntry, body["clips"])
+    return skeleton, roles, baseline, _entries(ClipEntry, body["clips"]), _entries(HandsEntry, body["hands"])
 
 
 def _entries(kind: type[Entry], said: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:

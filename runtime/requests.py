@@ -35,6 +35,7 @@ REQUEST = np.dtype(
         ("cycles", np.int32),
         ("method", np.uint8),
         ("posture", np.uint8),
+        ("hands", np.uint16),
     ],
     align=True,
 )
@@ -50,6 +51,8 @@ class Requests:
     cycles: [n] int32 whole cycles by which the action is ahead of that (`runtime/in_step.py` says how many bring it to
             a moment of one's choice); of no account unless the method is `splice`.
     method, posture: [n] uint8, values of METHODS and POSTURES.
+    hands:  [n] uint16, 0 for the fingers of the clip that gives the upper body, else 1 more than a number of hands
+            (`Bank.hand_number`) that lie on that clip.
     records: [n] REQUEST, the same memory, a record for each character. Raises SettingsError if they are not that.
     """
 
@@ -63,6 +66,7 @@ class Requests:
         self.start: NDArray[np.float64] = records["start"]
         self.method: NDArray[np.uint8] = records["method"]
         self.posture: NDArray[np.uint8] = records["posture"]
+        self.hands: NDArray[np.uint16] = records["hands"]
 
     @classmethod
     def empty(cls, count: int) -> Requests:

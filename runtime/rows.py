@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion import quaternion
+from motion.hand_joints import SIDES, elbow_of, has_fingers
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motion.skeleton import Skeleton
@@ -39,15 +40,16 @@ class TorsoRows(NamedTuple):
 
 @dataclass(frozen=True)
 class Half:
-    """One of the two tables: its joints, in their lanes from FIRST_JOINT on, and the column where lanes begin."""
+    """A table of rotations: its joints, in their lanes from first_joint on, and the column where lanes begin."""
 
     joints: tuple[int, ...]
     first_plane: int
+    first_joint: int = FIRST_JOINT
 
     @property
     def width(self) -> int:
         """Lanes of a component."""
-        return _whole(FIRST_JOINT + len(self.joints), LANES)
+        return _whole(self.first_joint + len(self.joints), LANES)
 
     @property
     def columns(self) -> int:
@@ -62,10 +64,14 @@ class Half:
 
 @dataclass(frozen=True)
 class Layout:
-    """Both halves of a rig, whose upper clouds have `points` points. The pelvis has a lane of its own in each half."""
+    """Both halves of a rig, whose upper clouds have `points` points. The pelvis has a lane of its own in each half.
+
+    hands are the part of the upper half that a clip of hands may drive: all from the elbows on, if there are fingers.
+    """
 
     lower: Half
     upper: Half
+    hands: Half
     pelvis: int
     points: int
 
@@ -75,7 +81,9 @@ class Layout:
         below = tuple(joint for joint in range(skeleton.joint_count) if joint not in above)
         first_plane = _whole(CLOUD + 3 * _whole(points, LANES), LANES)
         upper = tuple(joint for joint in above if joint != roles.pelvis)
-        return cls(Half(below, first_plane), Half(upper, first_plane), roles.pelvis, points)
+        driven = {one for side in SIDES for one in skeleton.subtree(elbow_of(roles, side))}
+        hands = tuple(one for one in upper if one in driven and has_fingers(skeleton, roles))
+        return cls(Half(below, first_plane), Half(upper, first_plane), Half(hands, 0, 0), roles.pelvis, points)
 
     @property
     def cloud_width(self) -> int:
@@ -106,6 +114,14 @@ class Layout:
     def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
         """Writes torso offsets [n, 4] into rows [n, columns] of a table."""
         self.halves[half].lanes(rows)[:, TORSO_OFFSET] = offsets
+
+    def pack_hands(self, rotations: Floats) -> Float32s:
+        """Rows [n, columns] of the table of hands, for rotations [n, J, 4]."""
+        rows = np.zeros((len(rotations), self.hands.columns), np.float32)
+        lanes = self.hands.lanes(rows)
+        lanes[:] = quaternion.IDENTITY
+        lanes[:, : len(self.hands.joints)] = rotations[:, self.hands.joints]
+        return rows
 
     def motion(self, lower: Float32s, upper: Float32s) -> tuple[Floats, Floats]:
         """Root positions [n, 3] and rotations [n, J, 4] from the same frames' rows in both tables."""

@@ -34,6 +34,12 @@ def action(c: int, number: int) -> int:
 
 
 @inlined
+def hands(c: int, number: int) -> int:
+    """Where a slot of hands begins."""
+    return c + col.FIRST_HANDS + number * col.HANDS_COLUMNS
+
+
+@inlined
 def faded(elapsed: float, lasting: float, curve: float) -> float:
     """How far something is faded in, from 0 to 1."""
     if elapsed >= lasting:
@@ -139,6 +145,29 @@ def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: fl
             begin_locomotion(bank, ground, s, c, int(s[c + col.LOCOMOTIONS]))
     if s[c + col.WHEN] > col.NEVER and s[c + col.ACTIONS] < col.MOST_ACTIONS and is_time(bank, s, c, passed, downs):
         begin_action(bank, s, c)
+    if s[c + col.HANDS_WAIT] > 0.0 and s[c + col.HANDS] < col.MOST_HANDS:
+        begin_hands(s, c)
+
+
+@kernel
+def begin_hands(s: Array, c: int) -> None:
+    """Begins the hands that wait, in a slot above all others."""
+    slot = hands(c, int(s[c + col.HANDS]))
+    for column in range(col.HANDS_COLUMNS):
+        s[slot + column] = s[c + col.NEXT_HANDS + column]
+    s[c + col.HANDS] += 1.0
+    s[c + col.HANDS_WAIT] = 0.0
+    drop_hands(s, c)
+
+
+@kernel
+def drop_hands(s: Array, c: int) -> None:
+    """Drops hands that those above them have covered, and what covers them once no hands are worn."""
+    top = hands(c, int(s[c + col.HANDS]) - 1)
+    if s[top + col.ELAPSED] >= s[top + col.LASTING]:
+        for column in range(col.HANDS_COLUMNS):
+            s[c + col.FIRST_HANDS + column] = s[top + column]
+        s[c + col.HANDS] = 0.0 if s[c + col.FIRST_HANDS + col.CLIP] == col.BARE else 1.0
 
 
 @kernel

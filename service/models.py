@@ -150,6 +150,7 @@ class ClipInfo(BaseModel):
     cycles: float = Field(description="strides that it takes")
     loop: int = Field(description="strides after which it is as it was, and can be repeated; 0: none")
     neutral: str = Field(description="the clip that its posture is relative to")
+    hands: list[str] = Field(description="that can be laid on it")
     mean_mismatch: float
     worst_mismatch: float
     shoulder_motion: float = Field(description="how far the torso moves beyond the neutral's gait, radians")
@@ -169,6 +170,7 @@ class ClipInfo(BaseModel):
             cycles=clip.cycles,
             loop=clip.loop,
             neutral=bank.neutral(clip.name),
+            hands=[one.name for one in bank.hands if one.body == clip.name],
             mean_mismatch=clip.mean_mismatch,
             worst_mismatch=clip.worst_mismatch,
             shoulder_motion=clip.shoulder_motion,

@@ -81,7 +81,15 @@ def best_ring_cost(distances: Floats, most_advance: int, most_zero: int) -> floa
 
 
 def pose(
-    bank: Bank, locomotion: str, time: float, action: str, start: float, method: str, posture: str, cycles: int = 0
+    bank: Bank,
+    locomotion: str,
+    time: float,
+    action: str,
+    start: float,
+    method: str,
+    posture: str,
+    cycles: int = 0,
+    hands: str | None = None,
 ) -> tuple[Floats, Floats]:
     """One character's root position [3] and local rotations [J, 4], from the bank's clips in their editable form."""
     entry_l, entry_u, phases = bank.clip(locomotion), bank.clip(action), bank.tables["phase_of_frame"]
@@ -94,6 +102,7 @@ def pose(
     frame_l = time * entry_l.rate
     root, rotations = (sampled[0] for sampled in bank.motion(locomotion).sampled([frame_l]))
     if method == "none":
+        wear(bank, hands, locomotion, frame_l, rotations)
         return root, rotations
     if method == "naive":
         seconds = start + time
@@ -107,6 +116,7 @@ def pose(
         frame_u = float(np.interp(phase, own, np.arange(entry_u.row_count)))
     pelvis_l = rotations[pelvis].copy()
     rotations[upper] = bank.motion(action, seam=True).sampled([frame_u])[1][0, upper]
+    wear(bank, hands, action, frame_u, rotations)
     if method == "naive":
         return root, rotations
     torso_l, torso_u = bank.torso(locomotion), bank.torso(action, seam=True)
@@ -124,6 +134,12 @@ def pose(
     return root, rotations
 
 
+def wear(bank: Bank, hands: str | None, body: str, frame: float, rotations: Floats) -> None:
+    """Hands over the rotations [J, 4] of a body at a real-valued frame."""
+    if hands is not None:
+        rotations[list(bank.layout.hands.joints)] = rotation_between(bank.hand_motion(hands, body), frame)
+
+
 def vectors_between(vectors: Floats, frame: float) -> Floats:
     """Vectors [F, ...] at a real-valued frame, held at both ends."""
     before, after, t = quaternion.neighbours(len(vectors), [frame])
@@ -131,9 +147,9 @@ def vectors_between(vectors: Floats, frame: float) -> Floats:
 
 
 def rotation_between(rotations: Floats, frame: float) -> Floats:
-    """Rotations [F, 4] at a real-valued frame, held at both ends."""
+    """Rotations [F, ..., 4] at a real-valued frame, held at both ends."""
     before, after, t = quaternion.neighbours(len(rotations), [frame])
-    return quaternion.slerp(rotations[before[0]], rotations[after[0]], t[0])
+    return quaternion.slerp(rotations[before[0]], rotations[after[0]], np.full(rotations.shape[1:-1], t[0]))
 
 
 def gap(target: Floats, source: Floats) -> float:

@@ -43,7 +43,7 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
     """Root position [3] and local rotations [J, 4] of the character in a row."""
     pelvis, upper = bank.roles.pelvis, bank.skeleton.subtree(bank.roles.pelvis)
     slots = [s[col.FIRST_LOCOMOTION + k * col.LOCOMOTION_COLUMNS :] for k in range(int(s[col.LOCOMOTIONS]))]
-    legs = [locomotion(bank, slot, 1.0 if len(slots) == 1 else slot[col.SHARE]) for slot in slots]
+    legs = [locomotion(bank, s, slot, 1.0 if len(slots) == 1 else slot[col.SHARE]) for slot in slots]
     shares = [one.share for one in legs]
 
     def mean(values: Sequence[Floats]) -> Floats:
@@ -66,6 +66,7 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
             last = bank.clip(name).frame_count - 1.0
             at = at if at <= last else at % last
         sampled = bank.motion(name, seam=True).sampled([at])[1][0]
+        wear(bank, s, name, at, sampled)
         sources.append(sampled)
         if layer[col.KIND] == METHODS["naive"]:
             pelves.append(sampled[pelvis])
@@ -108,9 +109,23 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
     return root, rotations
 
 
-def locomotion(bank: Bank, slot: Floats, share: float) -> Locomotion:
+def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> None:
+    """What a character wears over the rotations [J, 4] of a body: each hands over those below them, as they fade in."""
+    own, joints = rotations.copy(), list(bank.layout.hands.joints)
+    for number in range(int(s[col.HANDS])):
+        slot = s[col.FIRST_HANDS + number * col.HANDS_COLUMNS :]
+        name = bank.hand_clips[int(slot[col.CLIP])] if slot[col.CLIP] != col.BARE else ""
+        laid = own.copy()
+        if any((one.name, one.body) == (name, body) for one in bank.hands):
+            laid[joints] = rotation_between(bank.hand_motion(name, body), frame)
+        shown = fade(slot) * slot[col.WEIGHT]
+        rotations[joints] = mixed([rotations[joints], laid[joints]], [1.0 - shown, shown])
+
+
+def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:
     name, at = bank.clips[int(slot[col.CLIP])].name, slot[col.FRAME]
     roots, rotations = bank.motion(name, seam=True).sampled([at])
+    wear(bank, s, name, at, rotations[0])
     x, y, z, heading = vectors_between(bank.root_path(name, seam=True), at)
     torso, turn = bank.torso(name, seam=True), quaternion.about(UP, -heading)
     rotations[0, 0] = quaternion.multiply(turn, rotations[0, 0])

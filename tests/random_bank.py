@@ -15,7 +15,7 @@ from motion.roles import Roles
 from motion.skeleton import Skeleton
 from precompute.bank_builder import frame_of_phase
 from runtime.bank import Bank
-from runtime.manifest import TABLES, BaselineEntry, ClipEntry, Manifest
+from runtime.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry, Manifest
 from runtime.rows import Layout, TorsoRows
 
 CLOUDS = ("torso", "line", "point")
@@ -36,7 +36,10 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
     roles = Roles(**named, spine=tuple(draw.integers(1, joints, points - 2).tolist()))
     layout = Layout.of(skeleton, roles)
     tables: dict[str, list[Floats]] = {name: [] for name in TABLES}
+    tables["hands"].append(np.zeros((0, layout.hands.columns)))
+    tables["hand_frames"].append(np.zeros((0, 2)))
     entries, row = [], 0
+    hands, hand_row = [], 0
     for number in range(clips):
         frames, seam = int(draw.integers(2, 12)), int(draw.integers(0, 5))
         rows = frames + seam
@@ -51,6 +54,11 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         tables["contacts"].append(np.floor(draw.uniform(0.0, 4.0, rows)))
         tables["postures"].append(draw.normal(size=(1, 2, 3)))
         tables["neutral"].append(np.array([number]))
+        if number % 2:
+            tables["hands"].append(layout.pack_hands(_rotations(draw, rows, joints)).astype(np.float64))
+            tables["hand_frames"].append(np.cumsum(draw.uniform(0.0, 2.0, (rows, 2)), axis=0))
+            hands.append(HandsEntry("hands", f"clip {number}", hand_row, RATE, "both", False, (), ""))
+            hand_row += rows
         strides = int(phase[-1] - phase[0]) if seam and draw.random() < 0.7 else 0
         span = (float(phase[0]), float(phase[-1]), float(phase[frames - 1] - phase[0]))
         place = (row, frames, rows, 4 * row, 4 * rows)
@@ -59,7 +67,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         )
         row += rows
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
-    manifest = Manifest(b"", "", skeleton, roles, baseline, tuple(entries), dict.fromkeys(TABLES, ""))
+    manifest = Manifest(b"", "", skeleton, roles, baseline, tuple(entries), tuple(hands), dict.fromkeys(TABLES, ""))
     arrays: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(np.concatenate(tables[name]), kind) for name, (kind, _) in TABLES.items()
     }

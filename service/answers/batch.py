@@ -16,15 +16,15 @@ from runtime.bank import Bank
 from runtime.requests import METHODS, POSTURES, Method, Posture, Requests
 from service.problems import LimitError, RequestError
 
-COLUMNS: Mapping[str, str] = {"locomotion": "<i4", "action": "<i4", "time": "<f8", "start": "<f8"}
+COLUMNS: Mapping[str, str] = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8", "start": "<f8"}
 NAMES: Mapping[str, tuple[str, ...]] = {"method": get_args(Method), "posture": get_args(Posture)}
 KEYS = ("clips", *COLUMNS, *NAMES)
-NO_ACTION = -1
+NONE = -1
 
 
 @dataclass(frozen=True)
 class Batch:
-    """What n characters play: clips by index into `clips`, as columns [n]; action -1 is none."""
+    """What n characters play: clips, and hands, by index into `clips`, as columns [n]; action and hands -1 are none."""
 
     clips: tuple[str, ...]
     columns: Mapping[str, NDArray[Any]]
@@ -89,16 +89,20 @@ class Batch:
             raise LimitError(
                 f"{count} characters of {len(clips)} clips are more than {most}", mend="Send several batches"
             )
-        columns.setdefault("action", np.full(count, NO_ACTION, "<i4"))
+        columns.setdefault("action", np.full(count, NONE, "<i4"))
+        columns.setdefault("hands", np.full(count, NONE, "<i4"))
         columns.setdefault("start", np.zeros(count))
         for key, column in columns.items():
             if len(column) != count:
                 raise RequestError(f"{key}: it has {len(column)} numbers for {count} characters")
-        for key, least in (("locomotion", 0), ("action", NO_ACTION)):
+        for key, least in (("locomotion", 0), ("action", NONE), ("hands", NONE)):
             outside = (columns[key] < least) | (columns[key] >= len(clips))
             if outside.any():
                 first = int(np.argmax(outside))
                 raise RequestError(f"{key}: {columns[key][first]} of character {first} is none of {len(clips)} clips")
+        played = np.union1d(columns["locomotion"], columns["action"])
+        if len(both := np.setdiff1d(np.intersect1d(played, columns["hands"]), NONE)):
+            raise RequestError(f"hands: {clips[both[0]]!r:.40} is played as a clip too", mend="Name it twice in clips")
         named = {key: values.get(key, default) for key, default in (("method", "splice"), ("posture", "relative"))}
         for key, name in named.items():
             if name not in NAMES[key]:
@@ -107,12 +111,18 @@ class Batch:
 
     def requests(self, bank: Bank) -> Requests:
         """The same for the evaluator. Raises UnknownClipError."""
-        numbers = np.array([bank.number(name) for name in self.clips], np.int32)
+        hands = self.columns["hands"]
+        worn = set(np.unique(hands).tolist())
+        numbers = np.array(
+            [bank.hand_number(name) if one in worn else bank.number(name) for one, name in enumerate(self.clips)],
+            np.int32,
+        )
         locomotion, action = self.columns["locomotion"], self.columns["action"]
-        acts, requests = action != NO_ACTION, Requests.empty(len(locomotion))
+        acts, requests = action != NONE, Requests.empty(len(locomotion))
         if len(locomotion):
             requests.locomotion[:] = numbers[locomotion]
             requests.action[:] = numbers[np.where(acts, action, locomotion)]
+            requests.hands[:] = np.where(hands == NONE, 0, 1 + numbers[hands])
         requests.time[:], requests.start[:] = self.columns["time"], self.columns["start"]
         requests.method[:] = np.where(acts, METHODS[self.method], METHODS["none"])
         requests.posture[:] = POSTURES[self.posture]

@@ -45,7 +45,7 @@ class Frames:
         if count > most or (values["posture"] == "running" and first + count > most):
             problem = f"{count} frames from frame {first} on are more than the {most} of one answer"
             raise LimitError(problem, mend="Ask for some of them with first and count, or for a lower rate")
-        splice = {key: values[key] for key in ("locomotion", "action", "start", "method", "posture")}
+        splice = {key: values[key] for key in ("locomotion", "action", "start", "method", "posture", "hands")}
         frames = cls(edition, splice, rate, first, count)
         frames._evaluated(frames._times(0, 1), Memory.begin(1, rate))
         return frames

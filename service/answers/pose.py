@@ -74,6 +74,12 @@ def _seconds(value: bytes) -> float | None:
 def _made_ready(edition: Edition, values: dict[str, Any]) -> Ready:
     evaluator, requests = edition.evaluator, Requests.empty(1)
     requests.records[0] = evaluator.record(
-        values["locomotion"], values["action"], 0.0, values["start"], values["method"], values["posture"]
+        values["locomotion"],
+        values["action"],
+        0.0,
+        values["start"],
+        values["method"],
+        values["posture"],
+        values["hands"],
     )
     return Ready(requests, evaluator.poses(1), encoding(values), FORMS[values["format"]])

@@ -58,6 +58,7 @@ KEYS: Mapping[str, tuple[Check, str]] = {
     "locomotion": (lambda value: _is_text(value) or _is_mix(value), "a clip's name, or a map of names to weights"),
     "weights": (_is_mix, "a map of names to weights"),
     "action": (_is_text, "a clip's name"),
+    "hands": (lambda value: value is None or _is_text(value), "the name of hands, or null for the clips' own"),
     "blend": (TIMES, "seconds, at least 0"),
     "blend_out": (TIMES, "seconds, at least 0"),
     "curve": _names(Curve),
@@ -89,6 +90,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "play": ("locomotion",),
     "act": ("action",),
     "stop": (),
+    "wear": ("hands",),
     "weigh": ("weights",),
     "weight": ("weight",),
     "speed": ("speed",),
@@ -104,6 +106,7 @@ TAKEN: Mapping[str, tuple[str, ...]] = {
         *("when", "start", "blend", "blend_out", "curve", "weight", "loop", "own_clock", "mask", "method", "posture"),
     ),
     "stop": ("blend", "curve"),
+    "wear": ("blend", "curve", "weight"),
     "place": ("heading",),
     "set": ("rate", "ahead", "events"),
 }

@@ -86,7 +86,7 @@ class Scene:
 
     def missing(self, edition: Edition) -> list[str]:
         """Those of the clips played here that another edition has not."""
-        theirs = {clip.name for clip in edition.bank.clips}
+        theirs = {clip.name for clip in edition.bank.clips} | set(edition.bank.hand_clips)
         return sorted(self.characters.clips() - theirs)
 
     def move(self, edition: Edition) -> None:

@@ -14,6 +14,7 @@ WHAT = (
     text("action", "the clip that gives the upper body; without it, the locomotion alone"),
     number("start", "seconds into the action before which it does not begin", 0.0),
     choice("method", "`naive` is plain replacement of the upper body's joints", get_args(Method), "splice"),
+    text("hands", "the hands that are laid on the clip that gives the upper body; without it, its own"),
     choice("posture", "what becomes of the action's posture", get_args(Posture), "relative"),
 )
 HOW = (

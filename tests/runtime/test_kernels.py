@@ -123,7 +123,7 @@ def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
     method, posture = data.draw(st.sampled_from(sorted(METHODS))), data.draw(st.sampled_from(STATELESS))
     cycles, requests, poses = data.draw(st.integers(-2, 5)), Requests.empty(1), Evaluator(bank).poses(1)
     clips = bank.number(locomotion.name), bank.number(action.name)
-    requests.records[0] = (*clips, time, start, cycles, METHODS[method], POSTURES[posture])
+    requests.records[0] = (*clips, time, start, cycles, METHODS[method], POSTURES[posture], 0)
     Evaluator(bank).evaluate(requests, poses)
     root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture, cycles)
     np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
@@ -139,8 +139,13 @@ def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: in
         locomotion, action = (bank.clips[one] for one in draw.integers(0, 3, 2))
         time, start = draw.random() * locomotion.duration, draw.random() * action.duration * draw.integers(0, 2)
         method, posture = draw.choice(sorted(METHODS)), draw.choice(STATELESS)
-        poses = evaluator.pose(locomotion.name, time, action.name, start=start, method=method, posture=posture)
-        root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture)
+        upper = locomotion if method == "none" else action
+        hands = "hands" if upper.name in {one.body for one in bank.hands} and draw.random() < 0.7 else None
+        requests, poses = Requests.empty(1), evaluator.poses(1)
+        clips, worn = (bank.number(locomotion.name), bank.number(action.name)), 0 if hands is None else 1
+        requests.records[0] = (*clips, time, start, 0, METHODS[method], POSTURES[posture], worn)
+        evaluator.evaluate(requests, poses)
+        root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture, hands=hands)
         np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
         assert quaternion.angle(poses.rotations[0], rotations).max() < 1e-4
         np.testing.assert_allclose(np.linalg.norm(poses.rotations[0], axis=-1), 1.0, atol=1e-5)

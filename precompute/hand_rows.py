@@ -1,0 +1,67 @@
+"""Hands on the body of a clip as a bank holds them: rows beside the clip's own, of all that hands may drive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.formats.files import Reading
+from motion.hand_joints import SIDES
+from motion.quaternion import Floats
+from precompute.hand_merge import merge_hands
+from precompute.hand_settings import HandSettings
+from precompute.hand_splice import hand_frames
+from precompute.kept import Rig
+from precompute.prepared import PreparedClip
+from precompute.seam import bent_onto
+from runtime.rows import Layout
+
+
+@dataclass(frozen=True, eq=False)
+class LaidHands:
+    """Hands on a body: rows [n, columns], as many as its own, and frames [n, 2]: which frame of the hands, which have
+    `rate` a second, the left and the right one show there."""
+
+    name: str
+    body: str
+    rate: float
+    settings: HandSettings
+    rows: NDArray[np.float32]
+    frames: Floats
+    source: str = ""
+
+
+def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading, settings: HandSettings) -> LaidHands:
+    """Aligns the hands of a clip that was read to a clip of a bank with this rig, and lays them on its rows.
+
+    Joints that the hands do not drive keep the clip's own numbers. Raises MotionError.
+    """
+    roots, rotations = layout.motion(prepared.fetch("lower"), prepared.fetch("upper"))
+    whole = Clip(prepared.name, rig.skeleton, prepared.rate, roots, rotations)
+    count = prepared.frame_count
+    body, roles, hands, hand_roles = whole.frames(0, count), rig.roles, reading.clip, reading.roles
+    at = hand_frames(body, roles, hands, hand_roles, settings)
+    merged, _ = merge_hands(body, roles, hands, hand_roles, at, wrist=settings.wrist)
+    frames = np.stack([at.get(side, np.zeros(count)) for side in SIDES], axis=1)
+    laid = whole.rotations.copy()
+    laid[:count] = merged.rotations
+    if prepared.strides:
+        after = _counterparts(prepared)
+        joints = list(layout.hands.joints)
+        laid[count:, joints] = bent_onto(merged.rotations[-2:, joints], merged.sampled(after)[1][:, joints])
+        frames = np.concatenate(
+            [frames, np.stack([np.interp(after[2:], np.arange(count), one) for one in frames.T], axis=1)]
+        )
+    rows = layout.pack_hands(quaternion.one_hemisphere(laid))
+    return LaidHands(hands.name, prepared.name, hands.rate, settings, rows, frames)
+
+
+def _counterparts(prepared: PreparedClip) -> Floats:
+    """The real-valued frames [2 + n] whose motion the clip's last two frames, and then those of its seam, carry on."""
+    own = prepared.phase[: prepared.frame_count]
+    last = float(np.interp(own[-1] - prepared.strides, own, np.arange(len(own))))
+    return last + np.arange(-1.0, len(prepared.phase) - len(own) + 1.0)

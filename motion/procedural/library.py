@@ -6,16 +6,18 @@ captured motion rarely has.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from motion import quaternion
 from motion.clip import Clip
 from motion.errors import SettingsError, did_you_mean
 from motion.procedural import actions, catalogue
-from motion.procedural.body import LEFT, RIGHT, SKELETON, euler, side_name
+from motion.procedural.body import ANKLE_HEIGHT, LEFT, RIGHT, SHANK, SKELETON, THIGH, euler, side_name
 from motion.procedural.locomotions import varied
 from motion.procedural.lower import lower_body
-from motion.procedural.upper import Arm, Rhythm, Trunk, swinging_arms, trunk
+from motion.procedural.upper import Arm, Carriage, Rhythm, Trunk, swinging_arms, trunk
 from motion.quaternion import Floats
 
 LOCOMOTIONS: tuple[str, ...] = tuple(catalogue.LOCOMOTIONS)
@@ -49,8 +51,29 @@ def make(
             f"{seconds} seconds at {rate} frames per second",
             mend="Ask for up to an hour at 1 to 1000 frames per second",
         )
+    name = locomotion if action is None else f"{locomotion}+{action}"
+    if action is None:
+        return moving(name, locomotion, _swinging, seconds, rate, seed)
+    own = np.random.default_rng([seed, _NUMBERS.index(action)])
+    doing = actions.ACTIONS[action]
+    return moving(name, locomotion, lambda carriage, rhythm: doing(carriage, rhythm, own), seconds, rate, seed)
+
+
+def _swinging(carriage: Carriage, rhythm: Rhythm) -> actions.Upper:
+    return trunk(carriage, rhythm), swinging_arms(carriage, rhythm)
+
+
+def moving(
+    name: str,
+    locomotion: str,
+    upper: Callable[[Carriage, Rhythm], actions.Upper],
+    seconds: float,
+    rate: float,
+    seed: int,
+) -> Clip:
+    """A person on a locomotion, whose upper body does what `upper` says."""
     random = np.random.default_rng([seed, _NUMBERS.index(locomotion)])
-    chosen = varied(known[locomotion], random)
+    chosen = varied(catalogue.LOCOMOTIONS[locomotion], random)
     walker = chosen.walker(seconds, start=random.uniform())
     time = np.arange(round(seconds * rate) + 1) / rate
     path, lower = walker.path, lower_body(walker, time)
@@ -64,14 +87,25 @@ def make(
         lean=path.lean(time),
         time=time,
     )
-    if action is None:
-        chest, arms = trunk(carriage, rhythm), swinging_arms(carriage, rhythm)
-    else:
-        own = np.random.default_rng([seed, _NUMBERS.index(action)])
-        chest, arms = actions.ACTIONS[action](carriage, rhythm, own)
-    world = lower.world | _upper_body(lower.world["Hips"], rhythm, chest, arms)
-    name = locomotion if action is None else f"{locomotion}+{action}"
+    world = lower.world | _upper_body(lower.world["Hips"], rhythm, *upper(carriage, rhythm))
     return Clip(name, SKELETON, rate, lower.root, _local(world))
+
+
+def standing(
+    name: str, upper: Callable[[Carriage, Rhythm], actions.Upper], seconds: float, rate: float, facing: float
+) -> Clip:
+    """A person who stands, facing `facing` radians about Y, and whose upper body does what `upper` says."""
+    time = np.arange(round(seconds * rate) + 1) / rate
+    still = np.zeros(len(time))
+    aside = np.radians(1.2) * np.sin(0.9 * time) * np.cos(0.37 * time + 1.0)  # nobody stands quite still
+    heading = np.full(len(time), facing)
+    rhythm = Rhythm(still, still, still, heading + aside, heading + 0.7 * aside, still, time)
+    hips = euler(heading + 0.3 * aside, still, still)
+    legs = [f"{side}{part}" for side in ("Left", "Right") for part in ("UpLeg", "Leg", "Foot", "ToeBase")]
+    carriage = catalogue.LOCOMOTIONS["walk"].carriage(still)
+    world = dict.fromkeys(["Hips", *legs], hips) | _upper_body(hips, rhythm, *upper(carriage, rhythm))
+    height = 0.03 + THIGH + SHANK + ANKLE_HEIGHT
+    return Clip(name, SKELETON, rate, np.tile([0.0, height, 0.0], (len(time), 1)), _local(world))
 
 
 _SAMPLE_SEEDS = {name: seed for seed, name in enumerate(_NUMBERS, start=1)}

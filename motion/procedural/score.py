@@ -1,4 +1,4 @@
-"""Gestures as a score that bodies and hands perform, each in its own time and size: strokes of least jerk, and holds."""
+"""Gestures as a score that bodies and hands perform, each in its own time and size: holds and strokes of least jerk."""
 
 from __future__ import annotations
 
@@ -112,8 +112,8 @@ def _gesture(writer: Writer, kind: Kind, number: int, counted: int) -> None:
     elif kind == "wave":
         up = place(0.2, 0.2, 0.26, 1.35, 0.0, OPEN)
         writer.move("preparation", (0.45, 0.65), up, number)
-        for beat in range(int(draw.integers(2, 4))):
-            aside = (0.08, 0.13) if beat % 2 == 0 else (-0.13, -0.08)
+        for stroke in range(int(draw.integers(2, 4))):
+            aside = (0.08, 0.13) if stroke % 2 == 0 else (-0.13, -0.08)
             writer.move("stroke", (0.18, 0.26), shifted(writer.at, out=aside, pronated=aside), number)
         writer.hold((0.05, 0.2))
     elif kind == "open_close":

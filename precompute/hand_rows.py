@@ -12,9 +12,8 @@ from motion.clip import Clip
 from motion.formats.files import Reading
 from motion.hand_joints import SIDES
 from motion.quaternion import Floats
-from precompute.hand_merge import merge_hands
 from precompute.hand_settings import HandSettings
-from precompute.hand_splice import hand_frames
+from precompute.hand_splice import splice_hands
 from precompute.kept import Rig
 from precompute.prepared import PreparedClip
 from precompute.seam import bent_onto
@@ -44,9 +43,9 @@ def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading
     whole = Clip(prepared.name, rig.skeleton, prepared.rate, roots, rotations)
     count = prepared.frame_count
     body, roles, hands, hand_roles = whole.frames(0, count), rig.roles, reading.clip, reading.roles
-    at = hand_frames(body, roles, hands, hand_roles, settings)
-    merged, _ = merge_hands(body, roles, hands, hand_roles, at, wrist=settings.wrist)
-    frames = np.stack([at.get(side, np.zeros(count)) for side in SIDES], axis=1)
+    spliced = splice_hands(body, roles, hands, hand_roles, settings)
+    merged = spliced.clip
+    frames = np.stack([spliced.frames.get(side, np.zeros(count)) for side in SIDES], axis=1)
     laid = whole.rotations.copy()
     laid[:count] = merged.rotations
     if prepared.strides:

@@ -1,28 +1,69 @@
-"""Hands onto a body, from two clips to the frames of the one that go with those of the other."""
+"""Hands onto a body, whole: from two clips, of any rates, to the body with the hands' fingers."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from motion.clip import Clip
 from motion.hand_joints import Side
 from motion.quaternion import Floats
 from motion.roles import Roles
-from precompute.banded_warp import FramePair
-from precompute.hand_points import hand_motion
+from precompute.banded_warp import check_pairs, limits
+from precompute.hand_merge import merge_hands
+from precompute.hand_points import HandMotion, hand_motion
 from precompute.hand_settings import HandSettings
-from precompute.hands import align_hands
+from precompute.hands import HandAlignment, align_hands
 
 
-def hand_frames(body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, settings: HandSettings) -> dict[Side, Floats]:
-    slow = hands.resampled(body.rate)
-    ratio = hands.rate / body.rate
-    pairs = [FramePair(one.body, round(one.hands / ratio), round(one.tolerance / ratio)) for one in settings.pairs]
-    found: dict[Side, Floats] = {}
+@dataclass(frozen=True, eq=False)
+class AlignedHands:
+    """Hands that were aligned together: of each side how the body's and the hands' move, both at the body's rate."""
+
+    body: Mapping[Side, HandMotion]
+    hands: Mapping[Side, HandMotion]
+    alignment: HandAlignment
+
+
+@dataclass(frozen=True, eq=False)
+class HandSplice:
+    """A body with the fingers of hands, and its roles.
+
+    frames: of each side, the real-valued frame [F] of the hands' clip that goes with each of the body's.
+    """
+
+    clip: Clip
+    roles: Roles
+    frames: Mapping[Side, Floats]
+    aligned: tuple[AlignedHands, ...]
+
+
+def splice_hands(body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, settings: HandSettings) -> HandSplice:
+    """Aligns hands to a body and merges them. Raises MotionError if settings or rigs do not fit."""
+    ordered = check_pairs(settings.pairs, body.frame_count, hands.frame_count)
+    paced, ratio = hands.resampled(body.rate), hands.rate / body.rate
+    last = paced.frame_count - 1
+    pairs = [
+        replace(pair, hands=min(round(pair.hands / ratio), last), tolerance=round(pair.tolerance / ratio))
+        for pair in ordered
+    ]
+    frames: dict[Side, Floats] = {}
+    aligned = []
     for group in settings.groups:
-        ours, theirs = (
-            [hand_motion(clip, one, side) for side in group] for clip, one in ((body, roles), (slow, hand_roles))
+        ours = {side: hand_motion(body, roles, side) for side in group}
+        theirs = {side: hand_motion(paced, hand_roles, side) for side in group}
+        found = align_hands(
+            list(ours.values()),
+            list(theirs.values()),
+            body.rate,
+            pairs=pairs,
+            bands=settings.bands,
+            by_trunk=settings.turn == "trunk",
         )
-        aligned = align_hands(
-            ours, theirs, body.rate, pairs=pairs, bands=settings.bands, by_trunk=settings.turn == "trunk"
-        )
-        found |= dict.fromkeys(group, aligned.frames * ratio)
-    return found
+        own = np.clip(found.frames * ratio, *limits(body.frame_count, hands.frame_count, ordered))
+        frames |= dict.fromkeys(group, own)
+        aligned.append(AlignedHands(ours, theirs, found))
+    clip, merged_roles = merge_hands(body, roles, hands, hand_roles, frames, wrist=settings.wrist)
+    return HandSplice(clip, merged_roles, frames, tuple(aligned))

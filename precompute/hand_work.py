@@ -78,13 +78,16 @@ class HandsReading:
 
 
 def with_fingers(stride: FoundStride, readings: HandsReading, hands: Clips) -> FoundStride:
-    """The stride on a rig that has fingers, those of the first clip of hands if it has none of its own."""
+    """The stride on a rig that has fingers, if any has: those of the first clip of hands, if it has none of its own."""
     rig = stride.rig
-    if not hands or has_fingers(rig.skeleton, rig.roles):
+    if has_fingers(rig.skeleton, rig.roles):
         return stride
-    first = kept(readings, hands[min(hands)])
-    still, roles = fingered(rig.still(), rig.roles, first.clip.skeleton, first.roles)
-    return replace(stride, rig=Rig(still.skeleton, roles))
+    for one in hands.values():
+        reading = kept(readings, one)
+        if has_fingers(reading.clip.skeleton, reading.roles):
+            still, roles = fingered(rig.still(), rig.roles, reading.clip.skeleton, reading.roles)
+            return replace(stride, rig=Rig(still.skeleton, roles))
+    return stride
 
 
 @dataclass(frozen=True, eq=False)

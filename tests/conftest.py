@@ -6,6 +6,7 @@ import pytest
 from hypothesis import settings
 
 from motion.formats.bvh import dump
+from motion.procedural.gestures import gesture_pair
 from motion.procedural.library import make
 from precompute.job import precompute
 from runtime.bank import Bank
@@ -50,6 +51,47 @@ def bank(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `clip_folder`; not to be changed by a test."""
     path = tmp_path_factory.mktemp("banks") / "bank"
     outcome = precompute([clip_folder], path, baseline="walk", jobs=1)
+    assert not outcome.failed
+    return Bank.open(path)
+
+
+COUNTING = gesture_pair(3, kinds=["count", "point", "wave"], seconds=4.5, hand_rate=50.0)
+OTHERS = gesture_pair(4, kinds=["open_close", "count"], seconds=4.0, hand="right")
+HANDS = """
+[[hands]]
+body = "counting"
+hands = "counting_hands"
+
+[[hands]]
+body = "run"
+hands = "counting_hands"
+wrist = true
+
+[[hands]]
+body = "counting"
+hands = "other_hands"
+hand = "right"
+"""
+
+
+@pytest.fixture(scope="session")
+def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Clips without fingers, an action with fingers, and two clips of hands that are laid on some of them."""
+    folder = tmp_path_factory.mktemp("hands")
+    clips = {name: CLIPS[name] for name in ("walk", "run", "wave")}
+    hands = {"counting": COUNTING.body, "counting_hands": COUNTING.hands, "other_hands": OTHERS.hands}
+    for name, clip in {**clips, **hands}.items():
+        (folder / f"{name}.bvh").write_bytes(dump(clip))
+    (folder / "clips.toml").write_text('[wave]\nkind = "action"\n[counting]\nkind = "action"\n')
+    (folder / "hands.toml").write_text(HANDS)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def hands_bank(hands_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """The bank of `hands_folder`; not to be changed by a test."""
+    path = tmp_path_factory.mktemp("banks") / "hands"
+    outcome = precompute([hands_folder], path, baseline="walk", jobs=1)
     assert not outcome.failed
     return Bank.open(path)
 

@@ -1,0 +1,230 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from motion import quaternion
+from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
+from motion.hand_joints import SIDES, fingers_of
+from motion.quaternion import Floats
+from motion.roles import Roles, find_roles
+from motion.skeleton import Skeleton
+from precompute.hand_merge import merge_hands
+from runtime import character_state as col
+from runtime.bank import Bank
+from runtime.character import Characters, Stage
+from runtime.evaluator import Evaluator
+from runtime.requests import Requests
+from tests import naive, naive_character
+from tests.conftest import COUNTING
+
+RATE = 60.0
+Setup = Callable[[], Characters]
+
+
+@pytest.fixture(scope="module")
+def stage(hands_bank: Bank) -> Stage:
+    return Stage(Evaluator(hands_bank))
+
+
+@pytest.fixture
+def one(stage: Stage) -> Setup:
+    return lambda: Characters(stage, RATE)
+
+
+def shown(characters: Characters) -> Floats:
+    """Rotations [n, J, 4]."""
+    poses = characters.stage.evaluator.poses(len(characters))
+    characters.evaluate(poses)
+    return poses.rotations.astype(np.float64)
+
+
+def fingers(skeleton: Skeleton, roles: Roles) -> list[int]:
+    return [joint for side in SIDES for joint in fingers_of(skeleton, roles, side)]
+
+
+def test_locomotion_action_and_hands_are_composed_by_look_up(hands_bank: Bank) -> None:
+    evaluator, body = Evaluator(hands_bank), COUNTING.body
+    times = np.linspace(0.0, hands_bank.clip("run").duration, 40)
+    at = evaluator.action_frames("run", times, "counting")
+    at = np.where(at > body.frame_count - 1, np.nan, at)  # in the seam hands go over into what follows
+    frames = hands_bank.hand_frames("counting_hands", "counting")[:, 0]
+    own = np.interp(at, np.arange(body.frame_count), frames)
+    wanted = COUNTING.hands.sampled(np.nan_to_num(own))[1]
+    poses = evaluator.sequence("run", times, "counting", hands="counting_hands").rotations
+    plain = evaluator.sequence("run", times, "counting").rotations
+    joints, rig = fingers(hands_bank.skeleton, hands_bank.roles), COUNTING.hands.skeleton
+    their_joints = fingers(rig, find_roles(rig))
+    others = [joint for joint in range(hands_bank.skeleton.joint_count) if joint not in joints]
+    for pose, bare, frame, truth in zip(poses, plain, at, wanted, strict=True):
+        np.testing.assert_array_equal(pose[others], bare[others])
+        if not np.isnan(frame):
+            assert quaternion.angle(pose[joints], truth[their_joints]).max() < 0.12  # of a key or two
+
+
+def test_a_bank_shows_what_is_merged_offline(hands_bank: Bank) -> None:
+    body, hands = COUNTING.body, COUNTING.hands
+    roles, their_roles = find_roles(body.skeleton), find_roles(hands.skeleton)
+    frames = hands_bank.hand_frames("counting_hands", "counting")
+    at = {side: frames[:, number] for number, side in enumerate(SIDES)}
+    merged, _ = merge_hands(body, roles, hands, their_roles, at)
+    laid = Evaluator(hands_bank).clip("counting", hands="counting_hands")
+    assert quaternion.angle(laid.rotations, merged.rotations).max() < 1e-3
+    assert np.abs(frames[:, 0] - COUNTING.hand_frames).mean() < 3.0
+
+
+def test_hands_with_wrists_move_forearms_by_their_twist_alone(hands_bank: Bank) -> None:
+    evaluator, roles = Evaluator(hands_bank), hands_bank.roles
+    bare, laid = evaluator.clip("run"), evaluator.clip("run", hands="counting_hands")
+    for elbow, wrist in ((roles.left_elbow, roles.left_wrist), (roles.right_elbow, roles.right_wrist)):
+        bone = hands_bank.skeleton.offsets[wrist]
+        own, theirs = (quaternion.rotate(one.rotations[:, elbow], bone) for one in (bare, laid))
+        np.testing.assert_allclose(theirs, own, atol=1e-5)
+        assert quaternion.angle(bare.rotations[:, wrist], laid.rotations[:, wrist]).max() > 0.1
+
+
+def test_a_looping_action_wears_hands_over_its_seam_without_a_jump(hands_bank: Bank) -> None:
+    assert hands_bank.clip("counting").loop > 0
+    characters = Characters(Stage(Evaluator(hands_bank)), RATE)
+    characters.add(1, "walk")
+    characters.act([0], "counting", blend=0.0)
+    characters.wear([0], "counting_hands", blend=0.0)
+    joints, turns = fingers(hands_bank.skeleton, hands_bank.roles), []
+    for _ in range(700):
+        turns.append(shown(characters)[0][joints])
+        characters.advance()
+    steps = quaternion.angle(np.array(turns[1:]), np.array(turns[:-1])).max(axis=1)
+    own = hands_bank.hand_motion("counting_hands", "counting")[: hands_bank.clip("counting").frame_count]
+    assert steps.max() < 1.8 * quaternion.angle(own[1:], own[:-1]).max()
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(0, 2**32 - 1))
+def test_poses_are_those_of_the_twin(one: Setup, hands_bank: Bank, seed: int) -> None:
+    draw, characters = np.random.default_rng(seed), one()
+    names, worn = [clip.name for clip in hands_bank.clips], [*hands_bank.hand_clips, None]
+    characters.add(3, str(draw.choice(names)))
+    for _ in range(40):
+        for row in range(3):
+            blend = float(draw.uniform(0.0, 0.6))
+            kind = draw.random()
+            if kind < 0.04:
+                characters.wear([row], worn[draw.integers(3)], blend=blend, weight=draw.uniform(0.3, 1.0))
+            elif kind < 0.06:
+                characters.act([row], str(draw.choice(names)), blend=blend)
+            elif kind < 0.08:
+                characters.play([row], str(draw.choice(names)), blend=blend)
+        characters.advance()
+    before, rotations = characters.state.copy(), shown(characters)
+    for row, state in enumerate(before):
+        assert quaternion.angle(rotations[row], naive_character.pose(hands_bank, state)[1]).max() < 1e-3
+
+
+def test_hands_of_weight_0_are_the_clips_own_and_of_weight_1_the_hands(one: Setup) -> None:
+    bare, none, whole = one(), one(), one()
+    for characters in (bare, none, whole):
+        characters.add(1, "walk")
+        characters.act([0], "counting", blend=0.0)
+    none.wear([0], "counting_hands", blend=0.0, weight=0.0)
+    whole.wear([0], "counting_hands", blend=0.0)
+    bank = whole.stage.bank
+    for _ in range(60):
+        np.testing.assert_array_equal(shown(none), shown(bare))
+        frame = whole.state[0, col.FIRST_ACTION + col.FRAME]
+        laid = naive.rotation_between(bank.hand_motion("counting_hands", "counting"), frame)
+        joints = list(bank.layout.hands.joints)
+        assert quaternion.angle(shown(whole)[0][joints], laid).max() < 1e-5
+        for characters in (bare, none, whole):
+            characters.advance()
+
+
+def test_hands_are_faded_in_over_others_and_off_and_the_third_waits(one: Setup) -> None:
+    characters = one()
+    characters.add(1, "counting")
+    own = shown(characters)
+    characters.wear([0], "counting_hands", blend=0.2)
+    characters.wear([0], "other_hands", blend=0.2)
+    np.testing.assert_allclose(shown(characters), own, atol=1e-6)
+    assert characters.state[0, col.HANDS] == 2
+    characters.wear([0], None, blend=0.2)
+    assert characters.state[0, [col.HANDS, col.HANDS_WAIT]].tolist() == [2, 1]
+    for _ in range(14):
+        characters.advance()
+    assert characters.state[0, [col.HANDS, col.HANDS_WAIT]].tolist() == [2, 0]
+    for _ in range(14):
+        characters.advance()
+    assert characters.state[0, col.HANDS] == 0
+
+
+def test_hands_on_another_clip_are_not_shown(one: Setup) -> None:
+    bare, worn = one(), one()
+    for characters in (bare, worn):
+        characters.add(1, "walk")
+    worn.wear([0], "counting_hands", blend=0.0)
+    np.testing.assert_array_equal(shown(worn), shown(bare))
+
+
+def test_the_same_commands_give_the_same_bytes(one: Setup) -> None:
+    many, alone = one(), one()
+    many.add(20, "run")
+    many.wear(range(20), "counting_hands", blend=0.3)
+    for _ in range(9):
+        many.advance()
+    alone = Characters(many.stage, RATE, many.state[[7]].copy())
+    for _ in range(30):
+        assert shown(many)[7].tobytes() == shown(alone)[0].tobytes()
+        many.advance()
+        alone.advance()
+
+
+def test_characters_keep_their_hands_on_another_bank(one: Setup, hands_bank: Bank) -> None:
+    characters = one()
+    characters.add(2, "counting")
+    characters.wear([1], "other_hands", blend=0.0)
+    assert characters.clips() == {"counting", "other_hands"}
+    moved = characters.moved(Stage(Evaluator(hands_bank)))
+    np.testing.assert_array_equal(shown(moved), shown(characters))
+
+
+@pytest.mark.parametrize(
+    ("do", "error", "said"),
+    [
+        (lambda one: one.wear([0], "counting_hand"), UnknownClipError, "'counting_hands'"),
+        (lambda one: one.wear([0], "other_hands", blend=-1.0), SettingsError, "blend -1.0"),
+        (lambda one: one.wear([0], "other_hands", weight=2.0), SettingsError, "weight 2.0"),
+    ],
+)
+def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Any, error: Any, said: str) -> None:
+    characters = one()
+    characters.add(1, "walk")
+    before = characters.state.copy()
+    with pytest.raises(error, match=said):
+        do(characters)
+    np.testing.assert_array_equal(characters.state, before)
+
+
+def test_requests_for_hands_that_cannot_be_laid_are_refused(hands_bank: Bank, bank: Bank) -> None:
+    evaluator = Evaluator(hands_bank)
+    with pytest.raises(UnknownClipError, match=r"not aligned to clip 'wave'. They are to 'counting', 'run'"):
+        evaluator.pose("walk", 0.0, "wave", hands="counting_hands")
+    with pytest.raises(UnknownClipError, match="no hands 'wave'"):
+        evaluator.pose("walk", 0.0, hands="wave")
+    with pytest.raises(UnknownClipError, match="--hands BODY:HANDS"):
+        Evaluator(bank).pose("walk", 0.0, hands="counting_hands")
+    requests = Requests.empty(3)
+    requests.action[:] = hands_bank.number("wave")
+    for number, said in ((9, "hands number 9 lies outside 0 to 2"), (1, "not aligned")):
+        requests.hands[:] = 0
+        requests.hands[2] = number
+        with pytest.raises(SettingsError, match=f"character 2: .*{said}"):
+            evaluator.evaluate(requests, evaluator.poses(3))
+    requests.hands[:] = 0
+    requests.time[1] = -1.0
+    with pytest.raises(TimeRangeError) as raised:
+        evaluator.evaluate(requests, evaluator.poses(3))
+    assert isinstance(raised.value, MotionError)

@@ -102,7 +102,9 @@ def band_around(
     low, high = np.minimum(low, high), np.maximum(low, high)
     high = np.maximum.accumulate(high)
     low = np.minimum.accumulate(low[::-1])[::-1]
-    high[:-1] = np.maximum(high[:-1], np.minimum(low[1:] - 1, most[:-1]))  # so that a step leads from row to row
+    # so that a step leads from row to row
+    high[:-1] = np.maximum(high[:-1], np.minimum(low[1:] - 1, most[:-1]))
+    low[1:] = np.minimum(low[1:], high[:-1] + 1)
     if (cells := int(body_frames * ((high - low).max() + 1))) > MOST_CELLS:
         raise ClipError(
             f"clips of {body_frames} and {hand_frames} frames are too long for a band of {cells:,} cells",
@@ -118,6 +120,8 @@ def anchors(body_frames: int, hand_frames: int, pairs: Sequence[FramePair]) -> t
         fixed.insert(0, FramePair(0, 0))
     if fixed[-1].body < body_frames - 1:
         fixed.append(FramePair(body_frames - 1, hand_frames - 1))
+    if len(fixed) == 1:  # a body of one frame
+        fixed *= 2
     x, y, t = np.array([(pair.body, pair.hands, pair.tolerance) for pair in fixed], np.float64).T
     return x, y, t
 

@@ -21,6 +21,7 @@ SMOOTHING = 0.04  # seconds: the standard deviation of the bell that derivatives
 DEAD_ZONE = 0.05  # of a derivative's peak
 NOISE_ZONE = 3.0  # standard deviations of what the noise of points makes of it
 RESTING_SPEED, RESTING_ACCELERATION = 0.01, 0.1  # metres per second, and per second squared: no less is a gesture
+MEDIAN_LENGTH = 1.538  # of vectors whose three components have a standard deviation of 1
 SHORTEST_HOLD = 0.08  # seconds
 
 PhaseKind = Literal["stroke", "hold", "preparation", "retraction"]
@@ -54,14 +55,14 @@ def derivatives(points: Floats, rate: float) -> Derivatives:
 
 
 def _peak(values: Floats) -> float:
-    """The largest component, but for the hundredth part of frames that is."""
-    return float(np.percentile(np.abs(values).max(axis=(1, 2)), 99.0))
+    """The largest of any point [F, 4, 3], but for the hundredth part of frames."""
+    return float(np.percentile(np.linalg.norm(values, axis=2).max(axis=1), 99.0))
 
 
 def _noise(points: Floats) -> float:
     """The standard deviation of white noise on points, metres, from their third differences: motion has hardly any."""
-    thirds = np.diff(points, n=3, axis=0)
-    return float(np.median(np.abs(thirds)) / 0.6745 / np.sqrt(20.0)) if len(thirds) else 0.0
+    thirds = np.linalg.norm(np.diff(points, n=3, axis=0), axis=2)
+    return float(np.median(thirds) / MEDIAN_LENGTH / np.sqrt(20.0)) if len(thirds) else 0.0
 
 
 @dataclass(frozen=True)

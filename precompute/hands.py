@@ -74,8 +74,15 @@ def align_hands(
     centre, reach = medians(first.path, counts[0]), bands[1] * np.hypot(*counts)
     within = [lambda band, one=one: one.phases(band) + PALM_WEIGHT * one.palms(band) for one in compared]
     second = _pass(band_around(centre, reach, *counts, ordered), within)
-    frames = gaussian_filter1d(medians(second.path, counts[0]), STEADYING * rate, mode="nearest")
+    frames = steadied(medians(second.path, counts[0]), STEADYING * rate)
     return HandAlignment(np.clip(frames, *limits(*counts, ordered)), (first, second))
+
+
+def steadied(frames: Floats, width: float) -> Floats:
+    """A curve [F] blended by a bell of so many frames, which leaves a line, and what rises, as they are."""
+    beyond = min(int(4.0 * width) + 1, len(frames) - 1)
+    longer = np.pad(frames, beyond, mode="reflect", reflect_type="odd")
+    return np.asarray(gaussian_filter1d(longer, width)[beyond : beyond + len(frames)])
 
 
 def _pass(band: Band, costs_of: Sequence[Callable[[Band], Costs]]) -> Pass:

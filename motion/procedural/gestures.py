@@ -81,8 +81,8 @@ def gesture_pair(
 ) -> GesturePair:
     """Gestures of `kinds`, or so many drawn ones, within `seconds` of the body's time.
 
-    amplitude: how large the hands' gestures are, as a part of the body's, is drawn from this. locomotion: what the body
-    does meanwhile; None: it stands. hand: `left`, `right` or `both`. Raises SettingsError for a hand there is not.
+    amplitude: how large each of the hands' gestures is, as a part of the body's, is drawn from this. locomotion: what
+    the body does meanwhile; None: it stands. hand: `left`, `right` or `both`. Raises SettingsError for another.
     """
     if hand not in SIDES:
         raise SettingsError(f"there is no hand {hand!r}", mend=f"Choose one of {', '.join(SIDES)}")
@@ -91,9 +91,10 @@ def gesture_pair(
     score = write_score(random, kinds if kinds is not None else drawn, SIDES[hand])
     body_time = _reading(random, score, seconds, rate)
     hand_time = _reading(random, score, seconds * random.uniform(0.85, 1.2), hand_rate)
-    size, place = random.uniform(*amplitude), VOLUME + random.uniform(-0.03, 0.03, 3)
-    own = _channels(score, body_time, REST[WRIST], 1.0, random, 0.0)
-    small = _channels(score, hand_time, place, size, random, 0.25)
+    place = VOLUME + random.uniform(-0.03, 0.03, 3)
+    own = _channels(score, body_time, REST[WRIST], np.ones(len(score.kinds)))
+    small = _channels(score, hand_time, place, random.uniform(*amplitude, len(score.kinds)))
+    _vary(small, score, hand_time, random)
     lasting = (len(body_time) - 1) / rate
     if locomotion is None:
         body = standing("body", lambda c, r: _upper(c, r, own), lasting, rate, random.uniform(-np.pi, np.pi))
@@ -123,20 +124,17 @@ def _reading(random: np.random.Generator, score: Score, seconds: float, rate: fl
     return read * (score.seconds / read[-1])
 
 
-def _channels(
-    score: Score, time: Floats, place: Floats, size: float, random: np.random.Generator, vary: float
-) -> dict[float, Floats]:
-    """What each side's hand does [F, CHANNELS]: as the score says, but that performers `vary` sizes, ways and palms."""
-    done = {}
-    for side, moves in score.moves.items():
-        sizes = 1.0 + random.uniform(-vary, vary, len(score.kinds))
-        channels = performed(moves, REST, place, size, sizes, time)
-        if vary:
-            knots = np.linspace(0.0, score.seconds, 2 + round(score.seconds))
-            drift = random.normal(size=(len(knots), 5)) * [0.008, 0.008, 0.008, 0.06, 0.06]
-            channels[:, :5] += PchipInterpolator(knots, drift)(np.clip(time, 0.0, score.seconds))
-        done[side] = channels
-    return done
+def _channels(score: Score, time: Floats, place: Floats, sizes: Floats) -> dict[float, Floats]:
+    """What each side's hand does [F, CHANNELS] as the score has it, but for the size of each gesture."""
+    return {side: performed(moves, REST, place, sizes, time) for side, moves in score.moves.items()}
+
+
+def _vary(channels: dict[float, Floats], score: Score, time: Floats, random: np.random.Generator) -> None:
+    """Another performance is another: its wrists stray by a centimetre, and its palms by a few degrees."""
+    knots = np.linspace(0.0, score.seconds, 2 + round(score.seconds))
+    for one in channels.values():
+        astray = random.normal(size=(len(knots), 5)) * [0.008, 0.008, 0.008, 0.06, 0.06]
+        one[:, :5] += PchipInterpolator(knots, astray)(np.clip(time, 0.0, score.seconds))
 
 
 def _upper(carriage: Carriage, rhythm: Rhythm, channels: dict[float, Floats]) -> Upper:

@@ -131,16 +131,16 @@ def _gesture(writer: Writer, kind: Kind, number: int, counted: int) -> None:
         writer.hold((0.3, 0.7))
 
 
-def performed(moves: list[Move], rest: Floats, place: Floats, size: float, sizes: Floats, s: Floats) -> Floats:
+def performed(moves: list[Move], rest: Floats, place: Floats, sizes: Floats, s: Floats) -> Floats:
     """What a hand does [n, CHANNELS] at times [n] of a score.
 
-    The wrist's way from where the score has it at rest is `size` times as large, each gesture's by its entry in `sizes`
-    besides, and begins at `place` [3]; rest [CHANNELS] is the score's.
+    The wrist's way from where the score has it at rest begins at `place` [3], and is larger by each gesture's entry in
+    `sizes`; rest [CHANNELS] is the score's.
     """
     here = np.concatenate([place, rest[3:]])
     done = np.tile(here, (len(s), 1))
     for move in moves:
-        scale = size * (sizes[move.gesture] if move.gesture >= 0 else 1.0)
+        scale = sizes[move.gesture] if move.gesture >= 0 else 1.0
         to = np.concatenate([place + scale * (move.to[WRIST] - rest[WRIST]), move.to[3:]])
         done += np.multiply.outer(least_jerk((s - move.begin) / move.lasting), to - here)
         here = to

@@ -386,7 +386,7 @@ def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -
     }  # fmt: skip
     names = {one["name"] for one in document["paths"]["/v1/pose"]["get"]["parameters"]}
     assert names == {
-        "locomotion", "time", "action", "start", "method", "posture", "axes", "parts", "encoding", "format",
+        "locomotion", "time", "action", "start", "method", "posture", "hands", "axes", "parts", "encoding", "format",
     }  # fmt: skip
     references = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(document)))
     assert references <= set(document["components"]["schemas"])

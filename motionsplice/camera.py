@@ -11,7 +11,10 @@ from motion.clip import Clip
 from motion.kinematics import hips_heading, joint_positions
 from motion.quaternion import Floats
 from motion.roles import Roles
+from motionsplice.hand_figure import HandFigure
 from motionsplice.stick_figure import StickFigure
+
+Figure = StickFigure | HandFigure
 
 # Degrees from the character's front towards its right, and degrees above the floor.
 VIEWS = {"side": (90.0, 6.0), "front": (0.0, 6.0), "three-quarter": (45.0, 10.0)}
@@ -55,28 +58,27 @@ class Camera:
             np.stack([right, np.cross(towards, right), towards], axis=1), float(feet[first : last + 1, :, 1].min())
         )
 
-    def sees(self, points: Floats, roots: Floats) -> Floats:
-        """Points [n, P, 3] in the world, of a figure whose roots are [n, 3] -> [n, P, 3] right, up and towards."""
-        under = roots * [1.0, 0.0, 1.0] + [0.0, self.ground, 0.0]
-        return np.asarray((points - under[:, None]) @ np.swapaxes(self.axes, 1, 2))
+    def sees(self, points: Floats, middles: Floats) -> Floats:
+        """Points [n, P, 3] in the world, with what is in the middle [n, 3] -> [n, P, 3] right, up and towards."""
+        return np.asarray((points - middles[:, None]) @ np.swapaxes(self.axes, 1, 2))
 
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """One motion as a camera sees it, in metres; the origin is the floor under the root.
+    """One motion as a camera sees it, in metres; the origin is what the figure has in the middle.
 
     points: [n, P, 3] the figure's points: to the right, up, and towards the viewer.
     floor:  [n, M, 3] likewise, marks on the floor that stand still in the world.
     held:   [n] whether the motion had ended by then, so that its last frame is shown.
     """
 
-    figure: StickFigure
+    figure: Figure
     points: Floats
     floor: Floats
     held: tuple[bool, ...]
 
     @classmethod
-    def of(cls, clip: Clip, figure: StickFigure, times: Floats, camera: Camera, *, reach: int = 3) -> Take:
+    def of(cls, clip: Clip, figure: Figure, times: Floats, camera: Camera, *, reach: int = 3) -> Take:
         """What `camera` sees of `clip` at `times` [n] seconds, with floor marks for `reach` steps around."""
         roots, rotations = clip.sampled(times * clip.rate)
         steps = MARK_SPACING * np.arange(-reach, reach + 1)
@@ -84,4 +86,6 @@ class Take:
         marks = np.round(roots / MARK_SPACING)[:, None] * MARK_SPACING + around
         marks[..., 1] = camera.ground
         held = tuple(bool(time > clip.duration + 1e-6) for time in times)
-        return cls(figure, camera.sees(figure.points(roots, rotations), roots), camera.sees(marks, roots), held)
+        points = figure.points(roots, rotations)
+        middles = figure.middles(points, camera.ground)
+        return cls(figure, camera.sees(points, middles), camera.sees(marks, middles), held)

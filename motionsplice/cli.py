@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from motion.errors import MotionError
-from motionsplice import command_bank, command_demo, command_motion, command_serve, command_study
+from motionsplice import command_bank, command_demo, command_hands, command_motion, command_serve, command_study
 
 app = typer.Typer(
     help="Splice the upper body of any motion clip onto the lower body of any other.",
@@ -19,7 +19,7 @@ app = typer.Typer(
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
-for group in (command_bank, command_motion, command_study, command_serve, command_demo):
+for group in (command_bank, command_motion, command_hands, command_study, command_serve, command_demo):
     group.register(app)
 
 

@@ -14,6 +14,7 @@ from motion.clip import Clip
 from motion.errors import SettingsError
 from motion.formats.bvh import dump
 from motion.formats.files import read_clip
+from motion.hand_joints import Side
 from motion.roles import read_roles_file
 from motionsplice.drawing import animation, contact_sheet
 from precompute import splice as whole_clip
@@ -124,11 +125,12 @@ def render_command(
     start: Annotated[float, typer.Option(min=0.0, help="Seconds from which to draw.")] = 0.0,
     end: Annotated[float | None, typer.Option(min=0.0, help="Seconds up to which to draw; else all.")] = None,
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
+    hand: Annotated[Side | None, typer.Option(help="Draw this hand alone, close up.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
 ) -> None:
-    """Draw one or several motions as stick figures, for judging by eye."""
+    """Draw one or several motions as stick figures, or one hand of each, for judging by eye."""
     kind = out.suffix.lower()
     if kind not in (".png", ".gif"):
         raise SettingsError(f"a picture cannot be written as {kind!r}", mend="End --out in .png or .gif")
@@ -137,7 +139,7 @@ def render_command(
     rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
     behind = read_clip(ghost, skip_frames=skip_frames, unit=unit, roles=given).clip if ghost else None
     if kind == ".png":
-        contact_sheet(rows, columns=columns, start=start, end=end, view=view, ghost=behind).save(out)
+        contact_sheet(rows, columns=columns, start=start, end=end, view=view, ghost=behind, hand=hand).save(out)
     else:
-        out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind))
+        out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind, hand=hand))
     console.print(f"{out}")

@@ -50,14 +50,14 @@ def draw_chart(study: Study, view: View, file: Path) -> None:
     for panel, axis in zip(grid[0], Axis, strict=True):
         panel.set_title(AXES[axis], fontsize=11, loc="left")
         for side, colour, swing in zip(("left thigh", "right thigh"), (LEFT, RIGHT), study.thighs, strict=True):
-            panel.plot(study.seconds, np.degrees(swing), color=_shade(colour), linewidth=1.6, label=side)
+            panel.plot(study.seconds, np.degrees(swing), color=shade(colour), linewidth=1.6, label=side)
     for panels, (part, joints) in zip(grid[1:], parts.items(), strict=True):
         for panel, axis in zip(panels, Axis, strict=True):
             curves = {joint: found[joint, axis] for joint in joints if (joint, axis) in found}
             _draw_curves(panel, study, curves, joints)
         for joint, colour in joints.items():
             if any((joint, axis) in found for axis in Axis):
-                panels[-1].plot([], [], color=_shade(colour), linewidth=2.0, label=joint)
+                panels[-1].plot([], [], color=shade(colour), linewidth=2.0, label=joint)
         panels[0].set_ylabel(f"{part}, degrees", fontsize=9)
     grid[0, 0].set_ylabel("hips' swing, degrees", fontsize=9)
     for panel in grid.flat:
@@ -82,10 +82,10 @@ def _draw_curves(panel: Axes, study: Study, curves: dict[str, Curve], colours: d
         return
     trends = {joint: np.degrees(trend(curve.angles, study.phase)) for joint, curve in curves.items()}
     for joint, curve in curves.items():
-        colour = _shade(mixed(colours[joint], FAINT))
+        colour = shade(mixed(colours[joint], FAINT))
         panel.plot(study.seconds, np.degrees(curve.angles), color=colour, linewidth=0.9)
     for width, (joint, line) in zip(np.linspace(2.4, 1.2, len(trends)), trends.items(), strict=True):
-        panel.plot(study.seconds, line, color=_shade(colours[joint]), linewidth=width)
+        panel.plot(study.seconds, line, color=shade(colours[joint]), linewidth=width)
     low, high = (float(limit(list(trends.values()))) for limit in (np.min, np.max))
     panel.set_ylim(low - ROOM * (high - low), high + ROOM * (high - low))  # a spike in the data shall not flatten all
     panel.axhline(0.0, color=LINE, linewidth=0.8, zorder=1)
@@ -117,5 +117,5 @@ def _furnish(panel: Axes, study: Study) -> None:
         spine.set_color(LINE)
 
 
-def _shade(colour: Colour) -> str:
+def shade(colour: Colour) -> str:
     return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -10,10 +10,12 @@ from PIL import Image, ImageDraw, ImageFont
 
 from motion.clip import Clip
 from motion.errors import SettingsError, did_you_mean
+from motion.hand_joints import Side
 from motion.quaternion import Floats
 from motion.roles import Roles
 from motionsplice.brush import WHITE, Brush, Colour, canvas, mixed, reduced
 from motionsplice.camera import VIEWS, Camera, Take
+from motionsplice.hand_figure import HandFigure
 from motionsplice.stick_figure import GHOST, LEFT, RIGHT, TORSO, TRUNK, StickFigure
 
 Row = tuple[str, Clip, Roles]
@@ -40,6 +42,7 @@ def contact_sheet(
     end: float | None = None,
     view: str = "three-quarter",
     ghost: Clip | None = None,
+    hand: Side | None = None,
 ) -> Image.Image:
     """One row of stick figures per motion (label, clip, roles), at the same `columns` times from `start` to `end`.
 
@@ -47,6 +50,7 @@ def contact_sheet(
     last frame, drawn paler. All figures have one scale, are centred on their roots and are seen from the same
     side (`view`: "side", "front" or "three-quarter"), which the camera keeps when a motion turns. The left limbs
     are blue, the right ones vermilion. `ghost`, a motion of the rows' skeleton, is drawn in grey behind every row.
+    `hand`: not whole figures, but this hand of each, close up.
 
     The picture is 1200 pixels wide, or wider if that many columns need it. Raises SettingsError on no rows, on
     more than 40 rows or 100 columns, on a start after the end, on an unknown view and on a ghost of another rig.
@@ -55,7 +59,7 @@ def contact_sheet(
         raise SettingsError(f"{columns} columns cannot be drawn", mend=f"Choose 1 to {MAX_COLUMNS} columns")
     start, end = _checked(rows, MAX_ROWS, start, end, view, ghost)
     times = np.linspace(start, end, columns)
-    takes = [_takes(row, times, view, ghost) for row in rows]
+    takes = [_takes(row, times, view, ghost, hand) for row in rows]
 
     heading = _font(15)
     labels = [_wrapped(label, heading, LABEL_WIDTH, lines=3) for label, _, _ in rows]
@@ -77,7 +81,8 @@ def contact_sheet(
     for row, lines, height, (*_, top) in zip(takes, labels, heights, extents, strict=True):
         strip = canvas(width - left, height)
         ground = PADDING + top * scale
-        Brush(strip, (0.0, ground), 1.0).polygon(floor, FLOOR)
+        if hand is None:
+            Brush(strip, (0.0, ground), 1.0).polygon(floor, FLOOR)
         for column, middle in enumerate(middles):
             _paint(Brush(strip, (middle, ground), scale), row, column)
         sheet.paste(reduced(strip), (left, y))
@@ -103,8 +108,9 @@ def animation(
     end: float | None = None,
     view: str = "three-quarter",
     ghost: Clip | None = None,
+    hand: Side | None = None,
 ) -> bytes:
-    """A looping GIF of the motions side by side at true speed; rows, times, view and ghost as for `contact_sheet`.
+    """A looping GIF of the motions side by side at true speed; what it takes is as for `contact_sheet`.
 
     A GIF shows each frame for a whole number of hundredths of a second, so `rate` is rounded to the nearest of
     50, 33.3, 25, 20 ... frames per second. The marks on the floor stand still in the world. Raises SettingsError
@@ -122,7 +128,7 @@ def animation(
         )
     count = int(steps) + 1
     times = np.linspace(start, start + (count - 1) * delay / 100.0, count)
-    takes = [_takes(row, times, view, ghost) for row in rows]
+    takes = [_takes(row, times, view, ghost, hand) for row in rows]
 
     panel = min(PANEL_WIDTH, SHEET_WIDTH // len(rows))
     width = panel * len(rows)
@@ -139,7 +145,8 @@ def animation(
         stage = canvas(width, height)
         for index, row in enumerate(takes):
             brush = Brush(stage, ((index + 0.5) * panel - (low + high) / 2.0 * scale, ground), scale)
-            _paint_floor(brush, row[-1].floor[number], panel / (2.0 * scale))
+            if hand is None:
+                _paint_floor(brush, row[-1].floor[number], panel / (2.0 * scale))
             _paint(brush, row, number)
         frame = Image.new("RGB", (width, height + footer), WHITE)
         frame.paste(reduced(stage))
@@ -178,10 +185,10 @@ def _checked(
     return start, end
 
 
-def _takes(row: Row, times: Floats, view: str, ghost: Clip | None) -> tuple[Take, ...]:
+def _takes(row: Row, times: Floats, view: str, ghost: Clip | None, hand: Side | None) -> tuple[Take, ...]:
     """What the camera sees of a row's ghost, if any, and of its motion."""
     _, clip, roles = row
-    figure = StickFigure.of(clip.skeleton, roles)
+    figure = HandFigure.of(clip.skeleton, roles, hand) if hand else StickFigure.of(clip.skeleton, roles)
     camera = Camera.beside(clip, roles, times, view)
     return tuple(Take.of(one, figure, times, camera) for one in (ghost, clip) if one is not None)
 

@@ -98,6 +98,10 @@ class StickFigure:
         head = positions[:, [self.head]] + quaternion.rotate(world[:, [self.head]], self.head_shape)
         return np.concatenate([positions, ends, head], axis=1)
 
+    def middles(self, points: Floats, ground: float) -> Floats:
+        """What a camera keeps in the middle [n, 3]: the floor, so high, under the root."""
+        return np.asarray(points[:, 0] * [1.0, 0.0, 1.0] + [0.0, ground, 0.0])
+
     def bounds(self, points: Floats) -> Floats:
         """The least and greatest coordinates [2, k] that the figure covers, from its points [n, P, k] in metres."""
         drawn = sorted({point for limb in self.limbs for bone in limb.bones for point in bone[:2]})

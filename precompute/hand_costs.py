@@ -16,7 +16,7 @@ from motion.quaternion import Floats
 from motion.skeleton import Integers
 from precompute.banded_warp import Band
 from precompute.hand_phases import derivatives
-from precompute.hand_points import FOREARM, HAND, LITTLE_SIDE, THUMB_SIDE, HandMotion
+from precompute.hand_points import HandMotion, bones
 
 WINDOW = 5  # frames that are turned together
 Costs = NDArray[np.float32]
@@ -51,7 +51,7 @@ class Comparison:
     def palms(self, band: Band) -> Costs:
         """Equation 9 in each cell of a band [F, width]: radians between both hands, their forearms aligned."""
         costs = np.zeros((len(band.low), band.width), np.float32)
-        ours, theirs = _bones(self._body.points), _bones(self._hands.points)
+        ours, theirs = bones(self._body.points), bones(self._hands.points)
         _add_palm_costs(ours, theirs, *self._facing, band.low, band.high, costs)
         return costs
 
@@ -68,13 +68,6 @@ def _windows(points: Floats) -> Floats:
     around = points[np.clip(frames, 0, len(points) - 1)].reshape(len(points), -1, 3)
     centred = around - around.mean(axis=1, keepdims=True)
     return np.concatenate([centred[:, :, 0], centred[:, :, 2]], axis=1)
-
-
-def _bones(points: Floats) -> Floats:
-    """Unit vectors [F, 2, 3] from the wrist along the forearm, and along the hand (equation 8)."""
-    wrist = 0.5 * (points[:, THUMB_SIDE] + points[:, LITTLE_SIDE])
-    bones = [points[:, FOREARM] - wrist, points[:, HAND] - wrist]
-    return np.stack([bone / np.linalg.norm(bone, axis=1, keepdims=True) for bone in bones], axis=1)
 
 
 @njit(cache=True, nogil=True, fastmath=True)

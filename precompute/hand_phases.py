@@ -78,8 +78,8 @@ def phases(motion: HandMotion, rate: float) -> list[Phase]:
     """The phases of a hand in order (table 1 of the paper).
 
     Where the wrist is still is a hold. What lies between two holds is parted where its speed is least. Of these
-    movements a stroke is one with more force than its neighbours have; of the others, those that lead away from the
-    shoulder are preparations, and those that lead back retractions.
+    movements a stroke is one with more force than its neighbours have; of the others, those that lead away from where
+    the arm would hang are preparations, and those that lead back retractions.
     """
     wrist = motion.points[:, [THUMB_SIDE, LITTLE_SIDE, HAND]].mean(axis=1)
     if len(wrist) < 3:
@@ -88,7 +88,8 @@ def phases(motion: HandMotion, rate: float) -> list[Phase]:
     chosen = [THUMB_SIDE, LITTLE_SIDE, HAND]
     speed = np.linalg.norm(found.velocity[:, chosen].mean(axis=1), axis=1)
     force = np.linalg.norm(found.acceleration[:, chosen].mean(axis=1), axis=1)
-    out = np.linalg.norm(gaussian_filter1d(wrist, SMOOTHING * rate, axis=0, mode="nearest"), axis=1)
+    hanging = [0.0, -float(np.linalg.norm(wrist, axis=1).max()), 0.0]
+    out = np.linalg.norm(gaussian_filter1d(wrist, SMOOTHING * rate, axis=0, mode="nearest") - hanging, axis=1)
     spans = _spans(speed, found.still, max(2, round(SHORTEST_HOLD * rate)))
     peaks = [0.0 if still else float(force[begin:end].max()) for still, begin, end in spans]
     told = []

@@ -65,3 +65,10 @@ def knuckles(clip: Clip, wrist: int) -> Floats:
     below: Sequence[Floats] = [skeleton.offsets[child] for child in skeleton.children[wrist]]
     below = below or list(skeleton.end_offsets[skeleton.end_parents == wrist])
     return np.mean(below, axis=0) if len(below) else skeleton.offsets[wrist] * KNUCKLES
+
+
+def bones(points: Floats) -> Floats:
+    """Unit vectors [F, 2, 3] from the wrist along the forearm, and along the hand (equation 8), of points [F, 4, 3]."""
+    wrist = 0.5 * (points[:, THUMB_SIDE] + points[:, LITTLE_SIDE])
+    along = [points[:, FOREARM] - wrist, points[:, HAND] - wrist]
+    return np.stack([bone / np.linalg.norm(bone, axis=1, keepdims=True) for bone in along], axis=1)

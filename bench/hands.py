@@ -24,6 +24,7 @@ from motion.hand_joints import SIDES
 from motion.procedural.gestures import gesture_pair
 from motion.quaternion import Floats, about, rotate
 from motion.roles import find_roles
+from motion.skeleton import Integers
 from motionsplice.cli import run
 from precompute.banded_warp import Band, FramePair, cheapest_path, medians, straight_band
 from precompute.hand_phases import derivatives
@@ -33,6 +34,7 @@ from precompute.hands import BANDS, STEADYING, align_hands, steadied
 RATE, NOISE = 60.0, 0.002
 FEWEST, MOST = 6, 34  # gestures
 SHORTEST, LONGEST = 280 / RATE, 570 / RATE  # seconds
+SETTLED = 4  # frames after a stroke at which a pair is set, off the seam of the repetition
 SIZES = ((0.2, 0.4), (0.4, 0.7), (0.7, 1.0))  # of the hands' gestures
 
 
@@ -146,44 +148,44 @@ def distances(ours: Floats, theirs: Floats, band: Band) -> np.ndarray[tuple[int,
 
 
 def constrained(count: int) -> Findings:
-    """Five equal gestures, of which the hands' performer does one twice; pairs name where three of them are."""
+    """Equal gestures, a part of which the hands' performer does twice; pairs name where three of them are."""
     told = Findings(f"{count} ambiguous sequences: frames off the truth, means")
-    without, given, missed = [], [], 0.0
+    without, given = list[float](), list[float]()
+    missed = 0.0
     for seed in range(count):
-        one, pairs = ambiguous(seed)
-        alone = align_hands(one.body, one.hands, RATE)
-        paired = align_hands(one.body, one.hands, RATE, pairs=pairs)
-        without.append(float(np.abs(alone.frames - one.truth).mean()))
-        given.append(float(np.abs(paired.frames - one.truth).mean()))
-        missed = max(missed, *(abs(paired.frames[pair.body] - pair.hands) - pair.tolerance for pair in pairs))
+        one, pairs, order = ambiguous(seed)
+        for some in ((), pairs):
+            frames = align_hands(one.body, one.hands, RATE, pairs=some).frames
+            (given if some else without).append(float(np.abs(order[frames.round().astype(int)] - one.truth).mean()))
+        missed = max(missed, *(abs(frames[pair.body] - pair.hands) - pair.tolerance for pair in pairs))
     told.add("without pairs, median over sequences", float(np.median(without)))
     told.add("with three pairs", float(np.median(given)))
-    told.add("with over without", float(np.mean(given) / np.mean(without)), most=1.0)
+    told.add("with over without, means", float(np.mean(given) / np.mean(without)), most=1.0)
     told.add("sequences that pairs made worse", float(np.sum(np.array(given) > without)), "{:.0f}", most=0)
     told.add("farthest from a pair beyond its tolerance", missed, "{:.4f}", most=1e-9)
     return told
 
 
-def ambiguous(seed: int) -> tuple[Sequence, list[FramePair]]:
-    """Counting, where the hands linger: a part of them is played twice, so that one gesture more is there to choose."""
+def ambiguous(seed: int) -> tuple[Sequence, tuple[FramePair, ...], Integers]:
+    """Counting, where the hands play one part twice; three pairs; and which captured frame each of the hands' is.
+
+    The truth is in captured frames, for which of both performances is taken makes no difference.
+    """
     draw = np.random.default_rng([seed, 2])
     pair = gesture_pair(seed, kinds=["count"] * 6, seconds=7.0, hand="right", amplitude=(0.3, 0.6))
-    strokes = [span.end for span in pair.spans if span.kind == "stroke"]
-    chosen = sorted(draw.choice(len(strokes) - 1, 1).tolist())[0]
-    first, second = (
-        float(np.interp(at, np.arange(len(pair.hand_frames)), pair.hand_frames)) for at in strokes[chosen : chosen + 2]
-    )
-    begin, end = round(first), round(second)
+    strokes = np.array([span.end for span in pair.spans if span.kind == "stroke"])
+    chosen = int(draw.integers(len(strokes) - 1))
+    begin, end = pair.hand_frames[strokes[chosen : chosen + 2].round().astype(int)].round().astype(int).tolist()
     hands = pair.hands
     order = np.concatenate([np.arange(end), np.arange(begin, hands.frame_count)])
     twice = Clip("twice", hands.skeleton, hands.rate, hands.root_positions[order], hands.rotations[order])
-    truth = np.where(pair.hand_frames < end, pair.hand_frames, pair.hand_frames + end - begin)
+    middle = max(chosen, 1)  # of three strokes, before the repetition and after it
+    pairs = []
+    for at in strokes[middle - 1 : middle + 2].round().astype(int) + SETTLED:
+        shown = pair.hand_frames[at]
+        pairs.append(FramePair(int(at), round(shown if shown < end else shown + end - begin), 2))
     body, theirs = noisy(pair.body, draw)[1:], noisy(twice, draw)[1:]
-    near = sorted({max(chosen - 1, 0), chosen, min(chosen + 1, len(strokes) - 1)} | {0, len(strokes) - 1})[:3]
-    at = sorted({round(strokes[number]) for number in near})
-    tolerance = 2
-    pairs = [FramePair(frame, round(float(truth[frame])), tolerance) for frame in at]
-    return Sequence(body, theirs, truth, np.ones(len(truth))), pairs
+    return Sequence(body, theirs, pair.hand_frames, np.ones(len(pair.hand_frames))), tuple(pairs), order
 
 
 def timing() -> Findings:

@@ -17,13 +17,20 @@ from bench.pair_list import grid_pairs, truth_of
 from bench.scores import Form, score_pair, splice_pair
 from bench.speed_charts import speed_chart
 from motion.clip import Clip
+from motion.hand_joints import Side
+from motion.procedural.gestures import gesture_pair
 from motion.procedural.library import make, truth
+from motion.quaternion import Floats
 from motion.roles import find_roles
 from motionsplice.command_demo import demo_command
 from motionsplice.correlation_charts import draw_chart
 from motionsplice.drawing import contact_sheet
+from motionsplice.hand_charts import draw_alignment
 from precompute.body_angles import View
 from precompute.correlation import study
+from precompute.hand_merge import merge_hands
+from precompute.hand_settings import HandSettings
+from precompute.hand_splice import splice_hands
 from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
 from runtime.requests import Posture
@@ -36,6 +43,7 @@ def main() -> None:
     """Writes docs/images."""
     IMAGES.mkdir(exist_ok=True)
     draw_study()
+    draw_hands()
     draw_speed()
     with tempfile.TemporaryDirectory() as folder:
         demo_command(Path(folder) / "demo")
@@ -102,6 +110,22 @@ def draw_study() -> None:
         file = IMAGES / f"study-{view}.png"
         draw_chart(study(walk, find_roles(walk.skeleton)), view, file)
         reduce(file)
+
+
+def draw_hands() -> None:
+    """Hands on a body that counts its steps, and how they were aligned."""
+    pair = gesture_pair(11, kinds=["count"] * 5, hand="right", seconds=7.5)
+    roles, hand_roles = find_roles(pair.body.skeleton), find_roles(pair.hands.skeleton)
+    settings = HandSettings("right")
+    spliced = splice_hands(pair.body, roles, pair.hands, hand_roles, settings)
+    together: dict[Side, Floats] = {"right": np.minimum(np.arange(pair.body.frame_count), pair.hands.frame_count - 1.0)}
+    unaligned, _ = merge_hands(pair.body, roles, pair.hands, hand_roles, together)
+    rows = [("as captured", unaligned, roles), ("aligned", spliced.clip, roles), ("truth", pair.truth, roles)]
+    sheet = contact_sheet(rows, columns=12, start=0.8, end=6.3, view="front", hand="right", ghost=pair.truth)
+    sheet.save(IMAGES / "hands.png")
+    draw_alignment(spliced, settings, pair.hands.rate, IMAGES / "hands-alignment.png")
+    for name in ("hands.png", "hands-alignment.png"):
+        reduce(IMAGES / name)
 
 
 def draw_speed() -> None:

@@ -11,14 +11,15 @@ from rich.console import Console
 
 from motion.formats.bvh import dump
 from motion.procedural.library import truth
-from motionsplice import command_bank, command_serve
+from motionsplice import command_bank, command_hands, command_serve
 from motionsplice.command_motion import Method, Posture, spliced
 from motionsplice.drawing import animation, contact_sheet
-from motionsplice.sample_folder import write_sample_clips
+from motionsplice.sample_folder import write_sample_clips, write_sample_gestures
 from runtime.bank import Bank
 from service.settings import Settings
 
 LOCOMOTION, ACTION = "curve", "carry_cup"
+BODY, HANDS = "count_steps", "count_steps_hands"
 SHOWN = (0.5, 3.0)  # seconds on the contact sheet
 
 console = Console()
@@ -31,9 +32,10 @@ def register(app: typer.Typer) -> None:
 def demo_command(
     folder: Annotated[Path, typer.Argument(help="Where to put clips, bank and results.")] = Path("demo"),
 ) -> None:
-    """Write the built-in motions, build a bank of them, splice one, draw it, and serve the bank."""
-    clips, bank_folder = folder / "clips", folder / "bank"
+    """Write the built-in motions, build a bank of them, splice one, lay hands on another, draw both, and serve."""
+    clips, bank_folder, gestures = folder / "clips", folder / "bank", folder / "gestures"
     write_sample_clips(clips)
+    write_sample_gestures(gestures)
     command_bank.tell_work(command_bank.run([clips], bank_folder, baseline="walk"), bank_folder)
     bank = Bank.open(bank_folder)
     command_bank.show_bank(bank)
@@ -49,6 +51,10 @@ def demo_command(
     console.print(f"\n{ACTION!r} spliced onto {LOCOMOTION!r}, as never captured:")
     for what, file in (("motion", motion), ("picture", sheet), ("animation", film), ("bank", bank_folder)):
         console.print(f"  {what:9} {file}", highlight=False)
+    hands, counting = (gestures / f"{name}.bvh" for name in (HANDS, BODY))
+    merged = folder / f"{BODY}+hands.bvh"
+    console.print(f"\n{HANDS!r}, captured apart, laid on {BODY!r}:")
+    command_hands.hands_command(counting, hands, merged, hand="right", picture=merged.with_suffix(".png"))
     settings = Settings()
     if sys.stdout.isatty():
         command_serve.start(bank_folder, settings)

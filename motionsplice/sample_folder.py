@@ -1,17 +1,33 @@
-"""The built-in motions as a folder of clips."""
+"""The built-in motions as folders of clips."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
+from motion.clip import Clip
 from motion.formats.bvh import dump
+from motion.procedural.gestures import sample_gestures
 from motion.procedural.library import ACTIONS, sample_clips
 
 
 def write_sample_clips(folder: Path) -> None:
-    """Writes them as BVH files, with the `clips.toml` that tells actions from locomotions."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, clip in sample_clips().items():
-        (folder / f"{name}.bvh").write_bytes(dump(clip))
+    """Writes locomotions and actions as BVH files, with the `clips.toml` that tells which is which."""
+    _write(folder, sample_clips())
     entries = [f'[{name}]\nkind = "action"\nneutral = "walk"\n' for name in ACTIONS]
     (folder / "clips.toml").write_text("\n".join(entries))
+
+
+def write_sample_gestures(folder: Path) -> None:
+    """Writes bodies that gesture, and the hands of each, with the `hands.toml` that tells which go together."""
+    clips = sample_gestures()
+    _write(folder, clips)
+    bodies = [name for name in clips if f"{name}_hands" in clips]
+    entries = [f'[[hands]]\nbody = "{name}"\nhands = "{name}_hands"\n' for name in bodies]
+    (folder / "hands.toml").write_text("\n".join(entries))
+
+
+def _write(folder: Path, clips: Mapping[str, Clip]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, clip in clips.items():
+        (folder / f"{name}.bvh").write_bytes(dump(clip))

@@ -15,7 +15,7 @@ from motionsplice.cli import app, main
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 
-COMMANDS = ("precompute", "inspect", "splice", "render", "study", "serve", "demo")
+COMMANDS = ("precompute", "inspect", "splice", "hands", "render", "study", "serve", "demo")
 
 
 def run(*arguments: object) -> Result:
@@ -115,6 +115,7 @@ def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
     shown = run("demo", tmp_path).output
     for kind in ("bvh", "png", "gif"):
         assert (tmp_path / f"curve+carry_cup.{kind}").stat().st_size > 1000
+    assert read_clip(tmp_path / "count_steps+hands.bvh").clip.skeleton.joint_count == 52
     assert "http://127.0.0.1:8000" in shown
     assert Bank.open(tmp_path / "bank").clip("carry_box").kind == "action"
 

@@ -19,6 +19,8 @@ from motion.skeleton import Integers, Skeleton
 Side = Literal["left", "right"]
 SIDES: tuple[Side, ...] = ("left", "right")
 FINGER = re.compile(r"(thumb|index|middle|mid|ring|pinky|little)\D*(\d*)")
+HAND = re.compile(FINGER.pattern + "|finger")
+FEWEST_TIPS = 3
 SAME_FINGER = {"mid": "middle", "little": "pinky"}
 ALIKE = 0.1  # radians: bind poses of hands that are nearer count as one, for hands are not all of one shape
 
@@ -32,12 +34,25 @@ def elbow_of(roles: Roles, side: Side) -> int:
 
 
 def fingers_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
-    """The joints that hang on a wrist, in order."""
-    return skeleton.subtree(wrist_of(roles, side))[1:]
+    """The joints that lead from a wrist to the tips of fingers, in order; none if it has fewer than three of them.
+
+    Fingers are known by name; where nothing is named so, all that hangs on the wrist.
+    """
+    joints = _named(skeleton, wrist_of(roles, side)) or skeleton.subtree(wrist_of(roles, side))[1:]
+    tips = set(joints) - {int(skeleton.parents[joint]) for joint in joints}
+    return joints if len(tips) >= FEWEST_TIPS else []
+
+
+def _named(skeleton: Skeleton, wrist: int) -> list[int]:
+    """The joints between a wrist and those that are called fingers, in order."""
+    below = skeleton.subtree(wrist)[1:]
+    called = [joint for joint in below if HAND.search(side_and_part(skeleton.names[joint])[1])]
+    ways = {one for joint in called for one in skeleton.chain(joint)}
+    return [joint for joint in below if joint in ways]
 
 
 def has_fingers(skeleton: Skeleton, roles: Roles) -> bool:
-    """Whether either hand has a joint below its wrist."""
+    """Whether either hand has fingers: those that have a thumb and a mitten at most have none."""
     return any(fingers_of(skeleton, roles, side) for side in SIDES)
 
 
@@ -47,6 +62,8 @@ def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_role
     Joints of ours that they lack (a metacarpal) are left out. Raises SkeletonError if nothing fits.
     """
     mine, other = fingers_of(ours, our_roles, side), fingers_of(theirs, their_roles, side)
+    if mine and not other:
+        raise SkeletonError(f"the {side} hand of the hands' rig has no fingers", mend="Export it with its fingers")
     named = {name: joint for joint in other if (name := _finger(theirs.names[joint]))}
     match = {joint: named[name] for joint in mine if (name := _finger(ours.names[joint])) in named}
     if not match and _shape(ours, mine) == _shape(theirs, other):
@@ -104,17 +121,20 @@ def graft_fingers(
 ) -> tuple[Skeleton, Roles, Integers]:
     """A rig without fingers with theirs, as large as its forearms are; the new roles; and where its joints are now [J].
 
-    Raises SkeletonError if they have none either.
+    What it has of a mitten, at -1 then, gives way to them. Raises SkeletonError if they have no fingers either.
     """
     if not has_fingers(theirs, their_roles):
         raise SkeletonError("neither the body nor the hands have fingers", mend="Export the hands with their fingers")
     sides = {wrist_of(roles, side): side for side in SIDES}
+    mittens = {joint for wrist in sides for joint in _named(skeleton, wrist)}
     names: list[str] = []
     parents: list[int] = []
     offsets: list[Floats] = []
     ends: list[tuple[int, Floats]] = []
-    places = np.zeros(skeleton.joint_count, np.int64)
+    places = np.full(skeleton.joint_count, -1)
     for joint in range(skeleton.joint_count):
+        if joint in mittens:
+            continue
         places[joint] = len(names)
         names.append(skeleton.names[joint])
         parents.append(int(places[skeleton.parents[joint]]) if joint else -1)
@@ -152,7 +172,7 @@ def fingered(clip: Clip, roles: Roles, theirs: Skeleton, their_roles: Roles) -> 
         return clip, roles
     skeleton, moved, places = graft_fingers(clip.skeleton, roles, theirs, their_roles)
     rotations = np.tile(IDENTITY, (clip.frame_count, skeleton.joint_count, 1))
-    rotations[:, places] = clip.rotations
+    rotations[:, places[places >= 0]] = clip.rotations[:, places >= 0]
     return replace(clip, skeleton=skeleton, rotations=rotations), moved
 
 

@@ -54,7 +54,7 @@ def hands_command(
     ] = "window",
     wrist: Annotated[bool, typer.Option("--wrist", help="Take wrists and the twist of forearms too.")] = False,
     picture: Annotated[Path | None, typer.Option(help="A .png of costs, bands and paths, and of the curves.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of both that are not motion.")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
 ) -> None:

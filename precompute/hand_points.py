@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +12,11 @@ from motion.hand_joints import Side
 from motion.kinematics import heading, world_transforms
 from motion.quaternion import Floats, rotate
 from motion.roles import Roles
+from motion.skeleton import Skeleton
 
 THUMB_SIDE, LITTLE_SIDE, FOREARM, HAND = 0, 1, 2, 3  # the points
 WRIST_WIDTH = 0.12  # of the forearm's length, from the wrist's middle to each side
+TINY = 1e-9  # metres
 KNUCKLES = 0.35  # of the forearm's length beyond the wrist, on a rig whose hand has nothing below it
 
 
@@ -53,22 +54,29 @@ def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
     across *= WRIST_WIDTH * length / np.linalg.norm(across)
     aside = rotate(world[:, skeleton.parents[wrist]], across)
     at, upper = positions[:, wrist], positions[:, elbow]
-    hand = at + rotate(world[:, wrist], knuckles(clip, wrist))
+    hand = at + rotate(world[:, wrist], knuckles(skeleton, wrist))
     points = np.stack([at + aside, at - aside, 0.5 * (at + upper), hand], axis=1) - positions[:, [shoulder]]
     hips = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
     return HandMotion(points, np.unwrap(heading(hips)))
 
 
-def knuckles(clip: Clip, wrist: int) -> Floats:
+def knuckles(skeleton: Skeleton, wrist: int) -> Floats:
     """Where fingers begin [3], metres, in the wrist's frame."""
-    skeleton = clip.skeleton
-    below: Sequence[Floats] = [skeleton.offsets[child] for child in skeleton.children[wrist]]
-    below = below or list(skeleton.end_offsets[skeleton.end_parents == wrist])
-    return np.mean(below, axis=0) if len(below) else skeleton.offsets[wrist] * KNUCKLES
+    first = _firsts(skeleton, wrist)
+    return np.mean(first, axis=0) if first else skeleton.offsets[wrist] * KNUCKLES
+
+
+def _firsts(skeleton: Skeleton, joint: int) -> list[Floats]:
+    """The first bones of some length below a joint: rigs have joints that lie on the wrist itself."""
+    found = [offset for offset in skeleton.end_offsets[skeleton.end_parents == joint] if np.any(offset)]
+    for child in skeleton.children[joint]:
+        found += [skeleton.offsets[child]] if np.any(skeleton.offsets[child]) else _firsts(skeleton, child)
+    return found
 
 
 def bones(points: Floats) -> Floats:
     """Unit vectors [F, 2, 3] from the wrist along the forearm, and along the hand (equation 8), of points [F, 4, 3]."""
     wrist = 0.5 * (points[:, THUMB_SIDE] + points[:, LITTLE_SIDE])
     along = [points[:, FOREARM] - wrist, points[:, HAND] - wrist]
-    return np.stack([bone / np.linalg.norm(bone, axis=1, keepdims=True) for bone in along], axis=1)
+    lengths = [np.maximum(np.linalg.norm(bone, axis=1, keepdims=True), TINY) for bone in along]
+    return np.stack([bone / length for bone, length in zip(along, lengths, strict=True)], axis=1)

@@ -9,7 +9,7 @@ import numpy as np
 
 from motion.clip import Clip
 from motion.errors import ClipError
-from motion.hand_joints import Side
+from motion.hand_joints import Side, forearm
 from motion.kinematics import heading, world_transforms
 from motion.quaternion import Floats, rotate
 from motion.roles import Roles
@@ -47,21 +47,21 @@ def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
     shoulder, elbow, wrist = (getattr(roles, f"{side}_{part}") for part in ("shoulder", "elbow", "wrist"))
     skeleton = clip.skeleton
     positions, world = world_transforms(skeleton, clip.root_positions, clip.rotations)
-    bone = skeleton.offsets[wrist]
+    bone = forearm(skeleton, roles, side)
     length = float(np.linalg.norm(bone))
     across = np.array([0.0, 0.0, 1.0]) - bone * bone[2] / length**2  # in the bind pose thumbs are in front
     across *= WRIST_WIDTH * length / np.linalg.norm(across)
     aside = rotate(world[:, skeleton.parents[wrist]], across)
     at, upper = positions[:, wrist], positions[:, elbow]
-    hand = at + rotate(world[:, wrist], knuckles(clip, wrist))
+    hand = at + rotate(world[:, wrist], knuckles(clip, wrist, bone))
     points = np.stack([at + aside, at - aside, 0.5 * (at + upper), hand], axis=1) - positions[:, [shoulder]]
     hips = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
     return HandMotion(points, np.unwrap(heading(hips)))
 
 
-def knuckles(clip: Clip, wrist: int) -> Floats:
-    """Where fingers begin [3], metres, in the wrist's frame."""
+def knuckles(clip: Clip, wrist: int, bone: Floats) -> Floats:
+    """Where fingers begin [3], metres, in the wrist's frame; bone [3] is the forearm in the bind pose."""
     skeleton = clip.skeleton
     below: Sequence[Floats] = [skeleton.offsets[child] for child in skeleton.children[wrist]]
     below = below or list(skeleton.end_offsets[skeleton.end_parents == wrist])
-    return np.mean(below, axis=0) if len(below) else skeleton.offsets[wrist] * KNUCKLES
+    return np.mean(below, axis=0) if len(below) else bone * KNUCKLES

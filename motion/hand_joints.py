@@ -62,6 +62,9 @@ def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_role
     match = {joint: named[name] for joint, name in _named(ours, mine).items() if name in named}
     if not match and _shape(ours, mine) == _shape(theirs, other):
         match = dict(zip(mine, other, strict=True))
+    if mine and not other:
+        mend = "Export the hands with their fingers, or take the other hand alone"
+        raise SkeletonError(f"the hands' rig has no fingers on its {side} hand", mend=mend)
     if mine and not match:
         raise SkeletonError(
             f"the fingers of the {side} hand, {ours.names[mine[0]]!r} and so on, are not those of the hands' rig",

@@ -33,21 +33,32 @@ def elbow_of(roles: Roles, side: Side) -> int:
     return int(getattr(roles, f"{side}_elbow"))
 
 
+def forearm_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
+    """The joints from elbow to wrist, both included: a rig may have bones between, which twist."""
+    way = skeleton.chain(wrist_of(roles, side))
+    return way[: way.index(elbow_of(roles, side)) + 1][::-1]
+
+
+def forearm(skeleton: Skeleton, roles: Roles, side: Side) -> Floats:
+    """From elbow to wrist [3], metres, in the bind pose."""
+    return np.asarray(skeleton.offsets[forearm_of(skeleton, roles, side)[1:]].sum(axis=0))
+
+
 def fingers_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
     """The joints that lead from a wrist to the tips of fingers, in order; none if it has fewer than three of them.
 
     Fingers are known by name; where nothing is named so, all that hangs on the wrist.
     """
-    joints = _named(skeleton, wrist_of(roles, side)) or skeleton.subtree(wrist_of(roles, side))[1:]
+    joints = _called(skeleton, wrist_of(roles, side)) or skeleton.subtree(wrist_of(roles, side))[1:]
     tips = set(joints) - {int(skeleton.parents[joint]) for joint in joints}
     return joints if len(tips) >= FEWEST_TIPS else []
 
 
-def _named(skeleton: Skeleton, wrist: int) -> list[int]:
+def _called(skeleton: Skeleton, wrist: int) -> list[int]:
     """The joints between a wrist and those that are called fingers, in order."""
     below = skeleton.subtree(wrist)[1:]
-    called = [joint for joint in below if HAND.search(side_and_part(skeleton.names[joint])[1])]
-    ways = {one for joint in called for one in skeleton.chain(joint)}
+    fingers = [joint for joint in below if HAND.search(side_and_part(skeleton.names[joint])[1])]
+    ways = {one for joint in fingers for one in skeleton.chain(joint)}
     return [joint for joint in below if joint in ways]
 
 
@@ -62,12 +73,13 @@ def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_role
     Joints of ours that they lack (a metacarpal) are left out. Raises SkeletonError if nothing fits.
     """
     mine, other = fingers_of(ours, our_roles, side), fingers_of(theirs, their_roles, side)
-    if mine and not other:
-        raise SkeletonError(f"the {side} hand of the hands' rig has no fingers", mend="Export it with its fingers")
-    named = {name: joint for joint in other if (name := _finger(theirs.names[joint]))}
-    match = {joint: named[name] for joint in mine if (name := _finger(ours.names[joint])) in named}
+    named = {name: joint for joint, name in _named(theirs, other).items()}
+    match = {joint: named[name] for joint, name in _named(ours, mine).items() if name in named}
     if not match and _shape(ours, mine) == _shape(theirs, other):
         match = dict(zip(mine, other, strict=True))
+    if mine and not other:
+        mend = "Export the hands with their fingers, or take the other hand alone"
+        raise SkeletonError(f"the hands' rig has no fingers on its {side} hand", mend=mend)
     if mine and not match:
         raise SkeletonError(
             f"the fingers of the {side} hand, {ours.names[mine[0]]!r} and so on, are not those of the hands' rig",
@@ -76,13 +88,20 @@ def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_role
     return match
 
 
-def _finger(name: str) -> str:
-    """ "index 1" of any rig's first joint of an index finger; empty if it is no finger's."""
-    found = FINGER.search(side_and_part(name)[1])
-    if found is None:
-        return ""
-    finger, number = found.groups()
-    return f"{SAME_FINGER.get(finger, finger)} {int(number) if number else 0}"
+def _named(skeleton: Skeleton, joints: list[int]) -> dict[int, tuple[str, int]]:
+    """Finger and place, from 1 at the palm on, of those joints whose names say so.
+
+    By its number; where no joint of a finger has one, as they come. Bones within the palm are at 0.
+    """
+    found = {joint: FINGER.search(part) for joint in joints if (part := side_and_part(skeleton.names[joint])[1])}
+    told = {joint: (SAME_FINGER.get(one[1], one[1]), one[2]) for joint, one in found.items() if one is not None}
+    numbered = {finger for finger, number in told.values() if number}
+    places: dict[int, tuple[str, int]] = {}
+    for joint, (finger, number) in told.items():
+        palm = finger in numbered or (finger != "thumb" and "metacarpal" in skeleton.names[joint].lower())
+        before = sum(other == finger and place > 0 for other, place in places.values())
+        places[joint] = finger, int(number) if number else 0 if palm else 1 + before
+    return places
 
 
 def _shape(skeleton: Skeleton, joints: list[int]) -> list[int]:
@@ -95,14 +114,14 @@ def bind_turn(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: R
 
     By forearm and fingers; where we have no fingers, by the forearm alone.
     """
-    pairs = [(wrist_of(our_roles, side), wrist_of(their_roles, side))]
+    arms = forearm(ours, our_roles, side), forearm(theirs, their_roles, side)
+    bones = [arms]
     if fingers_of(ours, our_roles, side):
-        pairs += match_fingers(ours, our_roles, theirs, their_roles, side).items()
-    mine = np.array([_unit(ours.offsets[one]) for one, _ in pairs])
-    other = np.array([_unit(theirs.offsets[one]) for _, one in pairs])
-    if len(pairs) == 1:
-        mine, other = (np.concatenate([one, [_unit(_ahead(one[0]))]]) for one in (mine, other))
-    turn = horn_rotation(mine, other)
+        match = match_fingers(ours, our_roles, theirs, their_roles, side)
+        bones += [(ours.offsets[one], theirs.offsets[other]) for one, other in match.items()]
+    else:
+        bones.append((_ahead(arms[0]), _ahead(arms[1])))
+    turn = horn_rotation([_unit(one) for one, _ in bones], [_unit(other) for _, other in bones])
     return turn if angle(turn, IDENTITY) > ALIKE else IDENTITY
 
 
@@ -126,7 +145,7 @@ def graft_fingers(
     if not has_fingers(theirs, their_roles):
         raise SkeletonError("neither the body nor the hands have fingers", mend="Export the hands with their fingers")
     sides = {wrist_of(roles, side): side for side in SIDES}
-    mittens = {joint for wrist in sides for joint in _named(skeleton, wrist)}
+    mittens = {joint for wrist in sides for joint in _called(skeleton, wrist)}
     names: list[str] = []
     parents: list[int] = []
     offsets: list[Floats] = []
@@ -144,7 +163,8 @@ def graft_fingers(
             continue
         wrist = wrist_of(their_roles, sides[joint])
         turn = bind_turn(skeleton, roles, theirs, their_roles, sides[joint])
-        size = skeleton.bone_length(joint) / theirs.bone_length(wrist)
+        ours, other = (forearm(*rig, sides[joint]) for rig in ((skeleton, roles), (theirs, their_roles)))
+        size = np.linalg.norm(ours) / np.linalg.norm(other)
         at = {wrist: int(places[joint])}
         for finger in fingers_of(theirs, their_roles, sides[joint]):
             at[finger], name = len(names), theirs.names[finger]

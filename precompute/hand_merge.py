@@ -9,7 +9,7 @@ import numpy as np
 
 from motion import quaternion
 from motion.clip import Clip
-from motion.hand_joints import Side, bind_turn, elbow_of, fingered, match_fingers, wrist_of
+from motion.hand_joints import Side, bind_turn, fingered, forearm, forearm_of, match_fingers
 from motion.quaternion import Floats, conjugate, multiply
 from motion.roles import Roles
 
@@ -37,25 +37,23 @@ def hand_rotations(
     """The rotations [F, 4] of those joints of the body, by joint, that the hands' clip drives. Raises SkeletonError.
 
     As seen from the forearm, and with the bind pose of their hand laid on that of ours. The twist of a wrist belongs to
-    the forearm: bones of the wrist hardly twist, and a rig may have either.
+    the forearm: bones of the wrist hardly twist, and a rig may have either. Of forearms that have bones which twist,
+    ours or theirs, each of ours has an equal share.
     """
     match = match_fingers(body.skeleton, roles, hands.skeleton, hand_roles, side)
     turn = bind_turn(body.skeleton, roles, hands.skeleton, hand_roles, side)
     theirs = _taken(hands, frames, turn, list(match.values()))
     driven = dict(zip(match, np.moveaxis(theirs, 1, 0), strict=True))
     if wrist:
-        elbow, joint = elbow_of(roles, side), wrist_of(roles, side)
-        way = hands.skeleton.chain(wrist_of(hand_roles, side))
-        way = way[: way.index(elbow_of(hand_roles, side)) + 1][::-1]  # elbow, bones that twist, wrist
-        bone = body.skeleton.offsets[joint] / body.skeleton.bone_length(joint)
-        turns = _taken(hands, frames, turn, way)
-        twist = twist_about(turns[:, 0], bone)
-        for between in range(1, len(way)):
-            twist = multiply(twist, twist_about(turns[:, between], bone))
-        own = body.rotations[:, elbow]
-        swing = multiply(own, conjugate(twist_about(own, bone)))
-        driven[elbow] = multiply(swing, twist)
+        *arm, joint = forearm_of(body.skeleton, roles, side)
+        bone = forearm(body.skeleton, roles, side)
+        bone /= np.linalg.norm(bone)
+        turns = _taken(hands, frames, turn, forearm_of(hands.skeleton, hand_roles, side))
         driven[joint] = multiply(conjugate(twist_about(turns[:, -1], bone)), turns[:, -1])
+        share = quaternion.about(bone, radians_about(turns, bone).sum(axis=1) / len(arm))
+        for own in arm:
+            swing = multiply(body.rotations[:, own], conjugate(twist_about(body.rotations[:, own], bone)))
+            driven[own] = multiply(swing, share)
     return {joint: quaternion.one_hemisphere(turned) for joint, turned in driven.items()}
 
 
@@ -72,3 +70,10 @@ def twist_about(q: Floats, axis: Floats) -> Floats:
     twist = np.concatenate([along[..., None] * axis, q[..., 3:]], axis=-1)
     size = quaternion.length(twist)[..., None]
     return np.where(size > 1e-9, twist / np.maximum(size, 1e-9), quaternion.IDENTITY)
+
+
+def radians_about(q: Floats, axis: Floats) -> Floats:
+    """How far the twists of rotations [F, ..., 4] about a unit axis [3] turn [F, ...]: at most pi at first, then on
+    without a jump."""
+    turned = np.unwrap(2.0 * np.arctan2(q[..., :3] @ axis, q[..., 3]), axis=0)
+    return np.asarray(turned - 2.0 * np.pi * np.round(turned[:1] / (2.0 * np.pi)))

@@ -8,7 +8,7 @@ import numpy as np
 
 from motion.clip import Clip
 from motion.errors import ClipError
-from motion.hand_joints import Side
+from motion.hand_joints import Side, forearm
 from motion.kinematics import heading, world_transforms
 from motion.quaternion import Floats, rotate
 from motion.roles import Roles
@@ -48,22 +48,22 @@ def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
     shoulder, elbow, wrist = (getattr(roles, f"{side}_{part}") for part in ("shoulder", "elbow", "wrist"))
     skeleton = clip.skeleton
     positions, world = world_transforms(skeleton, clip.root_positions, clip.rotations)
-    bone = skeleton.offsets[wrist]
+    bone = forearm(skeleton, roles, side)
     length = float(np.linalg.norm(bone))
     across = np.array([0.0, 0.0, 1.0]) - bone * bone[2] / length**2  # in the bind pose thumbs are in front
     across *= WRIST_WIDTH * length / np.linalg.norm(across)
     aside = rotate(world[:, skeleton.parents[wrist]], across)
     at, upper = positions[:, wrist], positions[:, elbow]
-    hand = at + rotate(world[:, wrist], knuckles(skeleton, wrist))
+    hand = at + rotate(world[:, wrist], knuckles(skeleton, wrist, bone))
     points = np.stack([at + aside, at - aside, 0.5 * (at + upper), hand], axis=1) - positions[:, [shoulder]]
     hips = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
     return HandMotion(points, np.unwrap(heading(hips)))
 
 
-def knuckles(skeleton: Skeleton, wrist: int) -> Floats:
-    """Where fingers begin [3], metres, in the wrist's frame."""
+def knuckles(skeleton: Skeleton, wrist: int, bone: Floats) -> Floats:
+    """Where fingers begin [3], metres, in the wrist's frame; bone [3] is the forearm in the bind pose."""
     first = _firsts(skeleton, wrist)
-    return np.mean(first, axis=0) if first else skeleton.offsets[wrist] * KNUCKLES
+    return np.mean(first, axis=0) if first else bone * KNUCKLES
 
 
 def _firsts(skeleton: Skeleton, joint: int) -> list[Floats]:

@@ -238,7 +238,7 @@ class Evaluator:
         if (astray := self._fault_of_hands(request, place)) is not None:
             return astray
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
-            if (fault := time_fault(label, request[label], clip, place)) is not None:
+            if (fault := time_fault(label, float(request[label]), clip, place)) is not None:
                 return fault
         return SettingsError(
             "posture 'running' is a mean over the frames so far, and there is no memory of them",

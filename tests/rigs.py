@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from motion import quaternion
 from motion.clip import Clip
 from motion.quaternion import Floats
+from motion.skeleton import Skeleton
 
 
 def local_axes(joints: int, seed: int) -> Floats:
@@ -41,3 +43,38 @@ def uneven_time(frame_count: int) -> Floats:
     seconds = np.linspace(0.0, 1.0, frame_count)
     curve = seconds + 0.05 * np.sin(2.0 * np.pi * seconds) + 0.009 * np.sin(6.0 * np.pi * seconds)
     return (curve - curve[0]) / (curve[-1] - curve[0]) * (frame_count - 1)
+
+
+def with_bones_above(clip: Clip, above: Mapping[str, str]) -> Clip:
+    """The same motion with a bone more, half-way up, above each joint named: it is called so, and never turns."""
+    skeleton = clip.skeleton
+    names, parents, offsets, places = list[str](), list[int](), list[Floats](), list[int]()
+    for joint, name in enumerate(skeleton.names):
+        parent, offset = (places[skeleton.parents[joint]] if joint else -1), skeleton.offsets[joint]
+        if name in above:
+            offset = 0.5 * offset
+            names.append(above[name])
+            parents.append(parent)
+            offsets.append(offset)
+            parent = len(names) - 1
+        places.append(len(names))
+        names.append(name)
+        parents.append(parent)
+        offsets.append(offset)
+    ends = np.array(places)[skeleton.end_parents]
+    rig = Skeleton(tuple(names), np.array(parents), np.array(offsets), ends, skeleton.end_offsets)
+    rotations = np.tile(quaternion.IDENTITY, (clip.frame_count, len(names), 1))
+    rotations[:, places] = clip.rotations
+    return replace(clip, skeleton=rig, rotations=rotations)
+
+
+def with_arms_turned(skeleton: Skeleton, radians: float) -> Skeleton:
+    """The built-in rig with another bind pose: an A-pose for a positive angle."""
+    offsets, ends = skeleton.offsets.copy(), skeleton.end_offsets.copy()
+    for side, down in (("Left", -radians), ("Right", radians)):
+        arm = skeleton.subtree(skeleton.index(f"{side}Arm"))
+        turn = quaternion.about([0.0, 0.0, 1.0], down)
+        offsets[arm[1:]] = quaternion.rotate(turn, offsets[arm[1:]])
+        tips = np.isin(skeleton.end_parents, arm)
+        ends[tips] = quaternion.rotate(turn, ends[tips])
+    return replace(skeleton, offsets=offsets, end_offsets=ends)

@@ -87,5 +87,5 @@ def _bvh(frames: Frames) -> Iterator[bytes]:
 
 
 def _file_name(values: dict[str, str | None]) -> str:
-    name = f"{values['locomotion']}+{values['action']}" if values["action"] else str(values["locomotion"])
+    name = "+".join(one for one in (values["locomotion"], values["action"], values["hands"]) if one)
     return "".join(one if one.isascii() and (one.isalnum() or one in "+-_.") else "_" for one in name)

@@ -113,6 +113,7 @@ def _header(frames: Frames, how: Encoding) -> dict[str, Any]:
         **how.told,
         "locomotion": frames.splice["locomotion"],
         "action": frames.splice["action"],
+        "hands": frames.splice["hands"],
         "rate": frames.rate,
         "first": frames.first,
         "frames": frames.count,

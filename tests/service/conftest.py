@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 from fastapi.testclient import TestClient
@@ -12,9 +13,8 @@ from service.settings import Settings
 from tests.service.running import Running, running
 
 
-@pytest.fixture(scope="session")
-def client(bank: Bank) -> Iterator[TestClient]:
-    """A client of a warm service, without sockets."""
+@contextmanager
+def warm_client(bank: Bank) -> Iterator[TestClient]:
     with TestClient(create_app(bank, Settings(max_frames=5000))) as client:
         deadline = time.monotonic() + 60.0
         while client.get("/readyz").status_code == 503:
@@ -23,8 +23,29 @@ def client(bank: Bank) -> Iterator[TestClient]:
         yield client
 
 
+@pytest.fixture(scope="session")
+def client(bank: Bank) -> Iterator[TestClient]:
+    """A client of a warm service, without sockets."""
+    with warm_client(bank) as client:
+        yield client
+
+
+@pytest.fixture(scope="session")
+def hands_client(hands_bank: Bank) -> Iterator[TestClient]:
+    """The same of a bank with hands."""
+    with warm_client(hands_bank) as client:
+        yield client
+
+
 @pytest.fixture(scope="module")
 def service(bank: Bank) -> Iterator[Running]:
     """A running, warm service."""
     with running(bank.path, Settings(stall_seconds=2.0, idle_seconds=1.0, max_load=20_000.0)) as service:
+        yield service
+
+
+@pytest.fixture(scope="module")
+def hands_service(hands_bank: Bank) -> Iterator[Running]:
+    """A running, warm service of a bank with hands."""
+    with running(hands_bank.path, Settings()) as service:
         yield service

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 import pytest
+from fastapi.testclient import TestClient
 
+from service.answers.batch import COLUMNS
+from service.characters.commands import KEYS, NEEDED
 from service.problems import PROBLEMS
 from tests.service.running import Running
 
@@ -21,6 +25,25 @@ def test_its_clients_work(service: Running, capsys: pytest.CaptureFixture[str]) 
     told = capsys.readouterr().out
     assert "22 joints" in told
     assert "frame 60 of 2 characters" in told
+
+
+def test_its_batch_is_answered(hands_client: TestClient) -> None:
+    (batch,) = re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL)
+    told = hands_client.post("/v1/poses", json=json.loads(batch.replace("directions", "counting"))).json()
+    shown, bare, walk = told["rotations"]
+    assert shown != bare != walk
+
+
+def test_it_names_every_parameter_column_and_command(service: Running) -> None:
+    named = {one["name"] for path in ("pose", "splice", "stream") for one in parameters(service, path)}
+    for name in {*named, *KEYS, *COLUMNS}:
+        assert f"`{name}`" in PAGE or f'"{name}"' in PAGE, name
+    for command in NEEDED:
+        assert f'{{"do": "{command}"' in PAGE, command
+
+
+def parameters(service: Running, path: str) -> list[dict[str, str]]:
+    return service.config.front.app.openapi()["paths"][f"/v1/{path}"]["get"]["parameters"]
 
 
 def test_it_names_every_problem() -> None:

@@ -11,14 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.errors import MotionError, UnknownClipError
+from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
 from runtime.bank import Bank
+from runtime.evaluator import Evaluator
 from runtime.requests import METHODS, POSTURES
 from service.answers.batch import Batch
 from service.problems import LimitError, RequestError
 
 MOST = 50
-KINDS = {"locomotion": "<i4", "action": "<i4", "time": "<f8", "start": "<f8"}
+KINDS = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8", "start": "<f8"}
 
 
 def as_msgpack(batch: dict[str, Any]) -> bytes:
@@ -55,6 +56,49 @@ def _json(batch: dict[str, Any]) -> bytes:
     return json.dumps(batch).encode()
 
 
+@pytest.mark.parametrize("form", ["msgpack", "json"])
+def test_hands_are_counted_from_1_and_none_is_0(hands_bank: Bank, form: str) -> None:
+    batch = GOOD | {"clips": ["walk", "counting", "run", "other_hands", "counting_hands"], "hands": [4, -1, 3]}
+    read, body = (Batch.from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
+    assert read(body, MOST).requests(hands_bank).hands.tolist() == [
+        1 + hands_bank.hand_number("counting_hands"),
+        0,
+        1 + hands_bank.hand_number("other_hands"),
+    ]
+    without = {key: value for key, value in batch.items() if key != "hands"} | {"clips": batch["clips"][:3]}
+    assert Batch.from_json(_json(without), MOST).requests(hands_bank).hands.tolist() == [0, 0, 0]
+
+
+NAMES = st.sampled_from(["walk", "run", "counting", "counting_hands", "other_hands", "nobody"])
+FITTING = st.sampled_from(
+    [("walk", "counting", "other_hands"), ("run", None, "counting_hands"), ("counting", "run", "counting_hands")]
+)
+TIMES = st.floats(0.0, 1.0)
+
+
+@given(
+    st.lists(st.tuples(FITTING, TIMES), max_size=4)
+    | st.lists(st.tuples(FITTING | st.tuples(NAMES, NAMES | st.none(), NAMES | st.none()), TIMES | st.floats())),
+    st.sampled_from(["splice", "naive", "none"]),
+)
+def test_any_hands_on_any_clips_are_shown_or_refused(
+    hands_bank: Bank, rows: list[tuple[tuple[str, str | None, str | None], float]], method: str
+) -> None:
+    named, times = [row for row, _ in rows], [time for _, time in rows]
+    names = sorted({name for row in named for name in row if name})
+    locomotion, action, hands = ([names.index(one) if (one := row[n]) else -1 for row in named] for n in range(3))
+    batch = {"clips": names, "locomotion": locomotion, "action": action, "hands": hands, "time": times}
+    evaluator = Evaluator(hands_bank)
+    with suppress(RequestError, UnknownClipError, SettingsError, TimeRangeError):
+        requests = Batch.from_msgpack(as_msgpack(batch | {"method": method}), MOST).requests(hands_bank)
+        poses = evaluator.poses(len(requests))
+        evaluator.evaluate(requests, poses)
+        np.testing.assert_allclose(np.linalg.norm(poses.rotations, axis=-1), 1.0, atol=1e-5)
+        for pose, (name, second, worn), time in zip(poses.rotations, named, times, strict=True):
+            alone = evaluator.pose(name, time, second, method=method, hands=worn)  # type: ignore[arg-type]
+            np.testing.assert_array_equal(pose, alone.rotations[0])
+
+
 def test_no_characters_are_none(bank: Bank) -> None:
     batch = Batch.from_json(_json({"clips": [], "locomotion": [], "time": []}), MOST)
     assert len(batch.requests(bank)) == 0
@@ -69,6 +113,8 @@ def test_no_characters_are_none(bank: Bank) -> None:
         ({"locomotion": [0, 3, 0]}, "locomotion: 3 of character 1 is none of 3 clips"),
         ({"locomotion": [0, 0, -1]}, "locomotion: -1 of character 2"),
         ({"action": [0, 0, -2]}, "action: -2 of character 2"),
+        ({"hands": [3, -1, -1]}, "hands: 3 of character 0 is none of 3 clips"),
+        ({"hands": [-1, -1, 1]}, "hands: 'wave' is played as a clip too. Name it twice in clips"),
         ({"method": "splise"}, "method: it is 'splise', and should be one of splice"),
         ({"posture": 3}, "posture: it is 3"),
         ({"postur": "off"}, "there is no key 'postur'. Did you mean 'posture'"),

@@ -23,7 +23,8 @@ from tests.service.running import Running, eventually, running
 CODES = {1002, 1003, 1007, 1009, 4408}
 
 ids = st.integers(0, 5) | st.lists(st.integers(0, 5), max_size=4) | st.integers() | st.none()
-clips = st.sampled_from(["walk", "run", "wave", "carry_box", "turn_180", "nobody"])
+clips = st.sampled_from(["walk", "run", "wave", "counting", "counting_hands", "nobody"])
+hands = st.sampled_from(["counting_hands", "other_hands", "walk", None, 3])
 numbers = st.floats() | st.integers(-2, 10)
 options = st.fixed_dictionaries(
     {},
@@ -37,6 +38,7 @@ options = st.fixed_dictionaries(
         "ref": st.integers(-(2**63), 2**63) | st.text(max_size=5) | st.none(),
         "locomotion": clips | st.dictionaries(clips, numbers, max_size=5),
         "action": clips,
+        "hands": hands,
         "rate": numbers,
         "ahead": st.integers(-1, 130),
         "weights": st.dictionaries(clips, numbers, max_size=5),
@@ -60,12 +62,15 @@ likely = st.sampled_from(
         {"do": "create", "id": 1, "locomotion": "walk"},
         {"do": "create", "id": [2, 3], "locomotion": "run", "loop": False, "speed": 8},
         {"do": "act", "id": 1, "action": "wave", "posture": "running"},
-        {"do": "act", "id": 1, "action": "carry_box", "method": "naive", "start": 0.5},
-        {"do": "play", "id": 1, "locomotion": "turn_180"},
+        {"do": "act", "id": 1, "action": "counting", "method": "naive", "start": 0.5},
+        {"do": "play", "id": 1, "locomotion": "counting"},
         {"do": "play", "id": 1, "locomotion": {"walk": 1, "run": 2}, "blend": 0.1},
         {"do": "weigh", "id": 1, "weights": {"run": 1}},
         {"do": "act", "id": 1, "action": "wave", "when": "foot", "mask": "left_arm", "loop": False},
         {"do": "set", "events": ["left_down", "right_up", "stride"]},
+        {"do": "wear", "id": 1, "hands": "counting_hands"},
+        {"do": "wear", "id": [1, 2], "hands": "other_hands", "blend": 0.1, "weight": 0.5},
+        {"do": "wear", "id": 1, "hands": None, "blend": 0},
         {"do": "stop", "id": 1},
         {"do": "remove", "id": 2},
         {"do": "set", "rate": 120, "ahead": 1},
@@ -145,9 +150,9 @@ class Clients(RuleBasedStateMachine):
 
 
 @pytest.fixture(scope="module")
-def service(bank: Bank) -> Iterator[Running]:
+def service(hands_bank: Bank) -> Iterator[Running]:
     """A service that waits for slow clients, such as those that think about what to do next."""
-    with running(bank.path, Settings()) as service:
+    with running(hands_bank.path, Settings()) as service:
         yield service
 
 

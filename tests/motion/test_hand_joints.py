@@ -1,0 +1,243 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motion import quaternion
+from motion.clip import Clip
+from motion.errors import SkeletonError
+from motion.formats.bvh import dump
+from motion.formats.files import read_clip
+from motion.hand_joints import (
+    SIDES,
+    bind_turn,
+    fingered,
+    fingers_of,
+    forearm,
+    forearm_of,
+    graft_fingers,
+    has_fingers,
+    match_fingers,
+    wrist_of,
+)
+from motion.kinematics import joint_positions
+from motion.procedural.hand_rig import FINGERED, FINGERS
+from motion.quaternion import about, rotate
+from motion.roles import find_roles
+from motion.skeleton import Skeleton
+from tests.conftest import CLIPS, COUNTING
+from tests.rigs import with_arms_turned, with_bones_above
+
+WALK = CLIPS["walk"].frames(0, 20)
+BARE, BARE_ROLES = WALK.skeleton, find_roles(WALK.skeleton)
+ROLES = find_roles(FINGERED)
+STILL = Clip("still", FINGERED, 60.0, np.zeros((1, 3)), np.tile(quaternion.IDENTITY, (1, FINGERED.joint_count, 1)))
+BONES = ("Proximal", "Intermediate", "Distal")
+
+
+def rigify(side: str, finger: str, number: int) -> str:
+    return f"DEF-{'' if finger == 'Thumb' else 'f_'}{finger.lower()}.{number:02}.{side[0]}"
+
+
+def vrm_1(side: str, finger: str, number: int) -> str:
+    bones = ("Metacarpal", "Proximal", "Distal") if finger == "Thumb" else BONES
+    return f"{side.lower()}{'Little' if finger == 'Pinky' else finger}{bones[number - 1]}"
+
+
+NAMES: Mapping[str, Callable[[str, str, int], str]] = {
+    "built in": lambda side, finger, number: f"{side}Hand{finger}{number}",
+    "Mixamo": lambda side, finger, number: f"mixamorig:{side}Hand{finger}{number}",
+    "Unreal": lambda side, finger, number: f"{finger.lower()}_{number:02}_{side[0].lower()}",
+    "Rigify": rigify,
+    "Unity, VRM 0": lambda side, finger, number: f"{side}{finger.replace('Pinky', 'Little')}{BONES[number - 1]}",
+    "VRM 1": vrm_1,
+    "VRoid": lambda side, finger, number: f"J_Bip_{side[0]}_{finger.replace('Pinky', 'Little')}{number}",
+    "SMPL-X": lambda side, finger, number: f"{side.lower()}_{finger.lower()}{number}",
+}
+OWN = re.compile(r"(Left|Right)Hand(\w+)(\d)")
+
+
+def renamed(skeleton: Skeleton, name: Callable[[str, str, int], str]) -> Skeleton:
+    """The built-in rig with its fingers' joints called otherwise."""
+    names = [
+        name(found[1], found[2], int(found[3])) if (found := OWN.fullmatch(one)) else one for one in skeleton.names
+    ]
+    return replace(skeleton, names=tuple(names))
+
+
+def with_metacarpals(skeleton: Skeleton, name: str) -> Skeleton:
+    """With a bone in the palm for each finger but the thumb."""
+    above = {
+        f"{side}Hand{finger}1": name.format(side=side, s=side[0].lower(), finger=finger.lower())
+        for side in ("Left", "Right")
+        for finger in FINGERS[1:]
+    }
+    return with_bones_above(replace(STILL, skeleton=skeleton), above).skeleton
+
+
+@pytest.mark.parametrize("ours", NAMES)
+@pytest.mark.parametrize("theirs", NAMES)
+def test_fingers_are_known_by_the_names_of_any_rig(ours: str, theirs: str) -> None:
+    rigs = renamed(FINGERED, NAMES[ours]), renamed(FINGERED, NAMES[theirs])
+    for side in SIDES:
+        joints = fingers_of(FINGERED, ROLES, side)
+        assert match_fingers(rigs[0], ROLES, rigs[1], ROLES, side) == dict(zip(joints, joints, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("names", "palm"),
+    [
+        ("Unreal", "{finger}_metacarpal_{s}"),
+        ("Mixamo", "{side}InHand{finger}"),
+        ("Mixamo", "{side}Hand{finger}0"),
+        ("VRM 1", "{side}{finger}Metacarpal"),
+    ],
+)
+def test_bones_of_the_palm_are_left_out_unless_both_have_them(names: str, palm: str) -> None:
+    rig = renamed(with_metacarpals(FINGERED, palm), NAMES[names])
+    roles = find_roles(rig)
+    for side in SIDES:
+        joints, named = fingers_of(FINGERED, ROLES, side), fingers_of(rig, roles, side)
+        assert len(named) == 19
+        ours = match_fingers(rig, roles, FINGERED, ROLES, side)
+        assert sorted(ours.values()) == joints
+        told = renamed(FINGERED, NAMES[names]).names
+        assert [rig.names[joint] for joint in ours] == [told[joint] for joint in ours.values()]
+        assert match_fingers(FINGERED, ROLES, rig, roles, side) == {theirs: one for one, theirs in ours.items()}
+        assert match_fingers(rig, roles, rig, roles, side) == dict(zip(named, named, strict=True))
+
+
+def test_a_hand_of_fewer_fingers_or_bones_is_matched_in_part() -> None:
+    kept = [joint for joint, name in enumerate(FINGERED.names) if "Ring" not in name and not name.endswith("3")]
+    less = replace(
+        FINGERED,
+        names=tuple(FINGERED.names[joint] for joint in kept),
+        parents=np.array([kept.index(FINGERED.parents[joint]) if joint else -1 for joint in kept]),
+        offsets=FINGERED.offsets[kept],
+        end_parents=np.zeros(0, np.int64),
+        end_offsets=np.zeros((0, 3)),
+    )
+    match = match_fingers(FINGERED, ROLES, less, find_roles(less), "left")
+    assert len(match) == 8
+    assert all(FINGERED.names[one] == less.names[other] for one, other in match.items())
+
+
+def test_fingers_without_known_names_are_matched_by_the_order_of_like_chains() -> None:
+    digits = renamed(FINGERED, lambda side, finger, number: f"Bip01 {side[0]} Digit{FINGERS.index(finger)}{number}")
+    joints = fingers_of(FINGERED, ROLES, "right")
+    for rigs in ((digits, FINGERED), (FINGERED, digits)):
+        assert match_fingers(rigs[0], ROLES, rigs[1], ROLES, "right") == dict(zip(joints, joints, strict=True))
+    longer = with_bones_above(replace(STILL, skeleton=digits), {"Bip01 R Digit21": "Bip01 R Palm2"}).skeleton
+    with pytest.raises(SkeletonError, match=r"right hand, 'Bip01 R Digit01' and so on, .* Name them thumb, index"):
+        match_fingers(longer, find_roles(longer), FINGERED, ROLES, "right")
+
+
+def test_hands_of_rigs_alike_need_no_turn() -> None:
+    for side in SIDES:
+        small = with_arms_turned(FINGERED, 0.06)  # hands are not all of one shape
+        for rig in (FINGERED, FINGERED.scaled(0.8), small):
+            np.testing.assert_array_equal(bind_turn(FINGERED, ROLES, rig, ROLES, side), quaternion.IDENTITY)
+
+
+@pytest.mark.parametrize("down", [-0.5, 0.3, 0.8, 1.4])
+def test_fingers_point_along_the_hand_in_any_bind_pose(down: float) -> None:
+    ours, bare = with_arms_turned(FINGERED, down), with_arms_turned(BARE, down)
+    for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
+        wanted = about([0.0, 0.0, 1.0], sign * down)
+        for rig, roles in ((ours, ROLES), (bare, BARE_ROLES)):  # the latter by its forearm alone
+            turn = bind_turn(rig, roles, FINGERED, ROLES, side)
+            assert quaternion.angle(turn, wanted) < 1e-6
+        joints = fingers_of(FINGERED, ROLES, side)
+        np.testing.assert_allclose(rotate(turn, FINGERED.offsets[joints]), ours.offsets[joints], atol=1e-9)
+
+
+def test_a_body_is_given_fingers_as_large_as_its_forearms_are() -> None:
+    theirs = FINGERED.scaled(0.7)
+    rig, roles, places = graft_fingers(BARE, BARE_ROLES, theirs, ROLES)
+    assert set(rig.names) == set(FINGERED.names)
+    for joint, place in enumerate(places):
+        assert rig.names[place] == BARE.names[joint]
+        assert np.array_equal(rig.offsets[place], BARE.offsets[joint])
+        if joint:
+            assert rig.parents[place] == places[BARE.parents[joint]]
+    assert roles == find_roles(rig)
+    for joint, name in enumerate(rig.names):  # both are the same body, so that its fingers are just these
+        np.testing.assert_allclose(rig.offsets[joint], FINGERED.offsets[FINGERED.index(name)], atol=1e-12)
+    ends = {rig.names[joint]: offset for joint, offset in zip(rig.end_parents, rig.end_offsets, strict=True)}
+    for joint, offset in zip(FINGERED.end_parents, FINGERED.end_offsets, strict=True):
+        np.testing.assert_allclose(ends.pop(FINGERED.names[joint]), offset, atol=1e-12)
+    assert not ends
+
+
+def test_a_forearm_of_two_bones_is_as_long_as_both() -> None:
+    above = {"LeftHand": "LeftForeArmTwist", "RightHand": "RightForeArmTwist"}
+    twisting = with_bones_above(WALK, above).skeleton
+    roles = find_roles(twisting)
+    assert [twisting.names[one] for one in forearm_of(twisting, roles, "left")] == [
+        "LeftForeArm",
+        "LeftForeArmTwist",
+        "LeftHand",
+    ]
+    np.testing.assert_allclose(forearm(twisting, roles, "left"), forearm(BARE, BARE_ROLES, "left"))
+    rig, _, _ = graft_fingers(twisting, roles, FINGERED, ROLES)
+    for joint in fingers_of(FINGERED, ROLES, "left"):
+        grafted = rig.offsets[rig.index(FINGERED.names[joint])]
+        np.testing.assert_allclose(grafted, FINGERED.offsets[joint], atol=1e-12)
+
+
+def test_grafted_fingers_lie_on_the_hand_of_another_bind_pose() -> None:
+    rig, roles, _ = graft_fingers(with_arms_turned(BARE, 0.8), BARE_ROLES, FINGERED, ROLES)
+    wanted = with_arms_turned(FINGERED, 0.8)
+    for side in SIDES:
+        for joint in fingers_of(rig, roles, side):
+            np.testing.assert_allclose(rig.offsets[joint], wanted.offsets[wanted.index(rig.names[joint])], atol=1e-6)
+
+
+def test_joints_that_are_called_as_grafted_ones_keep_their_names() -> None:
+    toe = BARE.names[BARE_ROLES.left_toe]
+    odd = replace(BARE, names=tuple("RightHandThumb2" if name == toe else name for name in BARE.names))
+    rig, roles, places = graft_fingers(odd, BARE_ROLES, FINGERED, ROLES)
+    assert rig.names[places[BARE_ROLES.left_toe]] == "RightHandThumb2"
+    match = match_fingers(rig, roles, FINGERED, ROLES, "right")
+    assert [FINGERED.names[one] for one in match.values()][1] == "RightHandThumb2"
+
+
+def test_a_clip_with_fingers_moves_as_it_did() -> None:
+    clip, roles = fingered(WALK, BARE_ROLES, FINGERED, ROLES)
+    before, after = joint_positions(WALK), joint_positions(clip)
+    places = [clip.skeleton.index(name) for name in BARE.names]
+    np.testing.assert_allclose(after[:, places], before, atol=1e-12)
+    for side in SIDES:
+        joints = fingers_of(clip.skeleton, roles, side)
+        assert len(joints) == 15
+        np.testing.assert_array_equal(clip.rotations[:, joints], np.tile(quaternion.IDENTITY, (20, 15, 1)))
+    again = fingered(clip, roles, BARE, BARE_ROLES)
+    assert again == (clip, roles)  # who has fingers is given none
+
+
+def test_where_nobody_has_fingers_there_are_none_to_give() -> None:
+    assert not has_fingers(BARE, BARE_ROLES)
+    with pytest.raises(SkeletonError, match="neither the body nor the hands have fingers"):
+        fingered(WALK, BARE_ROLES, BARE, BARE_ROLES)
+
+
+def test_a_clip_with_fingers_comes_back_from_a_file(tmp_path: Path) -> None:
+    truth = COUNTING.truth.frames(100, 140)
+    file = tmp_path / "truth.bvh"
+    file.write_bytes(dump(truth))
+    reading = read_clip(file)
+    rig = reading.clip.skeleton
+    assert rig.names == FINGERED.names
+    assert reading.roles == ROLES
+    assert len(rig.end_parents) == len(FINGERED.end_parents)
+    for side in SIDES:
+        joints = fingers_of(FINGERED, ROLES, side)
+        assert rig.parents[joints[0]] == wrist_of(reading.roles, side)
+        assert match_fingers(rig, reading.roles, FINGERED, ROLES, side) == dict(zip(joints, joints, strict=True))
+        assert np.ptp(truth.rotations[:, joints], axis=0).max() > 0.3
+    assert quaternion.angle(reading.clip.rotations, truth.rotations).max() < 1e-4

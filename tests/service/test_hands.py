@@ -1,0 +1,236 @@
+"""Hands over the wire: what is served is what the evaluator and characters show."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgpack
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from motion.formats.bvh import parse
+from runtime.bank import Bank
+from runtime.character import Characters, Stage
+from runtime.evaluator import Evaluator
+from runtime.requests import Memory
+from tests.service.characters.player import Player
+from tests.service.messages import arrays, unpacked
+from tests.service.running import Running
+
+BLOBS = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8"}
+
+
+def test_clips_tell_which_hands_can_be_laid_on_them(hands_client: TestClient, client: TestClient) -> None:
+    told = {clip["name"]: clip["hands"] for clip in hands_client.get("/v1/clips").json()}
+    assert told == {"counting": ["counting_hands", "other_hands"], "run": ["counting_hands"], "walk": [], "wave": []}
+    assert client.get("/v1/clips/walk").json()["hands"] == []
+
+
+@pytest.mark.parametrize(
+    ("locomotion", "action", "hands", "method"),
+    [
+        ("walk", "counting", "counting_hands", "splice"),
+        ("run", "counting", "other_hands", "naive"),
+        ("run", None, "counting_hands", "splice"),
+        ("run", "wave", "counting_hands", "none"),
+    ],
+)
+def test_a_pose_has_the_evaluators_hands(
+    hands_client: TestClient, hands_bank: Bank, locomotion: str, action: str | None, hands: str, method: Any
+) -> None:
+    query = f"locomotion={locomotion}&time=1.25&hands={hands}&method={method}" + (f"&action={action}" if action else "")
+    evaluator = Evaluator(hands_bank)
+    wanted = evaluator.pose(locomotion, 1.25, action, method=method, hands=hands)
+    bare = evaluator.pose(locomotion, 1.25, action, method=method)
+    for _ in range(2):  # the second is from a query that is kept ready
+        packed = msgpack.unpackb(hands_client.get(f"/v1/pose?{query}&format=msgpack").content)
+        found = arrays(packed, hands_bank.skeleton.joint_count)
+        np.testing.assert_array_equal(found["rotations"], wanted.rotations[0])
+        np.testing.assert_array_equal(found["root_positions"], wanted.root_positions[0])
+    assert np.abs(wanted.rotations - bare.rotations).max() > 0.1
+
+
+def test_queries_that_differ_in_hands_alone_are_answered_apart(hands_client: TestClient) -> None:
+    query = "/v1/pose?locomotion=run&action=counting&time=1.25"
+    told = [hands_client.get(query + hands).json() for hands in ("", "&hands=counting_hands", "&hands=other_hands", "")]
+    assert told[0] == told[3]
+    assert len({str(one["rotations"]) for one in told}) == 3
+
+
+@pytest.mark.parametrize("form", ["json", "msgpack"])
+def test_each_character_of_a_batch_has_its_own_hands(hands_client: TestClient, hands_bank: Bank, form: str) -> None:
+    batch: dict[str, Any] = {
+        "clips": ["walk", "counting", "run", "other_hands", "counting_hands"],
+        "locomotion": [0, 0, 2, 2, 2],
+        "action": [1, 1, -1, 1, -1],
+        "hands": [3, 4, 4, -1, -1],
+        "time": [0.5, 0.75, 1.0, 1.25, 1.5],
+    }
+    if form == "json":
+        told = hands_client.post("/v1/poses", json=batch).json()
+    else:
+        packed = {key: np.array(one, BLOBS[key]).tobytes() if key in BLOBS else one for key, one in batch.items()}
+        headers = {"content-type": "application/msgpack"}
+        answer = hands_client.post("/v1/poses?format=msgpack", content=msgpack.packb(packed), headers=headers)
+        told = arrays(msgpack.unpackb(answer.content), hands_bank.skeleton.joint_count, 5)
+    evaluator, names = Evaluator(hands_bank), batch["clips"]
+    for number in range(5):
+        locomotion, action, hands = (batch[key][number] for key in ("locomotion", "action", "hands"))
+        wanted = evaluator.pose(
+            names[locomotion],
+            batch["time"][number],
+            names[action] if action >= 0 else None,
+            hands=names[hands] if hands >= 0 else None,
+        )
+        np.testing.assert_allclose(told["rotations"][number], wanted.rotations[0], atol=1e-7)
+
+
+def test_splice_and_stream_have_the_evaluators_hands(hands_client: TestClient, hands_bank: Bank) -> None:
+    query = "locomotion=run&action=counting&hands=counting_hands"
+    evaluator, joints = Evaluator(hands_bank), hands_bank.skeleton.joint_count
+    memory = Memory.begin(1, hands_bank.clip("run").rate)
+    times = evaluator.frame_times("run")
+    wanted = evaluator.sequence("run", times, "counting", hands="counting_hands", memory=memory).rotations
+    packed = msgpack.unpackb(hands_client.get(f"/v1/splice?{query}&format=msgpack").content)
+    np.testing.assert_array_equal(arrays(packed, joints, len(times))["rotations"], wanted)
+    header, *frames = unpacked(hands_client.get(f"/v1/stream?{query}&ahead=9").content)
+    assert (header["action"], header["hands"]) == ("counting", "counting_hands")
+    assert b"".join(frame["rotations"] for frame in frames) == packed["rotations"]
+    file = hands_client.get(f"/v1/splice?{query}&format=bvh")
+    assert 'filename="run+counting+counting_hands.bvh"' in file.headers["content-disposition"]
+    read = parse(file.content)[0].rotations
+    np.testing.assert_allclose(np.abs(np.sum(read * wanted, axis=-1)), 1.0, atol=1e-6)
+
+
+def test_without_hands_a_stream_says_so(hands_client: TestClient) -> None:
+    header = unpacked(hands_client.get("/v1/stream?locomotion=run&count=1").content)[0]
+    assert header["hands"] is None
+
+
+@pytest.mark.parametrize(
+    ("query", "words"),
+    [
+        ("locomotion=walk&action=counting&hands=conting_hands", "no hands 'conting_hands'. Did you mean 'counting_"),
+        ("locomotion=walk&action=counting&hands=wave", "the bank has no hands 'wave'"),
+        ("locomotion=counting_hands", "the bank has no clip 'counting_hands'"),
+        (
+            "locomotion=run&action=wave&hands=counting_hands",
+            "'counting_hands' are not aligned to clip 'wave'. They are to 'counting', 'run'",
+        ),
+        ("locomotion=walk&hands=other_hands", "not aligned to clip 'walk'. They are to 'counting'"),
+    ],
+)
+@pytest.mark.parametrize("path", ["pose", "splice", "stream"])
+def test_hands_that_cannot_be_laid_are_a_problem_that_says_what_can(
+    hands_client: TestClient, path: str, query: str, words: str
+) -> None:
+    answer = hands_client.get(f"/v1/{path}?{query}" + ("&time=0" if path == "pose" else ""))
+    told = answer.json()
+    assert (answer.status_code, told["type"]) == (404, "urn:motionsplice:unknown-clip")
+    assert words in told["detail"]
+
+
+def test_a_bank_without_hands_says_how_to_get_some(client: TestClient) -> None:
+    answer = client.get("/v1/pose?locomotion=walk&time=0&hands=counting_hands")
+    assert answer.status_code == 404
+    assert "motionsplice precompute --hands BODY:HANDS" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize(
+    ("change", "status", "words"),
+    [
+        ({"hands": [-1, 3]}, 422, "character 1: hands 'counting_hands' are not aligned to clip 'walk'"),
+        ({"hands": [0, 4]}, 422, "hands: 4 of character 1 is none of 4 clips"),
+        ({"hands": [0, -2]}, 422, "hands: -2 of character 1"),
+        ({"hands": [3]}, 422, "hands: it has 1 numbers for 2 characters"),
+        ({"hands": [3, 1.5]}, 422, "hands: it should be a list of whole numbers"),
+        ({"hands": [1, -1]}, 422, "hands: 'counting' is played as a clip too"),
+        ({"clips": ["walk", "counting", "run", "cunting_hands"]}, 404, "Did you mean 'counting_hands'"),
+        ({"action": [3, -1], "hands": [-1, -1]}, 404, "the bank has no clip 'counting_hands'"),
+    ],
+)
+def test_a_batch_with_wrong_hands_is_refused(
+    hands_client: TestClient, change: dict[str, Any], status: int, words: str
+) -> None:
+    batch = {"clips": ["walk", "counting", "run", "counting_hands"], "locomotion": [0, 0], "action": [1, -1]}
+    answer = hands_client.post("/v1/poses", json=batch | {"time": [0.0, 0.5], "hands": [3, -1]} | change)
+    assert (answer.status_code, words in answer.json()["detail"]) == (status, True), answer.text
+
+
+def commanded(bank: Bank, commands: dict[int, list[tuple[str, dict[str, Any]]]], frames: int) -> list[Any]:
+    """Rotations [J, 4] of a character in each frame, commanded at some of them."""
+    characters, shown = Characters(Stage(Evaluator(bank)), 60.0), []
+    for frame in range(frames):
+        for do, values in commands.get(frame, []):
+            if do == "add":
+                characters.add(1, **values)
+            else:
+                getattr(characters, do)([0], **values)
+        poses = characters.stage.evaluator.poses(1)
+        characters.evaluate(poses)
+        characters.advance()
+        shown.append(poses.rotations[0])
+    return shown
+
+
+def test_hands_are_put_on_and_taken_off_over_a_websocket(hands_service: Running, hands_bank: Bank) -> None:
+    act = {"action": "counting", "start": 1.5, "blend": 0.0}  # amid a gesture
+    wears: list[dict[str, Any]] = [
+        {"hands": "counting_hands", "blend": 0.1, "curve": "linear"},
+        {"hands": "other_hands", "blend": 0.2, "weight": 0.75},
+        {"hands": None, "blend": 0.1},
+    ]
+    commands: dict[int, list[tuple[str, dict[str, Any]]]] = {0: [("add", {"locomotion": "walk"}), ("act", act)]}
+    with Player(hands_service) as player:
+        create = {"do": "create", "id": 7, "locomotion": "walk"}
+        first = player.do(create, {"do": "act", "id": 7, **act})["frame"]
+        frames = player.frames_until(first)
+        for wear in wears:
+            at = player.do({"do": "wear", "id": 7, **wear})["frame"]
+            commands[at - first] = [("wear", wear)]
+            frames += player.frames_until(at + 14)
+    _, on, _, off = commands
+    plain, shown = (commanded(hands_bank, some, off + 15) for some in ({0: commands[0]}, commands))
+    for frame in frames:
+        if (number := frame["frame"] - first) < len(shown):
+            np.testing.assert_array_equal(frame["rotations"][0, 0], shown[number])
+    worn = [bool(np.any(one != other)) for one, other in zip(plain, shown, strict=True)]
+    assert any(worn[on:off])
+    assert not any(worn[:on] + worn[off + 7 :])
+
+
+def test_a_mistake_about_hands_is_refused_and_nothing_worn(hands_service: Running) -> None:
+    with Player(hands_service) as player:
+        player.do({"do": "create", "id": 7, "locomotion": "run"}, {"do": "speed", "id": 7, "speed": 0})
+        before = player.frame()["rotations"]
+        for wear, kind, words in (
+            ({"hands": "conting_hands"}, "unknown-clip", "Did you mean 'counting_hands'"),
+            ({"hands": "wave"}, "unknown-clip", "no hands 'wave'"),
+            ({}, "request", "hands: wear needs it"),
+            ({"hands": 3}, "request", "hands: it is 3, and should be the name of hands, or null"),
+            ({"hands": "counting_hands", "weight": 2}, "request", "weight: it is 2"),
+            ({"hands": "counting_hands", "mask": "arms"}, "request", "wear takes no 'mask'. It takes hands, blend"),
+        ):
+            told = player.do({"do": "wear", "id": 7, **wear})
+            assert (told["event"], told["type"]) == ("refused", f"urn:motionsplice:{kind}")
+            assert words in told["detail"]
+        player.frames.clear()
+        np.testing.assert_array_equal(player.frame()["rotations"], before)
+
+
+def test_a_connection_keeps_a_bank_whose_hands_are_gone(hands_service: Running, bank: Bank) -> None:
+    serving = hands_service.config.front.shared.serving
+    old, evaluator = serving.edition, Evaluator(bank)
+    newer = type(old)(bank, evaluator, Stage(evaluator))
+    loop = hands_service.server.servers[0].get_loop()
+    try:
+        with Player(hands_service) as player:
+            player.do({"do": "create", "id": 7, "locomotion": "walk"}, {"do": "wear", "id": 7, "hands": "other_hands"})
+            loop.call_soon_threadsafe(serving.exchange, newer)
+            told = player.event("kept")
+            assert (told["bank"], told["gone"]) == (bank.digest, ["other_hands"])
+            player.do({"do": "wear", "id": 7, "hands": None, "blend": 0})
+            assert player.event("bank")["bank"] == bank.digest
+    finally:
+        loop.call_soon_threadsafe(serving.exchange, old)

@@ -146,6 +146,7 @@ def graft_fingers(
         raise SkeletonError("neither the body nor the hands have fingers", mend="Export the hands with their fingers")
     sides = {wrist_of(roles, side): side for side in SIDES}
     mittens = {joint for wrist in sides for joint in _called(skeleton, wrist)}
+    taken = {name for joint, name in enumerate(skeleton.names) if joint not in mittens}
     names: list[str] = []
     parents: list[int] = []
     offsets: list[Floats] = []
@@ -168,7 +169,7 @@ def graft_fingers(
         at = {wrist: int(places[joint])}
         for finger in fingers_of(theirs, their_roles, sides[joint]):
             at[finger], name = len(names), theirs.names[finger]
-            names.append(name if name not in skeleton.names else f"{sides[joint]}:{name}")
+            names.append(name if name not in taken else f"{sides[joint]}:{name}")
             parents.append(at[int(theirs.parents[finger])])
             offsets.append(size * rotate(turn, theirs.offsets[finger]))
             tips = theirs.end_offsets[theirs.end_parents == finger]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from motion.errors import ClipError, SettingsError
+from motion.errors import SettingsError
 from motion.quaternion import Floats
 from motion.skeleton import Integers
 from precompute.banded_warp import (
@@ -62,8 +62,7 @@ def align_hands(
 
     body, hands: the same hands of both clips. pairs: frames that a user wants to go together; the rest follows from the
     motion. by_trunk: hands are turned as the trunks are, and not as suits their points best. Raises SettingsError for
-    pairs that cannot be, bands that are none, or trunks that are not known; ClipError for clips that are too long or
-    move without bounds.
+    pairs that cannot be, bands that are none, or trunks that are not known; ClipError for clips that are too long.
     """
     if not all(0.0 < band <= 1.0 for band in bands):
         problem = f"bands of {bands[0]:g} and {bands[1]:g} of the clip mean nothing"
@@ -89,6 +88,4 @@ def steadied(frames: Floats, width: float) -> Floats:
 def _pass(band: Band, costs_of: Sequence[Callable[[Band], Costs]]) -> Pass:
     """The cheapest path by the sum of costs."""
     costs = np.sum([one(band) for one in costs_of], axis=0)
-    if not np.isfinite(costs).all():
-        raise ClipError("its hands move too far to be compared", mend="Check the unit of length")
     return Pass(costs, band, cheapest_path(costs, band.low, band.high))

@@ -220,6 +220,53 @@ def test_a_clip_with_fingers_moves_as_it_did() -> None:
     assert again == (clip, roles)  # who has fingers is given none
 
 
+def with_mittens(skeleton: Skeleton) -> Skeleton:
+    """As CMU's rig: a joint on the wrist itself and one for all fingers, a thumb, and something that the hand holds."""
+    added = [
+        (name.format(side), above.format(side), (sign * x, 0.0, z))
+        for side, sign in (("Left", 1.0), ("Right", -1.0))
+        for name, above, x, z in (
+            ("{}FingerBase", "{}Hand", 0.0, 0.0),
+            ("{}HandIndex1", "{}FingerBase", 0.04, 0.0),
+            ("{}Thumb", "{}Hand", 0.0, 0.0),
+            ("{}Prop", "{}Hand", 0.1, 0.0),
+        )
+    ]
+    names = (*skeleton.names, *(name for name, _, _ in added))
+    return replace(
+        skeleton,
+        names=names,
+        parents=np.concatenate([skeleton.parents, [names.index(above) for _, above, _ in added]]),
+        offsets=np.concatenate([skeleton.offsets, [offset for *_, offset in added]]),
+    )
+
+
+def test_a_mitten_gives_way_to_fingers_and_what_a_hand_holds_does_not() -> None:
+    mittened = with_mittens(BARE)
+    assert not has_fingers(mittened, BARE_ROLES)
+    rig, roles, places = graft_fingers(mittened, BARE_ROLES, FINGERED, ROLES)
+    gone = {mittened.names[joint] for joint in np.flatnonzero(places < 0)}
+    assert gone == {f"{side}{part}" for side in ("Left", "Right") for part in ("FingerBase", "HandIndex1", "Thumb")}
+    for side in SIDES:
+        assert [rig.names[joint] for joint in fingers_of(rig, roles, side)] == [
+            FINGERED.names[joint] for joint in fingers_of(FINGERED, ROLES, side)
+        ]
+    assert rig.parents[rig.index("LeftProp")] == rig.index("LeftHand")
+    rotations = np.tile(quaternion.IDENTITY, (WALK.frame_count, mittened.joint_count, 1))
+    rotations[:, : BARE.joint_count] = WALK.rotations
+    clip, _ = fingered(replace(WALK, skeleton=mittened, rotations=rotations), BARE_ROLES, FINGERED, ROLES)
+    kept = [clip.skeleton.index(name) for name in BARE.names]
+    np.testing.assert_allclose(joint_positions(clip)[:, kept], joint_positions(WALK), atol=1e-12)
+
+
+def test_a_rig_that_was_given_fingers_gives_another_just_these() -> None:
+    mittened = with_mittens(BARE)
+    rig, roles, _ = graft_fingers(mittened, BARE_ROLES, FINGERED, ROLES)
+    again, *_ = graft_fingers(mittened, BARE_ROLES, rig, roles)
+    assert again.names == rig.names
+    np.testing.assert_allclose(again.offsets, rig.offsets, atol=1e-12)
+
+
 def test_where_nobody_has_fingers_there_are_none_to_give() -> None:
     assert not has_fingers(BARE, BARE_ROLES)
     with pytest.raises(SkeletonError, match="neither the body nor the hands have fingers"):

@@ -10,17 +10,19 @@ from hypothesis import strategies as st
 
 from motion.errors import ClipError, SettingsError
 from motion.procedural.gestures import GesturePair, gesture_pair
-from motion.quaternion import Floats, about, rotate
+from motion.quaternion import IDENTITY, Floats, about, rotate
 from motion.roles import find_roles
+from motion.skeleton import Skeleton
 from precompute import banded_warp
 from precompute.banded_warp import Band, FramePair, cheapest_path, limits, medians, straight_band
 from precompute.hand_costs import Comparison
 from precompute.hand_phases import Phase, count_phases, derivatives, phases
-from precompute.hand_points import HandMotion, hand_motion
+from precompute.hand_points import HandMotion, bones, hand_motion
 from precompute.hand_settings import HandSettings
 from precompute.hand_splice import splice_hands
 from precompute.hands import align_hands
 from tests import naive_hands
+from tests.conftest import CLIPS
 
 RATE = 60.0
 seeds = st.integers(0, 2**32 - 1)
@@ -256,6 +258,34 @@ def test_a_gesture_has_the_phases_of_table_1() -> None:
 
 def test_phases_of_a_short_clip_are_one_hold() -> None:
     assert phases(HandMotion(np.zeros((2, 4, 3)) + np.arange(3.0)), RATE) == [Phase("hold", 0, 2)]
+
+
+def test_joints_that_lie_on_the_wrist_are_no_hand() -> None:
+    clip = CLIPS["walk"]
+    wrist = clip.skeleton.index("LeftHand")
+    on_it = Skeleton(
+        names=(*clip.skeleton.names, "LeftThumb", "LeftMitten"),
+        parents=np.append(clip.skeleton.parents, [wrist, wrist]),
+        offsets=np.concatenate([clip.skeleton.offsets, np.zeros((2, 3))]),
+        end_parents=np.array([clip.skeleton.joint_count + 1]),
+        end_offsets=np.array([[0.04, 0.0, 0.0]]),
+    )
+    rotations = np.tile(IDENTITY, (clip.frame_count, on_it.joint_count, 1))
+    rotations[:, :-2] = clip.rotations
+    moves = hand_motion(replace(clip, skeleton=on_it, rotations=rotations), find_roles(clip.skeleton), "left")
+    assert np.isfinite(bones(moves.points)).all()
+    wrists = moves.points[:, :2].mean(axis=1)
+    np.testing.assert_allclose(np.linalg.norm(moves.points[:, 3] - wrists, axis=1), 0.04, atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-200, 1e200])
+def test_points_of_no_or_boundless_size_are_aligned_all_the_same(size: float) -> None:
+    draw = np.random.default_rng(0)
+    body, hands = (HandMotion(draw.normal(size=(count, 4, 3)) * size) for count in (20, 30))
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        frames = align_hands([body], [hands], RATE).frames
+    assert np.all(np.diff(frames) >= 0.0)
+    assert 0.0 <= frames[0] <= frames[-1] <= 29.0
 
 
 def test_points_must_be_points() -> None:

@@ -64,7 +64,7 @@ def test_locomotion_action_and_hands_are_composed_by_look_up(hands_bank: Bank) -
     their_joints = fingers(rig, find_roles(rig))
     others = [joint for joint in range(hands_bank.skeleton.joint_count) if joint not in joints]
     for pose, bare, frame, truth in zip(poses, plain, at, wanted, strict=True):
-        np.testing.assert_array_equal(pose[others], bare[others])
+        np.testing.assert_allclose(pose[others], bare[others], rtol=0.0, atol=1e-6)  # elbows and wrists are read anew
         if not np.isnan(frame):
             assert quaternion.angle(pose[joints], truth[their_joints]).max() < 0.12  # of a key or two
 

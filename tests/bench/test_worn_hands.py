@@ -7,6 +7,7 @@ import pytest
 from bench import worn_hands
 from bench.generated import Size, generate
 from bench.service.findings import Findings
+from bench.workload import Scene
 from runtime import character_state as col
 from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
@@ -27,7 +28,7 @@ def test_what_is_timed_with_hands_has_them_and_the_other_not(tmp_path: Path, mon
     monkeypatch.setattr(Evaluator, "evaluate", evaluate)
     monkeypatch.setattr(Characters, "evaluate", worn)
     for hands in (False, True):
-        worn_hands.asked(evaluator, worn_hands.Scene(), hands)(0)
+        worn_hands.asked(evaluator, Scene(), hands)(0)
     for names in ((), ("hands",), ("hands", "hands")):
         worn_hands.played(stage, names)(0)
     assert seen == [[number] * 5 for number in (0, 1, 0, 1, 2)]

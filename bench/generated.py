@@ -25,17 +25,18 @@ from precompute.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manif
 from precompute.posture import measure_torso
 from runtime.bank import TABLE_FOLDER, Bank
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.manifest import TABLES, BaselineEntry, ClipEntry
+from runtime.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
 from runtime.rows import Layout, TorsoRows
 
 FEWEST_JOINTS, MOST_JOINTS = 15, 300  # every role needs its joint
 MOST_DRAWN = 50_000  # rows
+HANDS = "hands"  # the name of those that lie on all clips
 STRIDE, SEAM, SHORTEST = 1.1, 0.2, 3.0  # seconds
 
 
 @dataclass(frozen=True)
 class Size:
-    """What a bank to be generated holds: `clips` clips of `seconds` at `rate` frames per second.
+    """What a bank to be generated holds: `clips` clips of `seconds` at `rate` frames per second, and hands on each.
 
     Raises SettingsError if there are too few joints for a body, too many, no clips, or too short ones.
     """
@@ -44,6 +45,7 @@ class Size:
     clips: int = 40
     seconds: float = 10.0
     rate: float = 30.0
+    hands: bool = False
 
     def __post_init__(self) -> None:
         if not (FEWEST_JOINTS <= self.joints <= MOST_JOINTS and self.clips >= 1 and self.seconds >= SHORTEST):
@@ -80,14 +82,17 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True)
     digests = {"neutral": write_table(folder, TABLES["neutral"][0], size.clips, [np.arange(size.clips)])}
-    hands = {"hands": np.zeros((0, Layout.of(skeleton, roles).hands.columns)), "hand_frames": np.zeros((0, 2))}
-    digests |= {name: write_table(folder, TABLES[name][0], 0, [one]) for name, one in hands.items()}
     for name in TABLES.keys() - digests.keys():
         length = size.clips * len(motions[0].tables[name])
         digests[name] = write_table(folder, TABLES[name][0], length, (one.tables[name] for one in motions))
     entries = [_entry(number, one.phase, size) for number, one in enumerate(motions)]
+    worn = [
+        HandsEntry(HANDS, one.name, one.first_row, size.rate, "both", False, (), "generated")
+        for one in entries
+        if size.hands
+    ]
     baseline = BaselineEntry(entries[0].name, 0.0, STRIDE, 0.0, 32)
-    write_manifest(path, skeleton, roles, baseline, entries, digests)
+    write_manifest(path, skeleton, roles, baseline, entries, digests, worn)
     return Bank.open(path)
 
 
@@ -142,12 +147,18 @@ def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Genera
     roots = np.stack([0.02 * np.sin(2.0 * np.pi * phase), np.full(size.rows, 0.95), 1.3 * seconds], axis=1)
     torso = measure_torso(Clip("drawn", skeleton, size.rate, roots, rotations), roles)
     offsets = quaternion.about(axes[roles.pelvis], 0.1 * np.sin(2.0 * np.pi * phase))
-    rows = Layout.of(skeleton, roles).pack(roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
+    layout = Layout.of(skeleton, roles)
+    rows = layout.pack(roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
     path = np.column_stack([np.zeros((size.rows, 2)), roots[:, 2], np.zeros(size.rows)])
     feet = np.where(phase % 1.0 < 0.6, LEFT_FOOT, 0) | np.where((phase + 0.5) % 1.0 < 0.6, RIGHT_FOOT, 0)
-    ground = {"paths": path, "contacts": feet}
+    count = size.rows if size.hands else 0
+    ground: dict[str, NDArray[Any]] = {"paths": path, "contacts": feet}
+    hands: dict[str, NDArray[Any]] = {
+        "hands": layout.pack_hands(rotations[::-1][:count]),
+        "hand_frames": np.zeros((count, 2)),
+    }
     rest = {"phase_of_frame": phase, "frame_of_phase": frame_of_phase(phase), "postures": torso.posture[None]}
-    return _Drawn({**rows, **rest, **ground}, phase)
+    return _Drawn({**rows, **rest, **ground, **hands}, phase)
 
 
 def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:

@@ -18,11 +18,11 @@ from runtime.compiled import LANES, ZERO, Array, Index, Real, inlined, kernel
 from runtime.hand_kernels import wear_hands
 from runtime.kernels import copy_lower, copy_rotation, copy_upper
 from runtime.lanes import interleave, load, root, separate, signed, spread, store
-from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, locate, repeated
+from runtime.lookup_kernels import NAIVE, SPLICE, fetch_ahead, fetch_hands, locate, repeated
 from runtime.posture_kernels import ABSOLUTE, GIVEN, RUNNING, between_rows, correlate, mixed, turn_pelves
 from runtime.rotation_kernels import ONE, TINY, product, sample
 from runtime.rows import CLOUD, FIRST_JOINT, PELVIS, ROOT, SIZE
-from runtime.transition_kernels import action, faded, locomotion, row_of, seen
+from runtime.transition_kernels import action, faded, hands, locomotion, row_of, seen
 
 FOUR = np.uint64(4)  # numbers of a rotation
 
@@ -83,11 +83,20 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
         fetch_ahead(bank.lower, row)
         if s[c + col.ACTIONS] == 0.0:
             fetch_ahead(bank.upper, row)
+            fetch_worn(bank, s, c, clip, row)
     for number in range(int(s[c + col.ACTIONS])):
         slot = action(c, number)
         if s[slot + col.KIND] != col.OWN:
             row, _ = row_of_action(bank, s, slot)
             fetch_ahead(bank.upper, row)
+            fetch_worn(bank, s, c, int(s[slot + col.CLIP]), row)
+
+
+@inlined
+def fetch_worn(bank: BankArrays, s: Array, c: int, clip: int, row: Index) -> None:
+    """The same of all hands that are worn, on a clip."""
+    for number in range(int(s[c + col.HANDS])):
+        fetch_hands(bank, int(s[hands(c, number) + col.CLIP]), clip, row)
 
 
 @inlined

@@ -11,6 +11,7 @@ from runtime import arrays
 from runtime import character_state as col
 from runtime.arrays import BankArrays
 from runtime.compiled import Array, Index, Real, inlined, kernel
+from runtime.lookup_kernels import row_of_hands
 from runtime.rotation_kernels import ONE, sample
 from runtime.transition_kernels import faded, hands
 
@@ -23,11 +24,9 @@ def lay_hands(
 
     Where they are not aligned to the clip nothing is done. The lanes after the upper half's are room for them.
     """
-    first = bank.hand_rows[worn, clip]
-    if first >= 0:
+    if bank.hand_rows[worn, clip] >= 0:
         width, at = bank.rig[arrays.HANDS_WIDTH], above + np.uint64(4) * bank.rig[arrays.UPPER_WIDTH]
-        beside = row - np.uint64(bank.clips[clip, arrays.FIRST_ROW]) + np.uint64(first)
-        sample(bank.hands, beside, np.uint64(0), width, t, lanes, at)
+        sample(bank.hands, row_of_hands(bank, worn, clip, row), np.uint64(0), width, t, lanes, at)
         for joint in range(np.uint64(len(bank.hand_lanes))):
             turn_to(lanes, above + bank.hand_lanes[joint], at, weight)
             at += np.uint64(4)

@@ -40,6 +40,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
                 frame = repeated((request["start"] + request["time"]) * clips[clip_u, arrays.RATE], count_u - 1.0)
                 row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], count_u)
             fetch_ahead(bank.upper, row)
+            fetch_hands(bank, int(request["hands"]) - 1, clip_u if request["method"] == NAIVE else clip_l, row)
             block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     for k in range(count):
         if requests[first + k]["method"] == SPLICE:
@@ -50,6 +51,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
             frame = frame_at(bank, clip_u, block[PHASE * BLOCK + k], block[ROW_U * BLOCK + k])
             row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
             fetch_ahead(bank.upper, row)
+            fetch_hands(bank, int(requests[first + k]["hands"]) - 1, clip_u, row)
             block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
 
 
@@ -113,3 +115,16 @@ def fetch_ahead(table: Array, row: Index) -> None:
     """Has the processor fetch a row of a table and the next one, for memory is far."""
     for column in range(0, 2 * table.shape[1], LINE):
         prefetch(table, row, column)
+
+
+@inlined
+def fetch_hands(bank: BankArrays, worn: int, clip: int, row: Index) -> None:
+    """The same of hands on a clip, if there are any: `worn` is their number, negative for none."""
+    if worn >= 0 and bank.hand_rows[worn, clip] >= 0:
+        fetch_ahead(bank.hands, row_of_hands(bank, worn, clip, row))
+
+
+@inlined
+def row_of_hands(bank: BankArrays, worn: int, clip: int, row: Index) -> np.uint64:
+    """The row of hands that lies beside a clip's own."""
+    return row - np.uint64(bank.clips[clip, arrays.FIRST_ROW]) + np.uint64(bank.hand_rows[worn, clip])

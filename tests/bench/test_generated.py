@@ -1,11 +1,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from bench.generated import FEWEST_JOINTS, MOST_JOINTS, Size, generate, skeleton_of
+from bench.generated import FEWEST_JOINTS, HANDS, MOST_JOINTS, Size, generate, skeleton_of
 from motion import quaternion
 from motion.errors import SettingsError
 from motion.roles import find_roles
@@ -60,6 +61,17 @@ def test_clips_beyond_the_drawn_ones_repeat_them_in_rows_of_their_own(
     assert len({clip.first_row for clip in bank.clips}) == 5
 
 
+@pytest.mark.parametrize("joints", [15, 52])
+def test_hands_lie_on_every_clip_and_show_where_there_are_fingers(tmp_path: Path, joints: int) -> None:
+    bank = generate(tmp_path / "bank", Size(joints, clips=3, seconds=3.0, hands=True))
+    assert [(one.name, one.body) for one in bank.hands] == [(HANDS, clip.name) for clip in bank.clips]
+    evaluator, name = Evaluator(bank), bank.clips[1].name
+    apart = np.abs(evaluator.pose(name, 1.0, hands=HANDS).rotations - evaluator.pose(name, 1.0).rotations)[0]
+    changed = np.flatnonzero(apart.max(axis=1) > 1e-4).tolist()
+    assert changed == list(bank.layout.hands.joints)
+    assert bool(changed) == (joints == 52)
+
+
 def test_the_same_seed_makes_the_same_bank(tmp_path: Path) -> None:
     size = Size(joints=15, clips=2, seconds=3.0)
     digests = [generate(tmp_path / name, size, seed).digest for name, seed in (("a", 1), ("b", 1), ("c", 2))]
@@ -68,6 +80,6 @@ def test_the_same_seed_makes_the_same_bank(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"joints": 14}, {"joints": 301}, {"clips": 0}, {"seconds": 1.0}])
-def test_a_size_that_makes_no_bank_is_refused(wrong: dict[str, int]) -> None:
+def test_a_size_that_makes_no_bank_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(SettingsError, match="cannot be generated"):
         Size(**wrong)

@@ -1,9 +1,10 @@
-"""How well hands are aligned to bodies, against generated truth: `python -m bench.hands`.
+"""How well hands are aligned to bodies, against generated truth: `python -m bench.hands [CLIPS]`.
 
 sequences    gestures like the paper's (6 to 34 in 280 to 570 frames at 60 Hz, each of the hands' 0.2 to 1 times as
              large as the body's, tempo 0.6 to 1.6, 2 mm of noise): frames by which alignments are off the truth, beside
              plain dynamic time warping of positions and of derivatives (the paper's figure 3) in the same band, as seen
              from the trunks; and of derivatives that are filtered, and a result that is steadied, as ours are.
+real         the arms of each clip in a folder, and once more 0.2 to 1 times as large, turned, and in another tempo.
 pairs        equal gestures, of which the hands' performer repeats one: with and without three pairs of frames.
 time         one hand of 569 frames, the paper's longest (10.95 s there).
 """
@@ -13,67 +14,38 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Annotated, NamedTuple
+from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import typer
 
+from bench.hand_sequences import RATE, Sequence, ambiguous, captured, hands_of, noisy, sequence
 from bench.service.findings import Findings
-from motion.clip import Clip
-from motion.hand_joints import SIDES
 from motion.procedural.gestures import gesture_pair
 from motion.quaternion import Floats, about, rotate
-from motion.roles import find_roles
-from motion.skeleton import Integers
 from motionsplice.cli import run
-from precompute.banded_warp import Band, FramePair, cheapest_path, medians, straight_band
+from precompute.banded_warp import Band, cheapest_path, medians, straight_band
 from precompute.hand_phases import derivatives
-from precompute.hand_points import HandMotion, hand_motion
+from precompute.hand_points import HandMotion
 from precompute.hands import BANDS, STEADYING, align_hands, steadied
 
-RATE, NOISE = 60.0, 0.002
-FEWEST, MOST = 6, 34  # gestures
-SHORTEST, LONGEST = 280 / RATE, 570 / RATE  # seconds
-SETTLED = 4  # frames after a stroke at which a pair is set, off the seam of the repetition
-SIZES = ((0.2, 0.4), (0.4, 0.7), (0.7, 1.0))  # of the hands' gestures
+PARTS = ((0.2, 0.4), (0.4, 0.7), (0.7, 1.0))  # sizes of the hands' gestures
 
 
-class Sequence(NamedTuple):
-    """Both hands of a body and of a clip of hands, and the true frame [F] of the hands for each of the body's."""
-
-    body: list[HandMotion]
-    hands: list[HandMotion]
-    truth: Floats
-    moving: Floats  # [F] whether either hand of the body moves
-
-
-def main(sequences: Annotated[int, typer.Option(min=1, help="Generated sequences")] = 50) -> None:
+def main(
+    clips: Annotated[Path | None, typer.Argument(help="A folder of real motion, whose arms are taken too")] = None,
+    sequences: Annotated[int, typer.Option(min=1, help="Generated sequences")] = 50,
+) -> None:
     """Prints what is found."""
-    drawn = [sequence(seed, (0.2, 1.0)) for seed in range(sequences)]
-    errors(f"{sequences} sequences", drawn).show()
-    for size in SIZES:
+    if clips is not None:
+        errors("Real motion, once more in other tempo and size", captured(clips)).show()
+    errors(f"{sequences} sequences", [sequence(seed) for seed in range(sequences)]).show()
+    for size in PARTS:
         some = [sequence(1000 + seed, size) for seed in range(max(sequences // 3, 1))]
         errors(f"hands {size[0]:g} to {size[1]:g} times as large", some).show()
     constrained(sequences).show()
     timing().show()
-
-
-def sequence(seed: int, size: tuple[float, float]) -> Sequence:
-    """Gestures like those of the paper, as noisy points."""
-    draw = np.random.default_rng([seed, 1])
-    gestures, seconds = int(draw.integers(FEWEST, MOST + 1)), float(draw.uniform(SHORTEST, LONGEST))
-    pair = gesture_pair(seed, gestures=gestures, seconds=seconds, amplitude=size)
-    holds = np.ones(pair.body.frame_count)
-    for span in pair.spans:
-        if span.kind != "hold":
-            holds[int(np.ceil(span.begin)) : int(span.end) + 1] = 0.0
-    return Sequence(noisy(pair.body, draw), noisy(pair.hands, draw), pair.hand_frames, holds == 0.0)
-
-
-def noisy(clip: Clip, draw: np.random.Generator) -> list[HandMotion]:
-    roles = find_roles(clip.skeleton)
-    motions = [hand_motion(clip, roles, side) for side in SIDES]
-    return [HandMotion(one.points + draw.normal(0.0, NOISE, one.points.shape), one.trunk) for one in motions]
 
 
 def errors(title: str, drawn: list[Sequence]) -> Findings:
@@ -166,28 +138,6 @@ def constrained(count: int) -> Findings:
     return told
 
 
-def ambiguous(seed: int) -> tuple[Sequence, tuple[FramePair, ...], Integers]:
-    """Counting, where the hands play one part twice; three pairs; and which captured frame each of the hands' is.
-
-    The truth is in captured frames, for which of both performances is taken makes no difference.
-    """
-    draw = np.random.default_rng([seed, 2])
-    pair = gesture_pair(seed, kinds=["count"] * 6, seconds=7.0, hand="right", amplitude=(0.3, 0.6))
-    strokes = np.array([span.end for span in pair.spans if span.kind == "stroke"])
-    chosen = int(draw.integers(len(strokes) - 1))
-    begin, end = pair.hand_frames[strokes[chosen : chosen + 2].round().astype(int)].round().astype(int).tolist()
-    hands = pair.hands
-    order = np.concatenate([np.arange(end), np.arange(begin, hands.frame_count)])
-    twice = Clip("twice", hands.skeleton, hands.rate, hands.root_positions[order], hands.rotations[order])
-    middle = max(chosen, 1)  # of three strokes, before the repetition and after it
-    pairs = []
-    for at in strokes[middle - 1 : middle + 2].round().astype(int) + SETTLED:
-        shown = pair.hand_frames[at]
-        pairs.append(FramePair(int(at), round(shown if shown < end else shown + end - begin), 2))
-    body, theirs = noisy(pair.body, draw)[1:], noisy(twice, draw)[1:]
-    return Sequence(body, theirs, pair.hand_frames, np.ones(len(pair.hand_frames))), tuple(pairs), order
-
-
 def timing() -> Findings:
     """Seconds that an alignment takes, warm, the median of 20, and how that grows."""
     told = Findings("Seconds for one hand, warm")
@@ -195,7 +145,7 @@ def timing() -> Findings:
     for frames in (569, 1138, 2276):
         pair = gesture_pair(5, gestures=frames // 40, seconds=(frames - 1) / RATE, hand="right")
         draw = np.random.default_rng(0)
-        body, hands = noisy(pair.body, draw)[1:], noisy(pair.hands, draw)[1:]
+        body, hands = noisy(hands_of(pair.body), draw)[1:], noisy(hands_of(pair.hands), draw)[1:]
         bands = BANDS[0] * 569 / frames, BANDS[1] * 569 / frames  # as many frames wide
         taken[frames] = clocked(lambda body=body, hands=hands, bands=bands: align_hands(body, hands, RATE, bands=bands))  # type: ignore[misc]
     told.add("569 frames (the paper: 10.95)", taken[569], "{:.4f}", most=0.1)

@@ -1,17 +1,22 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from bench.hands import Sequence, constrained, errors, seen, sequence, warped
+from bench.hand_sequences import Sequence, captured, sequence
+from bench.hands import constrained, errors, seen, warped
 from bench.service.findings import Findings
+from motion.formats.bvh import dump
+from motion.procedural.gestures import sample_gestures
 from motion.quaternion import about, rotate
 from precompute.hand_points import HandMotion
 
 
 @pytest.fixture(scope="module")
 def drawn() -> list[Sequence]:
-    return [sequence(seed, (0.2, 1.0)) for seed in (1, 2, 3)]
+    return [sequence(seed) for seed in (1, 2, 3)]
 
 
 def values(told: Findings) -> dict[str, float]:
@@ -24,7 +29,7 @@ def test_sequences_are_like_the_papers(drawn: list[Sequence]) -> None:
         assert [len(hand.points) for hand in one.body] == [len(one.truth)] * 2
         assert one.truth[-1] == pytest.approx(len(one.hands[0].points) - 1)
         assert 0.2 < one.moving.mean() < 1.0
-    again = sequence(1, (0.2, 1.0))
+    again = sequence(1)
     assert np.array_equal(again.body[0].points, drawn[0].body[0].points)
 
 
@@ -53,3 +58,16 @@ def test_pairs_are_hit_and_help_where_gestures_are_ambiguous() -> None:
     found = values(constrained(3))
     assert found["farthest from a pair beyond its tolerance"] <= 0.0
     assert found["with three pairs"] < found["without pairs, median over sequences"]
+
+
+def test_captured_arms_are_found_again(tmp_path: Path) -> None:
+    (tmp_path / "directions.bvh").write_bytes(dump(sample_gestures()["directions"]))
+    (one,) = captured(tmp_path)
+    assert 0.2 < one.moving.mean() <= 1.0
+    assert 0 <= one.truth[-1] - (len(one.hands[0].points) - 1) < 1.0
+    for mine, other in zip(one.body, one.hands, strict=True):
+        ranges = [float(np.ptp(hand.points[:, 3], axis=0).max()) for hand in (mine, other)]
+        assert 0.15 < ranges[1] / ranges[0] < 1.1
+    found = values(errors("one", [one]))
+    assert found["both passes, median"] <= 1.0
+    assert found["both passes, median"] < found["positions, median"]

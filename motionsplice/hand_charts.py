@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 DPI = 100
 ROW, WIDTH = 4.6, 13.5  # inches of each alignment
 PIXELS = 700  # of a matrix at most: it is drawn from the cells of its band
-PASSES = ("first pass: phases", "second pass: phases and palms")
+PASSES = ("first pass: phases", "second pass: palms and paces too")
 KIND_COLOURS: Mapping[PhaseKind, str] = {
     "hold": LINE,
     "preparation": shade(SKY),

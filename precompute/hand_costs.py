@@ -15,7 +15,7 @@ from motion.errors import SettingsError
 from motion.quaternion import Floats
 from motion.skeleton import Integers
 from precompute.banded_warp import Band
-from precompute.hand_phases import derivatives
+from precompute.hand_phases import Derivatives, derivatives
 from precompute.hand_points import HandMotion, bones
 
 WINDOW = 5  # frames that are turned together
@@ -48,6 +48,14 @@ class Comparison:
             _add_sign_costs(signs, their_change / their_zone, *self._facing, band.low, band.high, costs)
         return costs
 
+    def paces(self, band: Band) -> Costs:
+        """In each cell of a band [F, width], by how much both derivatives of all points differ, squared, each of them
+        as a part of what it is in its clip: within a phase signs are alike, and so may palms be."""
+        costs = np.zeros((len(band.low), band.width), np.float32)
+        ours, theirs = (_paces(found) for found in self._changes)
+        _add_differences(ours, theirs, *self._facing, band.low, band.high, costs)
+        return costs
+
     def palms(self, band: Band) -> Costs:
         """Equation 9 in each cell of a band [F, width]: radians between both hands, their forearms aligned."""
         costs = np.zeros((len(band.low), band.width), np.float32)
@@ -68,6 +76,12 @@ def _windows(points: Floats) -> Floats:
     around = points[np.clip(frames, 0, len(points) - 1)].reshape(len(points), -1, 3)
     centred = around - around.mean(axis=1, keepdims=True)
     return np.concatenate([centred[:, :, 0], centred[:, :, 2]], axis=1)
+
+
+def _paces(found: Derivatives) -> Floats:
+    """Both derivatives [F, 8, 3] in units of their spread, and of the dead zone in a clip that rests."""
+    parts = (found.velocity, found.still), (found.acceleration, found.steady)
+    return np.concatenate([change / max(float(change.std()), zone) for change, zone in parts], axis=1)
 
 
 @njit(cache=True, nogil=True, fastmath=True)
@@ -107,6 +121,30 @@ def _add_sign_costs(
                 dx = signs[i, k, 0] - _sign(cosine * x + sine * z)
                 dy = signs[i, k, 1] - _sign(y)
                 dz = signs[i, k, 2] - _sign(cosine * z - sine * x)
+                cost += dx * dx + dy * dy + dz * dz
+            out[i, j - low[i]] += cost
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _add_differences(
+    ours: Floats,
+    theirs: Floats,
+    body: Floats,
+    hands: Floats,
+    turned: Floats,
+    low: Integers,
+    high: Integers,
+    out: Costs,
+) -> None:
+    for i in range(len(low)):
+        for j in range(low[i], high[i] + 1):
+            cosine, sine = _turn(body, hands, turned, i, j)
+            cost = 0.0
+            for k in range(ours.shape[1]):
+                x, y, z = theirs[j, k, 0], theirs[j, k, 1], theirs[j, k, 2]
+                dx = ours[i, k, 0] - (cosine * x + sine * z)
+                dy = ours[i, k, 1] - y
+                dz = ours[i, k, 2] - (cosine * z - sine * x)
                 cost += dx * dx + dy * dy + dz * dz
             out[i, j - low[i]] += cost
 

@@ -46,6 +46,17 @@ def phase_cost(body: HandMotion, hands: HandMotion, rate: float, i: int, j: int,
     return cost
 
 
+def pace_cost(body: HandMotion, hands: HandMotion, rate: float, i: int, j: int, turned: Floats) -> float:
+    """By how much both derivatives differ, each as a part of its clip's."""
+    ours, theirs = derivatives(body.points, rate), derivatives(hands.points, rate)
+    cost = 0.0
+    for point in range(4):
+        for a, b in ((ours.velocity, theirs.velocity), (ours.acceleration, theirs.acceleration)):
+            apart = a[i, point] / a.std() - rotate(turned, b[j, point]) / b.std()
+            cost += float(np.sum(apart**2))
+    return cost
+
+
 def palm_cost(body: HandMotion, hands: HandMotion, i: int, j: int, turned: Floats) -> float:
     """Equation 9: the angle between both hands once the forearms are aligned by the least turn."""
 

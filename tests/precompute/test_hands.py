@@ -49,7 +49,7 @@ def whole(frames: int, others: int) -> Band:
 def test_costs_are_those_of_the_twin(both: tuple[HandMotion, HandMotion]) -> None:
     body, hands = both
     compared, band = Comparison(body, hands, RATE), straight_band(len(body.points), len(hands.points), 0.3, [])
-    phase_costs, palm_costs = compared.phases(band), compared.palms(band)
+    phase_costs, palm_costs, pace_costs = compared.phases(band), compared.palms(band), compared.paces(band)
     draw, unequal = np.random.default_rng(0), 0
     for _ in range(25):
         i = int(draw.integers(len(body.points)))
@@ -57,6 +57,7 @@ def test_costs_are_those_of_the_twin(both: tuple[HandMotion, HandMotion]) -> Non
         turned = naive_hands.turn(body, hands, i, j)
         at = i, j - int(band.low[i])
         unequal += phase_costs[at] != naive_hands.phase_cost(body, hands, RATE, i, j, turned)
+        assert pace_costs[at] == pytest.approx(naive_hands.pace_cost(body, hands, RATE, i, j, turned), rel=5e-3)
         assert palm_costs[at] == pytest.approx(naive_hands.palm_cost(body, hands, i, j, turned), abs=2e-3)
     assert unequal <= 2  # the twin's turn is one of 7,200, and a sign may change between them
 
@@ -286,6 +287,12 @@ def test_points_of_no_or_boundless_size_are_aligned_all_the_same(size: float) ->
         frames = align_hands([body], [hands], RATE).frames
     assert np.all(np.diff(frames) >= 0.0)
     assert 0.0 <= frames[0] <= frames[-1] <= 29.0
+
+
+def test_motion_without_bounds_is_refused() -> None:
+    far = HandMotion(np.random.default_rng(0).normal(size=(20, 4, 3)) * 1e306)
+    with np.errstate(all="ignore"), pytest.raises(ClipError, match="too far to be compared"):
+        align_hands([far], [far], RATE)
 
 
 def test_points_must_be_points() -> None:

@@ -124,8 +124,7 @@ def draw_hands() -> None:
     sheet = contact_sheet(rows, columns=12, start=0.8, end=6.3, view="front", hand="right", ghost=pair.truth)
     sheet.save(IMAGES / "hands.png")
     draw_alignment(spliced, settings, pair.hands.rate, IMAGES / "hands-alignment.png")
-    for name in ("hands.png", "hands-alignment.png"):
-        reduce(IMAGES / name)
+    reduce(IMAGES / "hands.png")
 
 
 def draw_speed() -> None:

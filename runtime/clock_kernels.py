@@ -15,7 +15,6 @@ from runtime.arrays import BankArrays, Ground
 from runtime.compiled import ZERO, Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
 from runtime.lookup_kernels import NAIVE, SPLICE
-from runtime.rotation_kernels import ONE
 from runtime.transition_kernels import (
     UNKNOWN,
     action,
@@ -117,15 +116,7 @@ def fade_slot(s: Array, slot: int, seconds: float, follow: float) -> None:
 def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float) -> float:
     """Phases, frames and root motion; returns how many cycles the gaits went on, 0 if there is none."""
     count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
-    passed = gaits = 0.0
-    if count > 1:
-        for number in range(count):
-            slot = locomotion(c, number)
-            clip = int(s[slot + col.CLIP])
-            if bank.clips[clip, arrays.GAIT] > 0.0:
-                gaits += s[slot + col.SHARE]
-                passed += s[slot + col.SHARE] * ahead * tempo(bank, clip, s[slot + col.FRAME])
-        passed = passed / gaits if gaits > 0.0 else 0.0
+    passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
     x = y = z = turn = 0.0
     for number in range(count):
         slot = locomotion(c, number)
@@ -168,10 +159,34 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
 
 
 @inlined
-def tempo(bank: BankArrays, clip: int, frame: float) -> float:
-    """Cycles a second of a clip at a frame."""
-    row, _ = row_of(bank, clip, frame)
-    return (bank.phases[row + ONE] - bank.phases[row]) * bank.clips[clip, arrays.RATE]
+def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
+    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured.
+
+    It is their times a cycle that are mixed, as in Kovar and Gleicher's registration curves (2003, section 4): a clip
+    whose phase hardly moves for a moment is then not hurried through it by the others.
+    """
+    gaits = times = 0.0
+    for number in range(count):
+        slot = locomotion(c, number)
+        clip = int(s[slot + col.CLIP])
+        if bank.clips[clip, arrays.GAIT] > 0.0:
+            gaits += s[slot + col.SHARE]
+            times += s[slot + col.SHARE] / own_step(bank, clip, s[slot + col.FRAME], s[slot + col.PHASE], ahead)
+    return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
+
+
+@inlined
+def own_step(bank: BankArrays, clip: int, frame: float, phase: float, ahead: float) -> float:
+    """Cycles that a clip goes on by itself in so many seconds from a frame, whose phase is given; past its end as its
+    loop does, or as its last frames did."""
+    after, last = frame + ahead * bank.clips[clip, arrays.RATE], bank.clips[clip, arrays.ROW_COUNT] - 1.0
+    if after <= last:
+        return phase_of(bank, clip, after) - phase
+    to_end, beyond = bank.clips[clip, arrays.LAST_PHASE] - phase, after - last
+    if bank.clips[clip, arrays.LOOP] == 0.0:
+        return to_end + bank.clips[clip, arrays.LAST_PHASE] - phase_of(bank, clip, last - beyond)
+    again = frame_after_last(bank, clip)
+    return to_end + phase_of(bank, clip, again + beyond) - phase_of(bank, clip, again)
 
 
 @kernel
@@ -244,7 +259,7 @@ def advance_splice(
     bank: BankArrays, s: Array, slot: int, ahead: float, passed: float, gaits: float, phase: float
 ) -> None:
     clip, frame, reached = int(s[slot + col.CLIP]), s[slot + col.FRAME], s[slot + col.PHASE]
-    own = ahead * tempo(bank, clip, frame)
+    own = own_step(bank, clip, frame, reached, ahead)
     if gaits == 0.0 or is_own_clock(s, slot, frame):
         reached += own
     else:

@@ -225,6 +225,31 @@ def test_a_switch_is_in_step(one: Setup) -> None:
     assert characters.state[0, col.LOCOMOTIONS] == 1
 
 
+@pytest.mark.parametrize("name", ["walk", "run", "carry_box", "turn_180"])
+def test_what_is_hardly_mixed_yet_goes_on_as_alone(one: Setup, name: str) -> None:
+    """Past its end and through its seam too, where its phase bends."""
+    alone, mixed = one(), one()
+    for characters in (alone, mixed):
+        characters.add(1, name, time=0.013)  # so that no frame is the last one's very moment
+    mixed.play([0], "side_step", blend=1e6)
+    for _ in range(500):
+        assert slot(mixed, 0, col.FRAME) == pytest.approx(slot(alone, 0, col.FRAME), abs=1e-3)
+        for characters in (alone, mixed):
+            characters.advance()
+
+
+def test_gaits_that_are_mixed_play_as_fast_as_they_were_captured_on_average(one: Setup, bank: Bank) -> None:
+    characters = one()
+    characters.add(1, {"walk": 0.3, "run": 0.7})
+    for _ in range(40):  # neither comes to its end
+        before = [slot(characters, number, col.FRAME) for number in (0, 1)]
+        characters.advance()
+        passed = [slot(characters, number, col.FRAME) - before[number] for number in (0, 1)]
+        speeds = [RATE * frames / bank.clip(name).rate for frames, name in zip(passed, ("walk", "run"), strict=True)]
+        assert speeds[0] > 1.0 > speeds[1]
+        assert 0.3 * speeds[0] + 0.7 * speeds[1] == pytest.approx(1.0, abs=0.03)
+
+
 def test_weights_are_followed_and_speed_lies_between(one: Setup) -> None:
     characters = one()
     characters.add(1, {"walk": 1.0, "run": 0.0})

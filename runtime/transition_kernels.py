@@ -179,6 +179,8 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
         start = phase_of(bank, clip, s[c + col.NEXT_TIME] * bank.clips[clip, arrays.RATE])
         gait = bank.clips[clip, arrays.GAIT] > 0.0
         begun = in_step(bank, clip, start, phase) if gait else start
+        if gait and phase == UNKNOWN:
+            phase = begun  # those of a group are in step with its first gait, if there is nothing else
         s[slot + col.CLIP], s[slot + col.PHASE], s[slot + col.FRAME] = clip, begun, frame_of(bank, clip, begun)
         weight = s[c + col.NEXT_WEIGHTS + number]
         s[slot + col.WEIGHT], s[slot + col.LAGGING], s[slot + col.GOAL] = weight, weight, weight

@@ -225,6 +225,15 @@ def test_a_switch_is_in_step(one: Setup) -> None:
     assert characters.state[0, col.LOCOMOTIONS] == 1
 
 
+def test_a_mix_that_nothing_precedes_is_in_step_within(one: Setup) -> None:
+    characters = one()
+    characters.add(1, {"walk": 0.5, "run": 0.3, "side_step": 0.2}, time=0.4)
+    for _ in range(100):
+        phases = np.array([slot(characters, number, col.PHASE) for number in range(3)])
+        np.testing.assert_allclose((phases - phases[0] + 0.5) % 1.0, 0.5, atol=1e-9)
+        characters.advance()
+
+
 @pytest.mark.parametrize("name", ["walk", "run", "carry_box", "turn_180"])
 def test_what_is_hardly_mixed_yet_goes_on_as_alone(one: Setup, name: str) -> None:
     """Past its end and through its seam too, where its phase bends."""

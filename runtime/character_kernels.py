@@ -16,10 +16,11 @@ from runtime.compiled import ZERO, Array, Index, inlined, kernel
 from runtime.kernels import copy_lower, copy_rotation
 from runtime.lookup_kernels import fetch_ahead
 from runtime.mixing_kernels import add_cloud, add_lanes, normalise_lanes, weigh_lanes
+from runtime.phase_kernels import row_of
 from runtime.posture_kernels import between_rows, turn_pelves
 from runtime.rotation_kernels import ONE, sample
 from runtime.rows import FIRST_JOINT, PELVIS, ROOT
-from runtime.transition_kernels import action, locomotion, row_of, seen
+from runtime.transition_kernels import action, locomotion, seen
 from runtime.turning_kernels import turn_limbs, turn_pelvis
 from runtime.upper_kernels import mix_upper, row_of_action
 

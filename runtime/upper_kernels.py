@@ -15,10 +15,11 @@ from runtime.hand_kernels import wear_hands
 from runtime.kernels import copy_upper
 from runtime.lookup_kernels import NAIVE, SPLICE, locate, repeated
 from runtime.mixing_kernels import add_lanes, normalise_lanes, weigh_lanes
+from runtime.phase_kernels import row_of
 from runtime.posture_kernels import ABSOLUTE, GIVEN, RUNNING, correlate
 from runtime.rotation_kernels import sample
 from runtime.rows import PELVIS
-from runtime.transition_kernels import action, faded, locomotion, row_of
+from runtime.transition_kernels import action, faded, locomotion
 from runtime.turning_kernels import is_apart, keep_limbs
 
 

@@ -19,6 +19,7 @@ from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 from runtime.in_step import phase_at
 from runtime.limbs import limbs_of
+from runtime.played import newest_mix, played_clips, worn_hands
 from runtime.requests import (
     FLOAT64,
     METHODS,
@@ -260,47 +261,21 @@ class Characters:
     def clips(self) -> set[str]:
         """The names of all clips that are played, or wait to be, and of all hands that are worn."""
         bank = self.stage.bank
-        worn = {bank.hand_clips[number] for number in np.unique(self._worn()[1]).tolist()}
-        return worn | {bank.clips[number].name for number in np.unique(self._numbers()[1]).tolist()}
+        worn = {bank.hand_clips[number] for number in np.unique(worn_hands(self.state)[1]).tolist()}
+        return worn | {bank.clips[number].name for number in np.unique(played_clips(self.state)[1]).tolist()}
 
     def moved(self, stage: Stage) -> Characters:
         """The same characters on another bank, which has all clips and hands of theirs, at the same frames."""
-        at, played = self._numbers()
+        at, played = played_clips(self.state)
         numbers = np.zeros(len(self.stage.bank.clips))
         for number in np.unique(played).tolist():
             numbers[number] = stage.bank.number(self.stage.bank.clips[number].name)
         state = self.state.copy()
         state[at] = numbers[played]
-        at, worn = self._worn()
+        at, worn = worn_hands(self.state)
         state[at] = [stage.bank.hand_number(self.stage.bank.hand_clips[number]) for number in worn]
         clock_kernels.settle_in(stage.evaluator.arrays, stage.ground, state.reshape(-1))
         return Characters(stage, self.rate, state)
-
-    def _numbers(self) -> tuple[tuple[NDArray[np.int64], ...], NDArray[np.int64]]:
-        """Where in the state clip numbers are, and these."""
-        state = self.state
-        mixed = col.NEXT_CLIPS + np.arange(col.MOST_MIXED)
-        legs = col.FIRST_LOCOMOTION + col.CLIP + col.LOCOMOTION_COLUMNS * np.arange(col.MOST_LOCOMOTIONS)
-        layers = col.FIRST_ACTION + col.CLIP + col.ACTION_COLUMNS * np.arange(col.MOST_ACTIONS)
-        counted = ((legs, col.LOCOMOTIONS), (layers, col.ACTIONS), (mixed, col.NEXT_COUNT))
-        used = np.zeros(state.shape, np.bool_)
-        for columns, count in counted:
-            used[:, columns] = np.arange(len(columns)) < state[:, [count]]
-        used[:, layers] &= state[:, layers + col.KIND - col.CLIP] != col.OWN
-        waits, is_own = state[:, col.WHEN] > 0, state[:, col.NEXT_ACTION + col.KIND] == col.OWN
-        used[:, col.NEXT_ACTION + col.CLIP] = waits & ~is_own
-        at = np.nonzero(used)
-        return at, state[at].astype(np.int64)
-
-    def _worn(self) -> tuple[tuple[NDArray[np.int64], ...], NDArray[np.int64]]:
-        """Where in the state numbers of hands are, and these."""
-        slots = col.FIRST_HANDS + col.HANDS_COLUMNS * np.arange(col.MOST_HANDS + 1) + col.CLIP  # the last one waits
-        used = self.state[:, slots] != col.BARE
-        used[:, :-1] &= np.arange(col.MOST_HANDS) < self.state[:, [col.HANDS]]
-        used[:, -1] &= self.state[:, col.HANDS_WAIT] > 0.0
-        rows, number = np.nonzero(used)
-        at = rows, slots[number]
-        return at, self.state[at].astype(np.int64)
 
     @property
     def deltas(self) -> States:
@@ -339,16 +314,6 @@ class Characters:
         if mask != col.UPPER_BODY and not self.stage.limbs.lengths[limbs].all():
             raise SettingsError(f"this rig has no {name}", mend="Name the joints of its limbs as roles")
         return mask
-
-
-def newest_mix(s: States) -> tuple[list[int], NDArray[np.int64]]:
-    """The clips of the group that waits in a row, or else of the newest, and where in the row their weights are set."""
-    if s[col.NEXT_COUNT]:
-        numbers = np.arange(int(s[col.NEXT_COUNT]))
-        return s[col.NEXT_CLIPS + numbers].astype(int).tolist(), col.NEXT_WEIGHTS + numbers
-    slots = col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS * np.arange(int(s[col.LOCOMOTIONS]))
-    newest = slots[np.flatnonzero(s[slots + col.HEAD])[-1] :]
-    return s[newest + col.CLIP].astype(int).tolist(), newest + col.GOAL
 
 
 def part_of_1(weight: float) -> float:

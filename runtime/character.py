@@ -16,6 +16,7 @@ from motion.errors import SettingsError
 from runtime import arrays, character_kernels, clock_kernels
 from runtime import character_state as col
 from runtime.bank import Bank
+from runtime.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
 from runtime.evaluator import Evaluator
 from runtime.in_step import phase_at
 from runtime.limbs import limbs_of
@@ -37,7 +38,6 @@ from runtime.requests import (
 BLEND = 0.3  # seconds
 States = NDArray[np.float64]
 Rows = NDArray[np.int64] | Sequence[int]
-Locomotion = str | Mapping[str, float]
 
 
 class Stage:
@@ -120,7 +120,7 @@ class Characters:
         one, just there. While two groups are still being blended a third one waits, and a newer one takes its place.
         Raises UnknownClipError, TimeRangeError or SettingsError.
         """
-        weights = self._weights(locomotion)
+        weights = shares_of(self.stage.bank, locomotion)
         for clip in weights:
             if (fault := time_fault("time", time, self.stage.bank.clips[clip])) is not None:
                 raise fault
@@ -135,7 +135,7 @@ class Characters:
     def weigh(self, rows: Rows, weights: Mapping[str, float]) -> None:
         """Changes the weights of the newest mix, of whose clips those left out get none: each frame, if you like, for
         they are followed within about a tenth of a second. Raises UnknownClipError or SettingsError."""
-        given = self._weights(weights)
+        given = shares_of(self.stage.bank, weights)
         goals = []
         for row in np.atleast_1d(np.asarray(rows)):
             clips, at = newest_mix(self.state[row])
@@ -184,7 +184,7 @@ class Characters:
         part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
         part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
         part[col.FADING_OUT], part[col.LOOP] = at_least_0("blend_out", blend_out), loop
-        part[col.MASK] = self._mask(mask)
+        part[col.MASK] = mask_of(self.stage.limbs, mask)
         part[col.POSTURE] = known(POSTURES, "posture", posture)
         part[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
         part[col.REMEMBERED :] = Memory.begin(1, self.rate).state[0]
@@ -297,32 +297,3 @@ class Characters:
         self.state[rows, col.NEXT_ACTION : col.NEXT_ACTION + col.ACTION_COLUMNS] = part
         self.state[rows, col.WHEN] = when
         self._begin(rows)
-
-    def _weights(self, locomotion: Locomotion) -> dict[int, float]:
-        """Weights that come to 1 by clip number."""
-        given = {locomotion: 1.0} if isinstance(locomotion, str) else dict(locomotion)
-        total = sum(given.values())
-        if not 1 <= len(given) <= col.MOST_MIXED:
-            raise SettingsError(f"{len(given)} locomotions cannot be mixed", mend=f"Name 1 to {col.MOST_MIXED}")
-        if not (min(given.values()) >= 0.0 and 0.0 < total < np.inf):
-            raise SettingsError("weights should be at least 0, and one of them more")
-        return {self.stage.bank.number(name): weight / total for name, weight in given.items()}
-
-    def _mask(self, name: str) -> int:
-        mask = known(col.MASKS, "mask", name)
-        limbs = [part for part in range(1, col.PARTS) if mask >> part & 1]
-        if mask != col.UPPER_BODY and not self.stage.limbs.lengths[limbs].all():
-            raise SettingsError(f"this rig has no {name}", mend="Name the joints of its limbs as roles")
-        return mask
-
-
-def part_of_1(weight: float) -> float:
-    if not 0.0 <= weight <= 1.0:
-        raise SettingsError(f"weight {weight} does not lie between 0 and 1")
-    return weight
-
-
-def at_least_0(label: str, value: float) -> float:
-    if not 0.0 <= value < np.inf:
-        raise SettingsError(f"{label} {value} should be a number from 0 on")
-    return value

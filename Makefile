@@ -12,7 +12,7 @@ test: $(VENV)/ready            ## set up and run every test; kernels also as pla
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_kernels.py tests/precompute/test_timewarp.py \
 		tests/precompute/test_joint_paths.py tests/precompute/test_best_rotations.py tests/motion/test_decimals.py
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_characters.py \
-		-k "not pops and not same_bytes"  # which would take a minute
+		tests/runtime/test_mixes.py -k "not same_bytes"  # which would take a minute
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/test_hands.py \
 		-k "twin or paths or few_frames or boundless or layer or loop or wear"
 	$(BIN)/python -m pytest -q tests/runtime  # first and alone, for it compiles the kernels: a minute

@@ -16,9 +16,11 @@ from motion.errors import SettingsError
 from runtime import arrays, character_kernels, clock_kernels
 from runtime import character_state as col
 from runtime.bank import Bank
+from runtime.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
 from runtime.evaluator import Evaluator
 from runtime.in_step import phase_at
 from runtime.limbs import limbs_of
+from runtime.played import newest_mix, played_clips, worn_hands
 from runtime.requests import (
     FLOAT64,
     METHODS,
@@ -36,7 +38,6 @@ from runtime.requests import (
 BLEND = 0.3  # seconds
 States = NDArray[np.float64]
 Rows = NDArray[np.int64] | Sequence[int]
-Locomotion = str | Mapping[str, float]
 
 
 class Stage:
@@ -119,7 +120,7 @@ class Characters:
         one, just there. While two groups are still being blended a third one waits, and a newer one takes its place.
         Raises UnknownClipError, TimeRangeError or SettingsError.
         """
-        weights = self._weights(locomotion)
+        weights = shares_of(self.stage.bank, locomotion)
         for clip in weights:
             if (fault := time_fault("time", time, self.stage.bank.clips[clip])) is not None:
                 raise fault
@@ -134,7 +135,7 @@ class Characters:
     def weigh(self, rows: Rows, weights: Mapping[str, float]) -> None:
         """Changes the weights of the newest mix, of whose clips those left out get none: each frame, if you like, for
         they are followed within about a tenth of a second. Raises UnknownClipError or SettingsError."""
-        given = self._weights(weights)
+        given = shares_of(self.stage.bank, weights)
         goals = []
         for row in np.atleast_1d(np.asarray(rows)):
             clips, at = newest_mix(self.state[row])
@@ -183,7 +184,7 @@ class Characters:
         part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
         part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
         part[col.FADING_OUT], part[col.LOOP] = at_least_0("blend_out", blend_out), loop
-        part[col.MASK] = self._mask(mask)
+        part[col.MASK] = mask_of(self.stage.limbs, mask)
         part[col.POSTURE] = known(POSTURES, "posture", posture)
         part[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
         part[col.REMEMBERED :] = Memory.begin(1, self.rate).state[0]
@@ -260,47 +261,21 @@ class Characters:
     def clips(self) -> set[str]:
         """The names of all clips that are played, or wait to be, and of all hands that are worn."""
         bank = self.stage.bank
-        worn = {bank.hand_clips[number] for number in np.unique(self._worn()[1]).tolist()}
-        return worn | {bank.clips[number].name for number in np.unique(self._numbers()[1]).tolist()}
+        worn = {bank.hand_clips[number] for number in np.unique(worn_hands(self.state)[1]).tolist()}
+        return worn | {bank.clips[number].name for number in np.unique(played_clips(self.state)[1]).tolist()}
 
     def moved(self, stage: Stage) -> Characters:
         """The same characters on another bank, which has all clips and hands of theirs, at the same frames."""
-        at, played = self._numbers()
+        at, played = played_clips(self.state)
         numbers = np.zeros(len(self.stage.bank.clips))
         for number in np.unique(played).tolist():
             numbers[number] = stage.bank.number(self.stage.bank.clips[number].name)
         state = self.state.copy()
         state[at] = numbers[played]
-        at, worn = self._worn()
+        at, worn = worn_hands(self.state)
         state[at] = [stage.bank.hand_number(self.stage.bank.hand_clips[number]) for number in worn]
         clock_kernels.settle_in(stage.evaluator.arrays, stage.ground, state.reshape(-1))
         return Characters(stage, self.rate, state)
-
-    def _numbers(self) -> tuple[tuple[NDArray[np.int64], ...], NDArray[np.int64]]:
-        """Where in the state clip numbers are, and these."""
-        state = self.state
-        mixed = col.NEXT_CLIPS + np.arange(col.MOST_MIXED)
-        legs = col.FIRST_LOCOMOTION + col.CLIP + col.LOCOMOTION_COLUMNS * np.arange(col.MOST_LOCOMOTIONS)
-        layers = col.FIRST_ACTION + col.CLIP + col.ACTION_COLUMNS * np.arange(col.MOST_ACTIONS)
-        counted = ((legs, col.LOCOMOTIONS), (layers, col.ACTIONS), (mixed, col.NEXT_COUNT))
-        used = np.zeros(state.shape, np.bool_)
-        for columns, count in counted:
-            used[:, columns] = np.arange(len(columns)) < state[:, [count]]
-        used[:, layers] &= state[:, layers + col.KIND - col.CLIP] != col.OWN
-        waits, is_own = state[:, col.WHEN] > 0, state[:, col.NEXT_ACTION + col.KIND] == col.OWN
-        used[:, col.NEXT_ACTION + col.CLIP] = waits & ~is_own
-        at = np.nonzero(used)
-        return at, state[at].astype(np.int64)
-
-    def _worn(self) -> tuple[tuple[NDArray[np.int64], ...], NDArray[np.int64]]:
-        """Where in the state numbers of hands are, and these."""
-        slots = col.FIRST_HANDS + col.HANDS_COLUMNS * np.arange(col.MOST_HANDS + 1) + col.CLIP  # the last one waits
-        used = self.state[:, slots] != col.BARE
-        used[:, :-1] &= np.arange(col.MOST_HANDS) < self.state[:, [col.HANDS]]
-        used[:, -1] &= self.state[:, col.HANDS_WAIT] > 0.0
-        rows, number = np.nonzero(used)
-        at = rows, slots[number]
-        return at, self.state[at].astype(np.int64)
 
     @property
     def deltas(self) -> States:
@@ -322,42 +297,3 @@ class Characters:
         self.state[rows, col.NEXT_ACTION : col.NEXT_ACTION + col.ACTION_COLUMNS] = part
         self.state[rows, col.WHEN] = when
         self._begin(rows)
-
-    def _weights(self, locomotion: Locomotion) -> dict[int, float]:
-        """Weights that come to 1 by clip number."""
-        given = {locomotion: 1.0} if isinstance(locomotion, str) else dict(locomotion)
-        total = sum(given.values())
-        if not 1 <= len(given) <= col.MOST_MIXED:
-            raise SettingsError(f"{len(given)} locomotions cannot be mixed", mend=f"Name 1 to {col.MOST_MIXED}")
-        if not (min(given.values()) >= 0.0 and 0.0 < total < np.inf):
-            raise SettingsError("weights should be at least 0, and one of them more")
-        return {self.stage.bank.number(name): weight / total for name, weight in given.items()}
-
-    def _mask(self, name: str) -> int:
-        mask = known(col.MASKS, "mask", name)
-        limbs = [part for part in range(1, col.PARTS) if mask >> part & 1]
-        if mask != col.UPPER_BODY and not self.stage.limbs.lengths[limbs].all():
-            raise SettingsError(f"this rig has no {name}", mend="Name the joints of its limbs as roles")
-        return mask
-
-
-def newest_mix(s: States) -> tuple[list[int], NDArray[np.int64]]:
-    """The clips of the group that waits in a row, or else of the newest, and where in the row their weights are set."""
-    if s[col.NEXT_COUNT]:
-        numbers = np.arange(int(s[col.NEXT_COUNT]))
-        return s[col.NEXT_CLIPS + numbers].astype(int).tolist(), col.NEXT_WEIGHTS + numbers
-    slots = col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS * np.arange(int(s[col.LOCOMOTIONS]))
-    newest = slots[np.flatnonzero(s[slots + col.HEAD])[-1] :]
-    return s[newest + col.CLIP].astype(int).tolist(), newest + col.GOAL
-
-
-def part_of_1(weight: float) -> float:
-    if not 0.0 <= weight <= 1.0:
-        raise SettingsError(f"weight {weight} does not lie between 0 and 1")
-    return weight
-
-
-def at_least_0(label: str, value: float) -> float:
-    if not 0.0 <= value < np.inf:
-        raise SettingsError(f"{label} {value} should be a number from 0 on")
-    return value

@@ -11,33 +11,25 @@ import numpy as np
 
 from runtime import arrays
 from runtime import character_state as col
+from runtime.action_kernels import advance_actions
 from runtime.arrays import BankArrays, Ground
 from runtime.compiled import ZERO, Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.lookup_kernels import NAIVE, SPLICE
-from runtime.rotation_kernels import ONE
+from runtime.phase_kernels import frame_after_last, frame_of, own_step, phase_of, row_of
 from runtime.transition_kernels import (
-    UNKNOWN,
     action,
     begin_waiting,
     drop_actions,
     drop_hands,
-    frame_after_last,
-    frame_of,
     hands,
-    is_own_clock,
     keep_way,
-    leave_action,
     locomotion,
-    phase_of,
-    row_of,
     seen,
     share_locomotions,
     way,
 )
 
 SMOOTHING = 0.05  # seconds: each of two time constants with which weights follow what they are set to
-CATCH_UP = 0.3  # of the locomotion's speed, by which an action out of step is faster or slower until it is in step
 AGAIN = 0.3  # seconds of the fade into itself of a clip that has no two strides alike
 
 
@@ -117,15 +109,7 @@ def fade_slot(s: Array, slot: int, seconds: float, follow: float) -> None:
 def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float) -> float:
     """Phases, frames and root motion; returns how many cycles the gaits went on, 0 if there is none."""
     count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
-    passed = gaits = 0.0
-    if count > 1:
-        for number in range(count):
-            slot = locomotion(c, number)
-            clip = int(s[slot + col.CLIP])
-            if bank.clips[clip, arrays.GAIT] > 0.0:
-                gaits += s[slot + col.SHARE]
-                passed += s[slot + col.SHARE] * ahead * tempo(bank, clip, s[slot + col.FRAME])
-        passed = passed / gaits if gaits > 0.0 else 0.0
+    passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
     x = y = z = turn = 0.0
     for number in range(count):
         slot = locomotion(c, number)
@@ -168,10 +152,20 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
 
 
 @inlined
-def tempo(bank: BankArrays, clip: int, frame: float) -> float:
-    """Cycles a second of a clip at a frame."""
-    row, _ = row_of(bank, clip, frame)
-    return (bank.phases[row + ONE] - bank.phases[row]) * bank.clips[clip, arrays.RATE]
+def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
+    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured.
+
+    It is their times a cycle that are mixed, as in Kovar and Gleicher's registration curves (2003, section 4): a clip
+    whose phase hardly moves for a moment is then not hurried through it by the others.
+    """
+    gaits = times = 0.0
+    for number in range(count):
+        slot = locomotion(c, number)
+        clip = int(s[slot + col.CLIP])
+        if bank.clips[clip, arrays.GAIT] > 0.0:
+            gaits += s[slot + col.SHARE]
+            times += s[slot + col.SHARE] / own_step(bank, clip, s[slot + col.FRAME], s[slot + col.PHASE], ahead)
+    return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
 
 
 @kernel
@@ -217,68 +211,6 @@ def travelled(
     keep_way(bank, ground, s, slot)
     dx, dz = seen(sin, cos, s[slot + col.WAY] - x0, s[slot + col.WAY + 2] - z0)
     return x + dx, y + s[slot + col.WAY + 1] - y0, z + dz, turn + s[slot + col.WAY + 3] - h0
-
-
-@inlined
-def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float) -> None:
-    """The phases and frames of all actions: with the gaits, or by their own clock as far as there are none."""
-    count = int(s[c + col.ACTIONS])
-    if count > 0:
-        gaits, phase = 0.0, UNKNOWN
-        for number in range(int(s[c + col.LOCOMOTIONS])):
-            slot = locomotion(c, number)
-            if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
-                gaits, phase = gaits + s[slot + col.SHARE], s[slot + col.PHASE]
-        for number in range(count):
-            slot = action(c, number)
-            if s[slot + col.KIND] == SPLICE:
-                advance_splice(bank, s, slot, seconds * s[c + col.SPEED], passed, min(gaits, 1.0), phase)
-            elif s[slot + col.KIND] == NAIVE:
-                clip = int(s[slot + col.CLIP])
-                s[slot + col.FRAME] += seconds * s[c + col.SPEED] * bank.clips[clip, arrays.RATE]
-        end_actions(bank, s, c, count, seconds)
-
-
-@inlined
-def advance_splice(
-    bank: BankArrays, s: Array, slot: int, ahead: float, passed: float, gaits: float, phase: float
-) -> None:
-    clip, frame, reached = int(s[slot + col.CLIP]), s[slot + col.FRAME], s[slot + col.PHASE]
-    own = ahead * tempo(bank, clip, frame)
-    if gaits == 0.0 or is_own_clock(s, slot, frame):
-        reached += own
-    else:
-        astray = reached - phase + passed
-        astray -= np.round(astray)
-        reached += gaits * (passed - min(max(astray, -CATCH_UP * passed), CATCH_UP * passed)) + (1.0 - gaits) * own
-    end, loop = bank.clips[clip, arrays.LAST_PHASE], bank.clips[clip, arrays.LOOP]
-    if s[slot + col.LOOP] > 0.0 and loop > 0.0 and reached > end:
-        reached -= loop * np.ceil((reached - end) / loop)
-    s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, clip, reached)
-
-
-@kernel
-def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
-    """Has the newest action faded out in time before it ends, or begun again over itself."""
-    slot = action(c, count - 1)
-    clip, kind = int(s[slot + col.CLIP]), s[slot + col.KIND]
-    if kind == col.OWN or s[slot + col.LEAVING] > 0.0 or count == col.MOST_ACTIONS:
-        return
-    goes_on = s[slot + col.LOOP] > 0.0
-    if goes_on and (kind == NAIVE or bank.clips[clip, arrays.LOOP] > 0.0):
-        return
-    left = (bank.clips[clip, arrays.FRAME_COUNT] - 1.0 - s[slot + col.FRAME]) / bank.clips[clip, arrays.RATE]
-    fading = s[slot + col.FADING_OUT]
-    if left > max(fading * s[c + col.SPEED], seconds * s[c + col.SPEED]):
-        return
-    if not goes_on:
-        leave_action(s, c, slot, fading)
-    elif s[c + col.WHEN] == col.NEVER:
-        for column in range(col.ACTION_COLUMNS):
-            s[c + col.NEXT_ACTION + column] = s[slot + column]
-        s[c + col.NEXT_ACTION + col.PHASE] = bank.clips[clip, arrays.FIRST_PHASE]
-        s[c + col.NEXT_ACTION + col.FRAME] = 0.0
-        s[c + col.NEXT_ACTION + col.LASTING], s[c + col.WHEN] = fading, col.NOW
 
 
 @inlined

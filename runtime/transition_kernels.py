@@ -15,7 +15,8 @@ from runtime import character_state as col
 from runtime.arrays import BankArrays, Ground
 from runtime.compiled import ZERO, Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.lookup_kernels import IN_STEP, SPLICE, between, frame_at, frame_near, locate
+from runtime.lookup_kernels import IN_STEP, SPLICE
+from runtime.phase_kernels import frame_of, phase_of, row_of
 from runtime.rotation_kernels import ONE
 
 UNKNOWN = np.inf  # a phase that nothing says
@@ -52,32 +53,6 @@ def faded(elapsed: float, lasting: float, curve: float) -> float:
     if curve == col.EASE_OUT:
         return t * (2.0 - t)
     return t
-
-
-@inlined
-def row_of(bank: BankArrays, clip: int, frame: float) -> tuple[np.uint64, float]:
-    """The row before a real-valued frame of a clip, its seam's among them, and how far past it."""
-    return locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
-
-
-@inlined
-def phase_of(bank: BankArrays, clip: int, frame: float) -> float:
-    """A clip's phase at a frame."""
-    row, t = row_of(bank, clip, frame)
-    return between(bank.phases, row, t)
-
-
-@inlined
-def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
-    """A clip's real-valued frame at a phase; its ends' beyond them."""
-    last = bank.clips[clip, arrays.ROW_COUNT] - 1.0
-    return min(max(frame_at(bank, clip, phase, frame_near(bank, clip, phase)), 0.0), last)
-
-
-@inlined
-def frame_after_last(bank: BankArrays, clip: int) -> float:
-    """The frame at which a clip with a loop goes on after its last one."""
-    return frame_of(bank, clip, bank.clips[clip, arrays.LAST_PHASE] - bank.clips[clip, arrays.LOOP])
 
 
 @inlined
@@ -179,6 +154,8 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
         start = phase_of(bank, clip, s[c + col.NEXT_TIME] * bank.clips[clip, arrays.RATE])
         gait = bank.clips[clip, arrays.GAIT] > 0.0
         begun = in_step(bank, clip, start, phase) if gait else start
+        if gait and phase == UNKNOWN:
+            phase = begun  # those of a group are in step with its first gait, if there is nothing else
         s[slot + col.CLIP], s[slot + col.PHASE], s[slot + col.FRAME] = clip, begun, frame_of(bank, clip, begun)
         weight = s[c + col.NEXT_WEIGHTS + number]
         s[slot + col.WEIGHT], s[slot + col.LAGGING], s[slot + col.GOAL] = weight, weight, weight

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from importlib.metadata import version
 from typing import Any
 
 from pydantic import BaseModel, Field
 
 from runtime.bank import Bank
+from runtime.contacts import FEET, Contact
 from runtime.manifest import ClipEntry
 from service.settings import Settings
 from service.wire.axes import AXES, Axes
@@ -138,6 +140,20 @@ def _named(names: tuple[str, ...], joint: Any) -> str | list[str] | None:
     return names[joint] if joint >= 0 else None
 
 
+class ContactsInfo(BaseModel):
+    """When each foot comes down and goes up again, in order: seconds into the clip, its ends for what goes on there."""
+
+    left: list[tuple[float, float]]
+    right: list[tuple[float, float]]
+
+    @classmethod
+    def of(cls, contacts: Iterable[Contact]) -> ContactsInfo:
+        feet: dict[str, list[tuple[float, float]]] = {foot: [] for foot in FEET}
+        for one in contacts:
+            feet[one.foot].append((round(float(one.down), 4), round(float(one.up), 4)))
+        return cls(**feet)
+
+
 class ClipInfo(BaseModel):
     """One clip: seconds, frames per second, and how far its legs are from the baseline's, metres."""
 
@@ -151,6 +167,7 @@ class ClipInfo(BaseModel):
     loop: int = Field(description="strides after which it is as it was, and can be repeated; 0: none")
     neutral: str = Field(description="the clip that its posture is relative to")
     hands: list[str] = Field(description="that can be laid on it")
+    contacts: ContactsInfo = Field(description="of its feet with the ground")
     mean_mismatch: float
     worst_mismatch: float
     shoulder_motion: float = Field(description="how far the torso moves beyond the neutral's gait, radians")
@@ -171,6 +188,7 @@ class ClipInfo(BaseModel):
             loop=clip.loop,
             neutral=bank.neutral(clip.name),
             hands=[one.name for one in bank.hands if one.body == clip.name],
+            contacts=ContactsInfo.of(bank.contacts(clip.name)),
             mean_mismatch=clip.mean_mismatch,
             worst_mismatch=clip.worst_mismatch,
             shoulder_motion=clip.shoulder_motion,

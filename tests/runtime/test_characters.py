@@ -14,76 +14,29 @@ from motion.clip import Clip
 from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
 from motion.formats.bvh import dump
 from motion.procedural.library import make
-from motion.quaternion import Floats
 from precompute.job import precompute
 from runtime import character_state as col
 from runtime.bank import Bank
 from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
-from runtime.requests import Poses
 from tests import naive_character
+from tests.playing import RATE, Setup, layer, passed, shown, slot
 
-RATE = 60.0
-MOST = 1.5  # times the larger source's fastest
 seeds = st.integers(0, 2**32 - 1)
-Setup = Callable[[], Characters]
 
 
-@pytest.fixture(scope="module")
-def stage(bank: Bank) -> Stage:
-    return Stage(Evaluator(bank))
-
-
-@pytest.fixture
-def one(stage: Stage) -> Setup:
-    return lambda: Characters(stage, RATE)
-
-
-def shown(characters: Characters) -> tuple[Floats, Floats]:
-    """Root positions [n, 3] and rotations [n, J, 4]."""
-    poses = characters.stage.evaluator.poses(len(characters))
-    characters.evaluate(poses)
-    return poses.root_positions.astype(np.float64), poses.rotations.astype(np.float64)
-
-
-def world(characters: Characters) -> Floats:
-    """World positions [n, J, 3] of all joints."""
-    poses = characters.stage.evaluator.poses(len(characters))
-    characters.evaluate(poses)
-    return in_the_world(characters.stage, poses)
-
-
-def in_the_world(stage: Stage, poses: Poses) -> Floats:
-    positions = np.empty((len(poses.flat), stage.bank.skeleton.joint_count, 3), np.float32)
-    stage.evaluator.world_positions(poses, positions)
-    return np.asarray(positions)
-
-
-def slot(characters: Characters, number: int, column: int, row: int = 0) -> float:
-    return float(characters.state[row, col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS + column])
-
-
-def layer(characters: Characters, number: int, column: int, row: int = 0) -> float:
-    return float(characters.state[row, col.FIRST_ACTION + number * col.ACTION_COLUMNS + column])
-
-
-def passed(characters: Characters, frames: int) -> list[int]:
-    """The events of so many frames."""
-    return [characters.advance() for _ in range(frames)]
-
-
-def commanded(characters: Characters, draw: np.random.Generator, frames: int, shortest: float = 0.2) -> None:
+def commanded(characters: Characters, draw: np.random.Generator, frames: int) -> None:
     """One command of any kind to each character in about 25 frames, for so many frames."""
     for _ in range(frames):
         for row in np.flatnonzero(draw.random(len(characters)) < 0.04):
-            command(characters, [int(row)], draw, shortest)
+            command(characters, [int(row)], draw)
         characters.advance()
 
 
-def command(characters: Characters, rows: list[int], draw: np.random.Generator, shortest: float) -> None:
+def command(characters: Characters, rows: list[int], draw: np.random.Generator) -> None:
     names = [clip.name for clip in characters.stage.bank.clips]
     first, second = draw.choice(names, 2, replace=False)
-    blend = float(draw.uniform(shortest, 0.6))
+    blend = float(draw.uniform(0.2, 0.6))
     kind = draw.integers(6)
     if kind == 0:
         characters.play(rows, first, blend=blend)
@@ -153,33 +106,6 @@ def test_poses_are_those_of_the_twin(one: Setup, seed: int) -> None:
         assert quaternion.angle(rotations[row], twin).max() < 1e-3
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(seeds)
-def test_nothing_pops(one: Setup, bank: Bank, seed: int) -> None:
-    draw, characters = np.random.default_rng(seed), one()
-    loops = [clip.name for clip in bank.clips]
-    characters.add(1, str(draw.choice(loops)))
-    positions = [world(characters)]
-    for _ in range(240):
-        if draw.random() < 0.05:
-            command(characters, [0], draw, 0.25)
-        characters.advance()
-        positions.append(world(characters))
-    speed = np.linalg.norm(np.diff(positions, axis=0), axis=-1).max() * RATE
-    assert speed < MOST * 1.2 * fastest(characters)  # 1.2: of the clips' own speed
-
-
-def fastest(characters: Characters) -> float:
-    """How fast any joint of any clip moves, metres a second."""
-    evaluator, bank = characters.stage.evaluator, characters.stage.bank
-    most = 0.0
-    for clip in bank.clips:
-        times = np.arange(0.0, clip.duration, 1.0 / RATE)
-        positions = in_the_world(characters.stage, evaluator.sequence(clip.name, times))
-        most = max(most, float(np.linalg.norm(np.diff(positions, axis=0), axis=-1).max()) * RATE)
-    return most
-
-
 @pytest.mark.parametrize("locomotion", ["walk", "run", "turn_180", "stairs_up", {"walk": 0.5, "run": 0.5}])
 def test_deltas_add_up_to_the_path_and_loops_do_not_jump(one: Setup, locomotion: Any) -> None:
     characters = one()
@@ -209,45 +135,6 @@ def test_in_place_stays_and_looks_the_same(one: Setup) -> None:
         np.testing.assert_array_equal(shown(moved)[1][:, 1:], shown(still)[1][:, 1:])
         assert np.hypot(*shown(still)[0][0, [0, 2]]) < 0.15
     assert np.linalg.norm(moved.state[0, col.PLACE : col.PLACE + 3]) > 0.5
-
-
-def test_a_switch_is_in_step(one: Setup) -> None:
-    characters = one()
-    characters.add(1, "walk", time=0.4)
-    passed(characters, 37)
-    characters.play([0], "run", blend=0.5)
-    assert characters.state[0, col.LOCOMOTIONS] == 2
-    for _ in range(25):
-        apart = slot(characters, 0, col.PHASE) - slot(characters, 1, col.PHASE)
-        assert abs(apart - round(apart)) < 1e-9
-        characters.advance()
-    passed(characters, 6)
-    assert characters.state[0, col.LOCOMOTIONS] == 1
-
-
-def test_weights_are_followed_and_speed_lies_between(one: Setup) -> None:
-    characters = one()
-    characters.add(1, {"walk": 1.0, "run": 0.0})
-    speeds = []
-    for weight in (0.0, 0.5, 1.0):
-        characters.weigh([0], {"walk": 1.0 - weight, "run": weight})
-        passed(characters, 60)
-        before = characters.state[0, col.PLACE + 2]
-        passed(characters, 120)
-        speeds.append((characters.state[0, col.PLACE + 2] - before) / 2.0)
-    assert speeds[0] < speeds[1] - 0.3 < speeds[2] - 0.6
-    with pytest.raises(SettingsError, match="not one of the locomotions"):
-        characters.weigh([0], {"side_step": 1.0})
-
-
-def test_what_has_no_room_waits(one: Setup) -> None:
-    characters = one()
-    characters.add(1, {"walk": 1.0, "run": 1.0, "side_step": 1.0})
-    characters.play([0], {"walk": 1.0, "run": 1.0, "side_step": 1.0}, blend=0.5)
-    characters.play([0], {"walk": 1.0, "turn_180": 1.0, "stairs_up": 1.0}, blend=0.5)
-    assert characters.state[0, col.NEXT_COUNT] == 3
-    passed(characters, 32)
-    assert characters.state[0, col.NEXT_COUNT] == 0
 
 
 def test_an_action_that_is_played_once_ends_and_tells(one: Setup, bank: Bank) -> None:

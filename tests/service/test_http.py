@@ -45,6 +45,18 @@ def test_the_bank_and_its_clips_are_told(client: TestClient, bank: Bank) -> None
     assert (box["kind"], box["neutral"], box["tags"]) == ("action", "walk", ["carry"])
 
 
+def test_a_clip_tells_when_its_feet_stand(client: TestClient, bank: Bank) -> None:
+    clips = {clip["name"]: clip for clip in client.get("/v1/clips").json()}
+    assert client.get("/v1/clips/walk").json() == clips["walk"]
+    for name, told in clips.items():
+        feet = told["contacts"]
+        found = sorted((down, foot, up) for foot in ("left", "right") for down, up in feet[foot])
+        wanted = [(one.down, one.foot, one.up) for one in bank.contacts(name)]
+        assert [one[1] for one in found] == [one[1] for one in wanted]
+        np.testing.assert_allclose([one[::2] for one in found], [one[::2] for one in wanted], atol=1e-4)
+    assert len(clips["walk"]["contacts"]["left"]) >= 4
+
+
 def test_the_service_tells_its_limits(client: TestClient, bank: Bank) -> None:
     told = client.get("/v1/server").json()
     assert (told["bank"], told["ready"], told["uploads"]) == (bank.digest, True, False)

@@ -1,0 +1,34 @@
+"""Characters that tests play, and what is in their rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from motion.quaternion import Floats
+from runtime import character_state as col
+from runtime.character import Characters
+
+RATE = 60.0
+Setup = Callable[[], Characters]
+
+
+def shown(characters: Characters) -> tuple[Floats, Floats]:
+    """Root positions [n, 3] and rotations [n, J, 4]."""
+    poses = characters.stage.evaluator.poses(len(characters))
+    characters.evaluate(poses)
+    return poses.root_positions.astype(np.float64), poses.rotations.astype(np.float64)
+
+
+def slot(characters: Characters, number: int, column: int, row: int = 0) -> float:
+    return float(characters.state[row, col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS + column])
+
+
+def layer(characters: Characters, number: int, column: int, row: int = 0) -> float:
+    return float(characters.state[row, col.FIRST_ACTION + number * col.ACTION_COLUMNS + column])
+
+
+def passed(characters: Characters, frames: int) -> list[int]:
+    """The events of so many frames."""
+    return [characters.advance() for _ in range(frames)]

@@ -28,7 +28,7 @@ def test_its_clients_work(service: Running, capsys: pytest.CaptureFixture[str]) 
 
 
 def test_its_batch_is_answered(hands_client: TestClient) -> None:
-    (batch,) = re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL)
+    (batch,) = re.findall(r"```json\n({\"clips\".*?)```", PAGE, re.DOTALL)
     told = hands_client.post("/v1/poses", json=json.loads(batch.replace("directions", "counting"))).json()
     shown, bare, walk = told["rotations"]
     assert shown != bare != walk

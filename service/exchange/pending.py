@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple
 from pathlib import Path
 
 from motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
 from motion.errors import BankError, FormatError, SettingsError
 from motion.formats.files import clip_files, files_behind
-from runtime.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
+from runtime.manifest import MANIFEST, ClipEntry, HandsEntry, Manifest, Mark, file_digest, mark_of
 
 
 class Folder:
@@ -34,17 +35,19 @@ class Folder:
     def pending(self) -> dict[str, str]:
         """The clips that the bank has not, or not so: for each a text that changes when it does."""
         said, built = self._said(), self._built()
+        hands = {(one.name, one.source) for one in self._hands()}
         waiting = {}
         for file in clip_files(self.clips):
             if file.is_file():
                 digests, entry = self._digests_behind(file), said.get(file.stem, DEFAULT_SETTINGS)
-                if not _is_built(built.get(file.stem), digests[0], entry):
+                if (file.stem, digests[0]) not in hands and not _is_built(built.get(file.stem), digests[0], entry):
                     waiting[file.stem] = f"{' '.join(digests)} {astuple(entry)}"
         return waiting
 
     def missing(self) -> list[str]:
-        """The clips of the bank that are not in the folder, and would not be in a bank that is made from it."""
-        return sorted(self._built().keys() - {file.stem for file in clip_files(self.clips)})
+        """The clips and hands of the bank that are not in the folder, and would not be in a bank made from it."""
+        names = self._built().keys() | {one.name for one in self._hands()}
+        return sorted(names - {file.stem for file in clip_files(self.clips)})
 
     def _digests_behind(self, file: Path) -> list[str]:
         try:
@@ -67,6 +70,9 @@ class Folder:
 
     def _built(self) -> dict[str, ClipEntry]:
         return {clip.name: clip for clip in self.manifest.clips} if self.manifest else {}
+
+    def _hands(self) -> Sequence[HandsEntry]:
+        return self.manifest.hands if self.manifest else ()
 
 
 def _is_built(built: ClipEntry | None, digest: str, said: ClipSettings) -> bool:

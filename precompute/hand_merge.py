@@ -9,7 +9,7 @@ import numpy as np
 
 from motion import quaternion
 from motion.clip import Clip
-from motion.hand_joints import Side, bind_turn, fingered, forearm, forearm_of, match_fingers
+from motion.hand_joints import Side, bind_turn, fingered, fingers_of, forearm, forearm_of, match_fingers
 from motion.quaternion import Floats, conjugate, multiply
 from motion.roles import Roles
 
@@ -38,12 +38,17 @@ def hand_rotations(
 
     As seen from the forearm, and with the bind pose of their hand laid on that of ours. The twist of a wrist belongs to
     the forearm: bones of the wrist hardly twist, and a rig may have either. Of forearms that have bones which twist,
-    ours or theirs, each of ours has an equal share.
+    ours or theirs, each of ours has an equal share. Bones of their palm that we lack turn the fingers on them.
     """
     match = match_fingers(body.skeleton, roles, hands.skeleton, hand_roles, side)
     turn = bind_turn(body.skeleton, roles, hands.skeleton, hand_roles, side)
-    theirs = _taken(hands, frames, turn, list(match.values()))
-    driven = dict(zip(match, np.moveaxis(theirs, 1, 0), strict=True))
+    fingers = fingers_of(hands.skeleton, hand_roles, side)
+    theirs = dict(zip(fingers, np.moveaxis(_taken(hands, frames, turn, fingers), 1, 0), strict=True))
+    driven = {}
+    for joint, other in match.items():
+        driven[joint], above = theirs[other], int(hands.skeleton.parents[other])
+        while above in theirs.keys() - match.values():
+            driven[joint], above = multiply(theirs[above], driven[joint]), int(hands.skeleton.parents[above])
     if wrist:
         *arm, joint = forearm_of(body.skeleton, roles, side)
         bone = forearm(body.skeleton, roles, side)

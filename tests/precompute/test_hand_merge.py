@@ -76,6 +76,25 @@ def test_at_the_true_frames_the_fingers_are_the_truths_but_for_keys_between() ->
     assert quaternion.angle(merged.rotations, TRUTH.rotations).max() < 0.02
 
 
+def test_bones_of_the_palm_that_a_body_lacks_turn_its_fingers_all_the_same() -> None:
+    palm = {f"RightHand{finger}1": f"right{finger}Metacarpal" for finger in ("Index", "Middle", "Ring", "Pinky")}
+    hands = with_bones_above(TRUTH, palm)
+    cupped = hands.rotations.copy()
+    for number, name in enumerate(palm.values()):
+        cupped[:, hands.skeleton.index(name)] = about([1.0, 0.0, 0.0], 0.05 * (number + 1.0))
+    hands = replace(hands, rotations=cupped)
+    same = np.arange(BODY.frame_count, dtype=np.float64)
+    merged, _ = merge_hands(BODY, ROLES, hands, find_roles(hands.skeleton), dict.fromkeys(SIDES, same))
+    shown, wanted = (
+        world_transforms(clip.skeleton, clip.root_positions, clip.rotations)[1] for clip in (merged, hands)
+    )
+    for finger in ("Thumb", "Index", "Pinky"):
+        for number in (1, 2, 3):
+            name = f"RightHand{finger}{number}"
+            ours, theirs = shown[:, merged.skeleton.index(name)], wanted[:, hands.skeleton.index(name)]
+            assert quaternion.angle(ours, theirs).max() < 1e-6
+
+
 @pytest.mark.parametrize("wrist", [False, True])
 @pytest.mark.parametrize("side", SIDES)
 def test_what_is_not_asked_for_stays_to_the_last_bit(side: Side, wrist: bool) -> None:

@@ -185,6 +185,26 @@ def test_hands_are_faded_in_over_others_and_off_and_the_third_waits(one: Setup) 
     assert characters.state[0, col.HANDS] == 0
 
 
+@pytest.mark.parametrize("over", ["other_hands", None])
+def test_hands_of_less_weight_take_the_place_of_others_without_a_jump(one: Setup, over: str | None) -> None:
+    characters, wanted = one(), one()
+    for some in (characters, wanted):
+        some.add(1, "counting", time=1.7)  # amid a gesture
+        some.speed([0], 0.0)
+    characters.wear([0], "counting_hands", blend=0.0)
+    characters.wear([0], over, blend=0.5, weight=0.3)
+    wanted.wear([0], over, blend=0.0, weight=0.3)
+    steps, before, way = [], shown(characters), quaternion.angle(shown(characters), shown(wanted)).max()
+    for _ in range(31):
+        characters.advance()
+        now = shown(characters)
+        steps.append(quaternion.angle(now, before).max())
+        before = now
+    assert max(steps) < 0.1 * way
+    assert characters.state[0, col.HANDS] == (0 if over is None else 1)
+    np.testing.assert_allclose(shown(characters), shown(wanted), atol=1e-6)
+
+
 def test_hands_on_another_clip_are_not_shown(one: Setup) -> None:
     bare, worn = one(), one()
     for characters in (bare, worn):

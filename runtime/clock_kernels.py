@@ -49,7 +49,8 @@ def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
             keep_way(bank, ground, s, locomotion(c, number))
         for number in range(int(s[c + col.ACTIONS])):
             settle_slot(bank, s, action(c, number))
-        settle_slot(bank, s, c + col.NEXT_ACTION)
+        if s[c + col.WHEN] > col.NEVER:  # what has begun stays there, and its clip is one of the other bank's
+            settle_slot(bank, s, c + col.NEXT_ACTION)
 
 
 @kernel

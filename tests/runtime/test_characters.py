@@ -279,3 +279,15 @@ def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Callable[
         do(characters)
     assert isinstance(raised.value, MotionError)
     np.testing.assert_array_equal(characters.state, before)
+
+
+def test_what_has_waited_is_not_looked_up_in_another_bank(one: Setup, hands_bank: Bank) -> None:
+    """It stays in its row after it has begun, and the other bank may have fewer clips."""
+    characters = one()
+    characters.add(1, "walk")
+    characters.act([0], "wave", loop=False)
+    passed(characters, 400)
+    assert characters.state[0, col.NEXT_ACTION + col.CLIP] >= len(hands_bank.clips)
+    moved = characters.moved(Stage(Evaluator(hands_bank)))
+    part = slice(col.NEXT_ACTION, col.WHEN)
+    np.testing.assert_array_equal(moved.state[:, part], characters.state[:, part])

@@ -116,9 +116,7 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
         slot = locomotion(c, number)
         clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         rate, phase = bank.clips[clip, arrays.RATE], s[slot + col.PHASE]
-        loop, last = bank.clips[clip, arrays.LOOP], bank.clips[clip, arrays.ROW_COUNT] - 1.0
-        if s[slot + col.LOOP] == 0.0 or loop == 0.0:
-            loop, last = 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
+        loop, last = end_of(bank, s, slot)
         if count > 1 and bank.clips[clip, arrays.GAIT] > 0.0:
             reached = phase + passed
             end = bank.clips[clip, arrays.LAST_PHASE]
@@ -153,8 +151,18 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
 
 
 @inlined
+def end_of(bank: BankArrays, s: Array, slot: int) -> tuple[float, float]:
+    """The strides by which a slot's clip is led back at its end, 0 where it is held there; and the last frame."""
+    clip = int(s[slot + col.CLIP])
+    if s[slot + col.LOOP] == 0.0 or bank.clips[clip, arrays.LOOP] == 0.0:
+        return 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
+    return bank.clips[clip, arrays.LOOP], bank.clips[clip, arrays.ROW_COUNT] - 1.0
+
+
+@inlined
 def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
-    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured.
+    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured, but
+    for those that are held at their end.
 
     It is their times a cycle that are mixed, as in Kovar and Gleicher's registration curves (2003, section 4): a clip
     whose phase hardly moves for a moment is then not hurried through it by the others.
@@ -162,10 +170,11 @@ def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) ->
     gaits = times = 0.0
     for number in range(count):
         slot = locomotion(c, number)
-        clip = int(s[slot + col.CLIP])
-        if bank.clips[clip, arrays.GAIT] > 0.0:
+        clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
+        loop, last = end_of(bank, s, slot)
+        if bank.clips[clip, arrays.GAIT] > 0.0 and (loop > 0.0 or frame < last):
             gaits += s[slot + col.SHARE]
-            times += s[slot + col.SHARE] / own_step(bank, clip, s[slot + col.FRAME], s[slot + col.PHASE], ahead)
+            times += s[slot + col.SHARE] / own_step(bank, clip, frame, s[slot + col.PHASE], ahead)
     return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
 
 

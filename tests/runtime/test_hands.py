@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,11 +21,9 @@ from runtime.bank import Bank
 from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
 from runtime.requests import Requests
-from tests import naive, naive_character
+from tests import naive, naive_character, playing
 from tests.conftest import COUNTING
-
-RATE = 60.0
-Setup = Callable[[], Characters]
+from tests.playing import RATE, Setup
 
 
 @pytest.fixture(scope="module")
@@ -34,16 +31,9 @@ def stage(hands_bank: Bank) -> Stage:
     return Stage(Evaluator(hands_bank))
 
 
-@pytest.fixture
-def one(stage: Stage) -> Setup:
-    return lambda: Characters(stage, RATE)
-
-
 def shown(characters: Characters) -> Floats:
     """Rotations [n, J, 4]."""
-    poses = characters.stage.evaluator.poses(len(characters))
-    characters.evaluate(poses)
-    return poses.rotations.astype(np.float64)
+    return playing.shown(characters)[1]
 
 
 def fingers(skeleton: Skeleton, roles: Roles) -> list[int]:

@@ -44,8 +44,10 @@ class HandSplice:
 
 
 def splice_hands(body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, settings: HandSettings) -> HandSplice:
-    """Aligns hands to a body and merges them. Raises MotionError if settings or rigs do not fit, or hands have more than
-    MOST_FRAMES."""
+    """Aligns hands to a body and merges them.
+
+    Raises MotionError if settings or rigs do not fit, or hands have more than MOST_FRAMES.
+    """
     ordered = check_pairs(settings.pairs, body.frame_count, hands.frame_count)
     if (count := hands.duration * body.rate + 1.0) > MOST_FRAMES:
         raise ClipError(

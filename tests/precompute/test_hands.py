@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from motion.errors import ClipError, SettingsError
 from motion.procedural.gestures import GesturePair, gesture_pair
-from motion.quaternion import Floats, about, rotate
+from motion.procedural.score import least_jerk
+from motion.quaternion import about, rotate
 from motion.roles import find_roles
 from precompute import banded_warp
 from precompute.banded_warp import Band, FramePair, straight_band
@@ -190,11 +191,6 @@ def test_pairs_help_where_gestures_are_alike() -> None:
 
 def out_and_back() -> HandMotion:
     """A hand that goes out, holds, and comes back at half the speed."""
-
-    def least_jerk(t: Floats) -> Floats:
-        t = np.clip(t, 0.0, 1.0)
-        return np.asarray(t**3 * (10.0 - 15.0 * t + 6.0 * t * t))
-
     time = np.arange(181) / RATE
     way = 0.3 * (least_jerk((time - 0.5) / 0.4) - least_jerk((time - 1.5) / 0.8))
     hand = np.array([[0.0, -0.3, 0.2], [0.04, -0.3, 0.2], [0.0, -0.2, 0.1], [0.0, -0.32, 0.28]])

@@ -15,14 +15,16 @@ from runtime.action_kernels import advance_actions
 from runtime.arrays import BankArrays, Ground
 from runtime.compiled import ZERO, Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.phase_kernels import frame_after_last, frame_of, own_step, phase_of, row_of
+from runtime.phase_kernels import frame_after_last, frame_of, own_step, phase_of
 from runtime.transition_kernels import (
     action,
     begin_waiting,
     drop_actions,
     drop_hands,
+    feet_of,
     hands,
     keep_way,
+    leading,
     locomotion,
     seen,
     share_locomotions,
@@ -226,14 +228,9 @@ def travelled(
 @inlined
 def step(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float) -> int:
     """Tells of strides and of feet that come down and go up, by the locomotion that gives most; returns the downs."""
-    most = 0
-    for number in range(1, int(s[c + col.LOCOMOTIONS])):
-        if s[locomotion(c, number) + col.SHARE] > s[locomotion(c, most) + col.SHARE]:
-            most = number
-    slot = locomotion(c, most)
-    clip, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE]
-    row, _ = row_of(bank, clip, s[slot + col.FRAME])
-    now, before, events = int(ground.contacts[row]), int(s[c + col.STANDING]), int(s[c + col.EVENTS])
+    slot = leading(s, c)
+    phase, now = s[slot + col.PHASE], feet_of(bank, ground, s, slot)
+    before, events = int(s[c + col.STANDING]), int(s[c + col.EVENTS])
     downs, ups = now & ~before, before & ~now
     events |= col.LEFT_DOWN if downs & LEFT_FOOT else 0
     events |= col.RIGHT_DOWN if downs & RIGHT_FOOT else 0

@@ -148,7 +148,8 @@ def graft_fingers(
 ) -> tuple[Skeleton, Roles, Integers]:
     """A rig without fingers with theirs, as large as its forearms are; the new roles; and where its joints are now [J].
 
-    What it has of a mitten, at -1 then, gives way to them. Raises SkeletonError if they have no fingers either.
+    What it has of a mitten, at -1 then, gives way to them; what hangs on that is hung on what is above. Raises
+    SkeletonError if they have no fingers either.
     """
     if not has_fingers(theirs, their_roles):
         raise SkeletonError("neither the body nor the hands have fingers", mend="Export the hands with their fingers")
@@ -163,10 +164,13 @@ def graft_fingers(
     for joint in range(skeleton.joint_count):
         if joint in mittens:
             continue
+        above, offset = int(skeleton.parents[joint]), skeleton.offsets[joint]
+        while above in mittens:
+            above, offset = int(skeleton.parents[above]), offset + skeleton.offsets[above]
         places[joint] = len(names)
         names.append(skeleton.names[joint])
-        parents.append(int(places[skeleton.parents[joint]]) if joint else -1)
-        offsets.append(skeleton.offsets[joint])
+        parents.append(int(places[above]) if joint else -1)
+        offsets.append(offset)
         if joint not in sides:
             ends += [(int(places[joint]), offset) for offset in skeleton.end_offsets[skeleton.end_parents == joint]]
             continue

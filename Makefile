@@ -11,10 +11,10 @@ demo: $(VENV)/ready            ## set up, splice the built-in motions, show the 
 test: $(VENV)/ready            ## set up and run every test; kernels also as plain Python, which checks bounds
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_kernels.py tests/precompute/test_timewarp.py \
 		tests/precompute/test_joint_paths.py tests/precompute/test_best_rotations.py tests/motion/test_decimals.py
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_characters.py \
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_characters.py tests/runtime/test_events.py \
 		tests/runtime/test_mixes.py -k "not same_bytes"  # which would take a minute
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/test_hands.py \
-		-k "twin or paths or few_frames or boundless or layer or loop or wear"
+		tests/precompute/test_banded_warp.py -k "twin or paths or few_frames or boundless or layer or loop or wear"
 	$(BIN)/python -m pytest -q tests/runtime  # first and alone, for it compiles the kernels: a minute
 	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/runtime
 

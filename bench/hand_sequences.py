@@ -35,7 +35,7 @@ class Sequence(NamedTuple):
     body: list[HandMotion]
     hands: list[HandMotion]
     truth: Floats
-    moving: Floats  # [F] whether either hand of the body moves
+    moving: NDArray[np.bool_]  # [F] whether either hand of the body moves
 
 
 def sequence(seed: int, size: tuple[float, float] = SIZES) -> Sequence:
@@ -43,11 +43,11 @@ def sequence(seed: int, size: tuple[float, float] = SIZES) -> Sequence:
     draw = np.random.default_rng([seed, 1])
     gestures, seconds = int(draw.integers(FEWEST, MOST + 1)), float(draw.uniform(SHORTEST, LONGEST))
     pair = gesture_pair(seed, gestures=gestures, seconds=seconds, amplitude=size)
-    holds = np.ones(pair.body.frame_count)
+    moves = np.zeros(pair.body.frame_count, np.bool_)
     for span in pair.spans:
         if span.kind != "hold":
-            holds[int(np.ceil(span.begin)) : int(span.end) + 1] = 0.0
-    return Sequence(noisy(hands_of(pair.body), draw), noisy(hands_of(pair.hands), draw), pair.hand_frames, holds == 0.0)
+            moves[int(np.ceil(span.begin)) : int(span.end) + 1] = True
+    return Sequence(noisy(hands_of(pair.body), draw), noisy(hands_of(pair.hands), draw), pair.hand_frames, moves)
 
 
 def hands_of(clip: Clip) -> list[HandMotion]:
@@ -114,4 +114,4 @@ def ambiguous(seed: int) -> tuple[Sequence, tuple[FramePair, ...], Integers]:
         shown = pair.hand_frames[at]
         pairs.append(FramePair(int(at), round(shown if shown < end else shown + end - begin), 2))
     body, theirs = noisy(hands_of(pair.body), draw)[1:], noisy(hands_of(twice), draw)[1:]
-    return Sequence(body, theirs, pair.hand_frames, np.ones(len(pair.hand_frames))), tuple(pairs), order
+    return Sequence(body, theirs, pair.hand_frames, np.ones(len(pair.hand_frames), np.bool_)), tuple(pairs), order

@@ -22,6 +22,7 @@ FINGER = re.compile(r"(thumb|index|middle|mid|ring|pinky|little)\D*(\d*)")
 HAND = re.compile(FINGER.pattern + "|finger")
 FEWEST_TIPS = 3
 SAME_FINGER = {"mid": "middle", "little": "pinky"}
+STRAIGHT = 1e-6  # of a forearm's length, by which one that points ahead may miss
 ALIKE = 0.1  # radians: bind poses of hands that are nearer count as one, for hands are not all of one shape
 
 
@@ -40,8 +41,20 @@ def forearm_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
 
 
 def forearm(skeleton: Skeleton, roles: Roles, side: Side) -> Floats:
-    """From elbow to wrist [3], metres, in the bind pose."""
-    return np.asarray(skeleton.offsets[forearm_of(skeleton, roles, side)[1:]].sum(axis=0))
+    """From elbow to wrist [3], metres, in the bind pose. Raises SkeletonError if both are in one place."""
+    bone = np.asarray(skeleton.offsets[forearm_of(skeleton, roles, side)[1:]].sum(axis=0))
+    if not np.any(bone):
+        raise SkeletonError(f"the {side} forearm has no length", mend="Name the joints of the arm as roles")
+    return bone
+
+
+def ahead_of(bone: Floats) -> Floats:
+    """A unit vector [3] square to a forearm [3], and as far ahead as can be: where the thumb's side of a wrist is in a
+    bind pose. Of a forearm that points ahead itself it is above."""
+    along = bone / np.linalg.norm(bone)
+    ahead = np.array([0.0, 0.0, 1.0]) - along * along[2]
+    size = float(np.linalg.norm(ahead))
+    return ahead / size if size > STRAIGHT else np.array([0.0, 1.0, 0.0])
 
 
 def fingers_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
@@ -120,14 +133,9 @@ def bind_turn(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: R
         match = match_fingers(ours, our_roles, theirs, their_roles, side)
         bones += [(ours.offsets[one], theirs.offsets[other]) for one, other in match.items()]
     else:
-        bones.append((_ahead(arms[0]), _ahead(arms[1])))
+        bones.append((ahead_of(arms[0]), ahead_of(arms[1])))
     turn = horn_rotation([_unit(one) for one, _ in bones], [_unit(other) for _, other in bones])
     return turn if angle(turn, IDENTITY) > ALIKE else IDENTITY
-
-
-def _ahead(bone: Floats) -> Floats:
-    """Square to a bone, and as far ahead as can be: where the thumb's side of a wrist is in a bind pose."""
-    return np.array([0.0, 0.0, 1.0]) - bone * bone[2] / float(bone @ bone)
 
 
 def _unit(v: Floats) -> Floats:
@@ -140,7 +148,8 @@ def graft_fingers(
 ) -> tuple[Skeleton, Roles, Integers]:
     """A rig without fingers with theirs, as large as its forearms are; the new roles; and where its joints are now [J].
 
-    What it has of a mitten, at -1 then, gives way to them. Raises SkeletonError if they have no fingers either.
+    What it has of a mitten, at -1 then, gives way to them; what hangs on that is hung on what is above. Raises
+    SkeletonError if they have no fingers either.
     """
     if not has_fingers(theirs, their_roles):
         raise SkeletonError("neither the body nor the hands have fingers", mend="Export the hands with their fingers")
@@ -155,10 +164,13 @@ def graft_fingers(
     for joint in range(skeleton.joint_count):
         if joint in mittens:
             continue
+        above, offset = int(skeleton.parents[joint]), skeleton.offsets[joint]
+        while above in mittens:
+            above, offset = int(skeleton.parents[above]), offset + skeleton.offsets[above]
         places[joint] = len(names)
         names.append(skeleton.names[joint])
-        parents.append(int(places[skeleton.parents[joint]]) if joint else -1)
-        offsets.append(skeleton.offsets[joint])
+        parents.append(int(places[above]) if joint else -1)
+        offsets.append(offset)
         if joint not in sides:
             ends += [(int(places[joint]), offset) for offset in skeleton.end_offsets[skeleton.end_parents == joint]]
             continue

@@ -8,7 +8,7 @@ import numpy as np
 
 from motion.clip import Clip
 from motion.errors import ClipError
-from motion.hand_joints import Side, forearm
+from motion.hand_joints import Side, ahead_of, forearm
 from motion.kinematics import heading, world_transforms
 from motion.quaternion import Floats, rotate
 from motion.roles import Roles
@@ -43,15 +43,14 @@ class HandMotion:
 def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
     """The points of a rig's hand, as markers would show them (Majkowska et al. 2006, 3 and 4).
 
-    The sides of the wrist turn with the forearm; the hand's point is where the fingers begin.
+    The sides of the wrist turn with the forearm; the hand's point is where the fingers begin. Raises SkeletonError if
+    the forearm has no length.
     """
     shoulder, elbow, wrist = (getattr(roles, f"{side}_{part}") for part in ("shoulder", "elbow", "wrist"))
     skeleton = clip.skeleton
     positions, world = world_transforms(skeleton, clip.root_positions, clip.rotations)
     bone = forearm(skeleton, roles, side)
-    length = float(np.linalg.norm(bone))
-    across = np.array([0.0, 0.0, 1.0]) - bone * bone[2] / length**2  # in the bind pose thumbs are in front
-    across *= WRIST_WIDTH * length / np.linalg.norm(across)
+    across = WRIST_WIDTH * float(np.linalg.norm(bone)) * ahead_of(bone)
     aside = rotate(world[:, skeleton.parents[wrist]], across)
     at, upper = positions[:, wrist], positions[:, elbow]
     hand = at + rotate(world[:, wrist], knuckles(skeleton, wrist, bone))
@@ -66,12 +65,17 @@ def knuckles(skeleton: Skeleton, wrist: int, bone: Floats) -> Floats:
     return np.mean(first, axis=0) if first else bone * KNUCKLES
 
 
-def _firsts(skeleton: Skeleton, joint: int) -> list[Floats]:
-    """The first bones of some length below a joint: rigs have joints that lie on the wrist itself."""
-    found = [offset for offset in skeleton.end_offsets[skeleton.end_parents == joint] if np.any(offset)]
-    for child in skeleton.children[joint]:
-        found += [skeleton.offsets[child]] if np.any(skeleton.offsets[child]) else _firsts(skeleton, child)
-    return found
+def _firsts(skeleton: Skeleton, wrist: int) -> list[Floats]:
+    """The first bones of some length below a wrist: rigs have joints that lie on the wrist itself."""
+    on_it, found = {wrist}, list[Floats]()
+    for joint in range(wrist + 1, skeleton.joint_count):
+        if int(skeleton.parents[joint]) in on_it:
+            if np.any(skeleton.offsets[joint]):
+                found.append(skeleton.offsets[joint])
+            else:
+                on_it.add(joint)
+    ends = zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
+    return found + [offset for parent, offset in ends if int(parent) in on_it and np.any(offset)]
 
 
 def bones(points: Floats) -> Floats:

@@ -76,7 +76,13 @@ def read_hand_settings(file: Path) -> list[HandsOnBody]:
     entries = document.get("hands")
     if set(document) != {"hands"} or not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
         raise SettingsError("it needs tables called hands", file=str(file), mend="Write [[hands]] before each")
-    return [_entry(number, one, str(file)) for number, one in enumerate(entries, 1)]
+    found = [_entry(number, one, str(file)) for number, one in enumerate(entries, 1)]
+    labels = [one.label for one in found]
+    for number, label in enumerate(labels):
+        if label in labels[:number]:
+            mend = 'Leave one of them out; hand = "each" aligns both apart'
+            raise SettingsError(f"{label} was said before", file=str(file), place=f"hands {number + 1}", mend=mend)
+    return found
 
 
 def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motion.clip import Clip
+from motion.errors import ClipError
 from motion.hand_joints import Side
 from motion.quaternion import Floats
 from motion.roles import Roles
@@ -16,6 +17,8 @@ from precompute.hand_merge import merge_hands
 from precompute.hand_points import HandMotion, hand_motion
 from precompute.hand_settings import HandSettings
 from precompute.hands import HandAlignment, align_hands
+
+MOST_FRAMES = 250_000  # of hands at the body's rate: an hour at 60 Hz
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +44,16 @@ class HandSplice:
 
 
 def splice_hands(body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, settings: HandSettings) -> HandSplice:
-    """Aligns hands to a body and merges them. Raises MotionError if settings or rigs do not fit."""
+    """Aligns hands to a body and merges them.
+
+    Raises MotionError if settings or rigs do not fit, or hands have more than MOST_FRAMES.
+    """
     ordered = check_pairs(settings.pairs, body.frame_count, hands.frame_count)
+    if (count := hands.duration * body.rate + 1.0) > MOST_FRAMES:
+        raise ClipError(
+            f"hands of {hands.duration:g} s are {count:,.0f} frames at the body's {body.rate:g} a second",
+            mend="Check how many frames a second both have",
+        )
     paced, ratio = hands.resampled(body.rate), hands.rate / body.rate
     last = paced.frame_count - 1
     pairs = [

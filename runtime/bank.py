@@ -106,10 +106,14 @@ class Bank:
         """The clips of hands by name; their numbers are their places here."""
         return tuple(sorted({one.name for one in self.hands}))
 
+    @cached_property
+    def _hand_numbers(self) -> dict[str, int]:
+        return {name: number for number, name in enumerate(self.hand_clips)}
+
     def hand_number(self, name: str) -> int:
         """The number of the hands called `name`; raises UnknownClipError with the near names if there are none."""
-        if name in self.hand_clips:
-            return self.hand_clips.index(name)
+        if name in self._hand_numbers:
+            return self._hand_numbers[name]
         problem = f"the bank has no hands {name!r}"
         if not self.hand_clips:
             raise UnknownClipError(problem, mend="Build it with `motionsplice precompute --hands BODY:HANDS`")

@@ -258,11 +258,11 @@ class Characters:
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 
-    def clips(self) -> set[str]:
-        """The names of all clips that are played, or wait to be, and of all hands that are worn."""
-        bank = self.stage.bank
-        worn = {bank.hand_clips[number] for number in np.unique(worn_hands(self.state)[1]).tolist()}
-        return worn | {bank.clips[number].name for number in np.unique(played_clips(self.state)[1]).tolist()}
+    def lacking(self, bank: Bank) -> set[str]:
+        """The names of clips that are played, or wait to be, and of hands that are worn, which another bank has not."""
+        clips = {self.stage.bank.clips[number].name for number in np.unique(played_clips(self.state)[1]).tolist()}
+        worn = {self.stage.bank.hand_clips[number] for number in np.unique(worn_hands(self.state)[1]).tolist()}
+        return (clips - {clip.name for clip in bank.clips}) | (worn - set(bank.hand_clips))
 
     def moved(self, stage: Stage) -> Characters:
         """The same characters on another bank, which has all clips and hands of theirs, at the same frames."""

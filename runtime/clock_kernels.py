@@ -15,14 +15,16 @@ from runtime.action_kernels import advance_actions
 from runtime.arrays import BankArrays, Ground
 from runtime.compiled import ZERO, Array, inlined, kernel
 from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.phase_kernels import frame_after_last, frame_of, own_step, phase_of, row_of
+from runtime.phase_kernels import frame_after_last, frame_of, own_step, phase_of
 from runtime.transition_kernels import (
     action,
     begin_waiting,
     drop_actions,
     drop_hands,
+    feet_of,
     hands,
     keep_way,
+    leading,
     locomotion,
     seen,
     share_locomotions,
@@ -49,7 +51,8 @@ def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
             keep_way(bank, ground, s, locomotion(c, number))
         for number in range(int(s[c + col.ACTIONS])):
             settle_slot(bank, s, action(c, number))
-        settle_slot(bank, s, c + col.NEXT_ACTION)
+        if s[c + col.WHEN] > col.NEVER:  # what has begun stays there, and its clip is one of the other bank's
+            settle_slot(bank, s, c + col.NEXT_ACTION)
 
 
 @kernel
@@ -115,9 +118,7 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
         slot = locomotion(c, number)
         clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         rate, phase = bank.clips[clip, arrays.RATE], s[slot + col.PHASE]
-        loop, last = bank.clips[clip, arrays.LOOP], bank.clips[clip, arrays.ROW_COUNT] - 1.0
-        if s[slot + col.LOOP] == 0.0 or loop == 0.0:
-            loop, last = 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
+        loop, last = end_of(bank, s, slot)
         if count > 1 and bank.clips[clip, arrays.GAIT] > 0.0:
             reached = phase + passed
             end = bank.clips[clip, arrays.LAST_PHASE]
@@ -152,8 +153,18 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
 
 
 @inlined
+def end_of(bank: BankArrays, s: Array, slot: int) -> tuple[float, float]:
+    """The strides by which a slot's clip is led back at its end, 0 where it is held there; and the last frame."""
+    clip = int(s[slot + col.CLIP])
+    if s[slot + col.LOOP] == 0.0 or bank.clips[clip, arrays.LOOP] == 0.0:
+        return 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
+    return bank.clips[clip, arrays.LOOP], bank.clips[clip, arrays.ROW_COUNT] - 1.0
+
+
+@inlined
 def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
-    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured.
+    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured, but
+    for those that are held at their end.
 
     It is their times a cycle that are mixed, as in Kovar and Gleicher's registration curves (2003, section 4): a clip
     whose phase hardly moves for a moment is then not hurried through it by the others.
@@ -161,10 +172,11 @@ def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) ->
     gaits = times = 0.0
     for number in range(count):
         slot = locomotion(c, number)
-        clip = int(s[slot + col.CLIP])
-        if bank.clips[clip, arrays.GAIT] > 0.0:
+        clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
+        loop, last = end_of(bank, s, slot)
+        if bank.clips[clip, arrays.GAIT] > 0.0 and (loop > 0.0 or frame < last):
             gaits += s[slot + col.SHARE]
-            times += s[slot + col.SHARE] / own_step(bank, clip, s[slot + col.FRAME], s[slot + col.PHASE], ahead)
+            times += s[slot + col.SHARE] / own_step(bank, clip, frame, s[slot + col.PHASE], ahead)
     return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
 
 
@@ -216,14 +228,9 @@ def travelled(
 @inlined
 def step(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float) -> int:
     """Tells of strides and of feet that come down and go up, by the locomotion that gives most; returns the downs."""
-    most = 0
-    for number in range(1, int(s[c + col.LOCOMOTIONS])):
-        if s[locomotion(c, number) + col.SHARE] > s[locomotion(c, most) + col.SHARE]:
-            most = number
-    slot = locomotion(c, most)
-    clip, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE]
-    row, _ = row_of(bank, clip, s[slot + col.FRAME])
-    now, before, events = int(ground.contacts[row]), int(s[c + col.STANDING]), int(s[c + col.EVENTS])
+    slot = leading(s, c)
+    phase, now = s[slot + col.PHASE], feet_of(bank, ground, s, slot)
+    before, events = int(s[c + col.STANDING]), int(s[c + col.EVENTS])
     downs, ups = now & ~before, before & ~now
     events |= col.LEFT_DOWN if downs & LEFT_FOOT else 0
     events |= col.RIGHT_DOWN if downs & RIGHT_FOOT else 0

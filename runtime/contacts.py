@@ -21,9 +21,11 @@ class Contact(NamedTuple):
 
 def contacts_of(standing: NDArray[np.uint8], rate: float) -> list[Contact]:
     """The contacts of a clip, given which feet stand at each frame [F], in order of time."""
-    found = []
+    found, around = [], np.zeros(len(standing) + 2, np.uint8)
+    around[1:-1] = standing
     for foot, bit in FEET.items():
-        edges = np.diff(np.concatenate([[0], (standing & bit) // bit, [0]]).astype(np.int8))
-        downs, ups = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
-        found += [Contact(foot, down / rate, (up - 1) / rate) for down, up in zip(downs, ups, strict=True)]
+        stands = around & bit
+        edges = np.flatnonzero(stands[1:] != stands[:-1])  # down, one after the last frame, down, and so on
+        downs, ups = (edges[::2] / rate).tolist(), ((edges[1::2] - 1) / rate).tolist()
+        found += [Contact(foot, down, up) for down, up in zip(downs, ups, strict=True)]
     return sorted(found, key=lambda one: (one.down, one.foot))

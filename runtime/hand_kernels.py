@@ -51,20 +51,25 @@ def turn_to(lanes: Array, own: Index, other: Index, weight: Real) -> None:
 def wear_hands(bank: BankArrays, s: Array, c: int, clip: int, row: Index, t: Real, lanes: Array, above: Index) -> None:
     """Lays the hands that a character wears over the upper half of a clip that it plays, between row and the next.
 
-    Hands that do not lie on the clip, and none, cover those below them with the clip's own.
+    Each are mixed with the clip's own by their weight, and faded in over those below them. Hands that do not lie on the
+    clip, and none, are the clip's own.
     """
     count = int(s[c + col.HANDS])
     for number in range(count):
-        worn, weight = int(s[hands(c, number) + col.CLIP]), shown(s, hands(c, number))
+        risen, given = shown(bank, s, hands(c, number), clip)
+        weight = risen * given
         for over in range(number + 1, count):
-            other = int(s[hands(c, over) + col.CLIP])
-            if other == col.BARE or bank.hand_rows[other, clip] < 0:
-                weight *= 1.0 - shown(s, hands(c, over))
-        if worn != col.BARE and weight > 0.0:
-            lay_hands(bank, worn, clip, row, t, np.float32(weight), lanes, above)
+            risen, covering = shown(bank, s, hands(c, over), clip)
+            # what is laid over them leaves 1 - risen * covering of them, where 1 - risen should be left
+            weight *= (1.0 - risen) / (1.0 - risen * covering) if risen < 1.0 else 0.0
+        if weight > 0.0:
+            lay_hands(bank, int(s[hands(c, number) + col.CLIP]), clip, row, t, np.float32(weight), lanes, above)
 
 
 @inlined
-def shown(s: Array, slot: int) -> float:
-    """How far hands are faded in, of what weight they have."""
-    return faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE]) * s[slot + col.WEIGHT]
+def shown(bank: BankArrays, s: Array, slot: int, clip: int) -> tuple[float, float]:
+    """How far hands are faded in, and how much of them is then shown on a clip."""
+    worn = int(s[slot + col.CLIP])
+    lies = worn != col.BARE and bank.hand_rows[worn, clip] >= 0
+    risen = faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])
+    return risen, s[slot + col.WEIGHT] if lies else 0.0

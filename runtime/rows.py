@@ -82,7 +82,7 @@ class Layout:
         first_plane = _whole(CLOUD + 3 * _whole(points, LANES), LANES)
         upper = tuple(joint for joint in above if joint != roles.pelvis)
         driven = {one for side in SIDES for one in skeleton.subtree(elbow_of(roles, side))}
-        hands = tuple(one for one in upper if one in driven and has_fingers(skeleton, roles))
+        hands = tuple(one for one in upper if one in driven) if has_fingers(skeleton, roles) else ()
         return cls(Half(below, first_plane), Half(upper, first_plane), Half(hands, 0, 0), roles.pelvis, points)
 
     @property

@@ -163,8 +163,28 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
         s[slot + col.CURVE], s[slot + col.LOOP] = s[c + col.NEXT_CURVE], s[c + col.NEXT_LOOP]
         s[slot + col.HEAD] = count if number == 0 else 0.0
         keep_way(bank, ground, s, slot)
+    is_new = s[c + col.LOCOMOTIONS] == 0.0
     s[c + col.LOCOMOTIONS], s[c + col.NEXT_COUNT] = first + count, 0.0
     share_locomotions(s, c)
+    if is_new:  # what stands from the beginning does not come down
+        s[c + col.STANDING] = feet_of(bank, ground, s, leading(s, c))
+
+
+@inlined
+def leading(s: Array, c: int) -> int:
+    """The slot of the locomotion that gives most."""
+    most = locomotion(c, 0)
+    for number in range(1, int(s[c + col.LOCOMOTIONS])):
+        if s[locomotion(c, number) + col.SHARE] > s[most + col.SHARE]:
+            most = locomotion(c, number)
+    return most
+
+
+@inlined
+def feet_of(bank: BankArrays, ground: Ground, s: Array, slot: int) -> int:
+    """The bits of the feet that stand in what a slot shows."""
+    row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+    return int(ground.contacts[row])
 
 
 @kernel

@@ -150,7 +150,7 @@ class ContactsInfo(BaseModel):
     def of(cls, contacts: Iterable[Contact]) -> ContactsInfo:
         feet: dict[str, list[tuple[float, float]]] = {foot: [] for foot in FEET}
         for one in contacts:
-            feet[one.foot].append((round(float(one.down), 4), round(float(one.up), 4)))
+            feet[one.foot].append((round(one.down, 4), round(one.up, 4)))
         return cls(**feet)
 
 

@@ -110,22 +110,24 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
 
 
 def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> None:
-    """What a character wears over the rotations [J, 4] of a body: each hands over those below them, as they fade in.
-
-    What is not aligned to the body covers those below it with the body's own.
+    """What a character wears over the rotations [J, 4] of a body: each hands, mixed with the body's own by their
+    weight, faded in over those below them. What is not aligned to the body is the body's own.
     """
-    joints, worn = list(bank.layout.hands.joints), list[tuple[Floats | None, float]]()
+    joints, worn = list(bank.layout.hands.joints), list[Floats]()
+    shares = [1.0]
     for number in range(int(s[col.HANDS])):
         slot = s[col.FIRST_HANDS + number * col.HANDS_COLUMNS :]
         name = bank.hand_clips[int(slot[col.CLIP])] if slot[col.CLIP] != col.BARE else ""
         aligned = any((one.name, one.body) == (name, body) for one in bank.hands)
-        turns = rotation_between(bank.hand_motion(name, body), frame) if aligned else None
-        worn.append((turns, fade(slot) * float(slot[col.WEIGHT])))
-    for number, (turns, shown) in enumerate(worn):
-        if turns is not None:
-            covered = [over for bare, over in worn[number + 1 :] if bare is None]
-            share = shown * float(np.prod([1.0 - over for over in covered]))
-            rotations[joints] = mixed([rotations[joints], turns], [1.0 - share, share])
+        worn.append(rotation_between(bank.hand_motion(name, body), frame) if aligned else rotations[joints])
+        risen, given = fade(slot), float(slot[col.WEIGHT]) if aligned else 0.0
+        shares = [(1.0 - risen) * share for share in shares] + [risen * given]
+        shares[0] += risen * (1.0 - given)
+    below = shares[0]
+    for turns, share in zip(worn, shares[1:], strict=True):
+        below += share
+        if share > 0.0:
+            rotations[joints] = mixed([rotations[joints], turns], [below - share, share])
 
 
 def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:

@@ -111,13 +111,12 @@ class Batch:
 
     def requests(self, bank: Bank) -> Requests:
         """The same for the evaluator. Raises UnknownClipError."""
-        hands = self.columns["hands"]
-        worn = set(np.unique(hands).tolist())
-        numbers = np.array(
-            [bank.hand_number(name) if one in worn else bank.number(name) for one, name in enumerate(self.clips)],
-            np.int32,
-        )
-        locomotion, action = self.columns["locomotion"], self.columns["action"]
+        locomotion, action, hands = (self.columns[key] for key in ("locomotion", "action", "hands"))
+        played, worn = (set(np.unique(some).tolist()) for some in ((locomotion, action), hands))
+        numbers, hand_clips = np.zeros(len(self.clips), np.int32), set(bank.hand_clips)
+        for one, name in enumerate(self.clips):
+            is_hands = one in worn or (one not in played and name in hand_clips)
+            numbers[one] = bank.hand_number(name) if is_hands else bank.number(name)
         acts, requests = action != NONE, Requests.empty(len(locomotion))
         if len(locomotion):
             requests.locomotion[:] = numbers[locomotion]

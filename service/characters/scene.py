@@ -85,12 +85,11 @@ class Scene:
         do(rows, **values)
 
     def missing(self, edition: Edition) -> list[str]:
-        """Those of the clips played here that another edition has not."""
-        theirs = {clip.name for clip in edition.bank.clips} | set(edition.bank.hand_clips)
-        return sorted(self.characters.clips() - theirs)
+        """Those of the clips and hands played here that another edition has not."""
+        return sorted(self.characters.lacking(edition.bank))
 
     def move(self, edition: Edition) -> None:
-        """Plays on from another edition, which has all clips that are played here."""
+        """Plays on from another edition, which has all clips and hands that are played here."""
         self.characters = self.characters.moved(edition.stage)
         self.edition = edition
 

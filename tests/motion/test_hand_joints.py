@@ -221,7 +221,7 @@ def test_a_clip_with_fingers_moves_as_it_did() -> None:
 
 
 def with_mittens(skeleton: Skeleton) -> Skeleton:
-    """As CMU's rig: a joint on the wrist itself and one for all fingers, a thumb, and something that the hand holds."""
+    """As CMU's rig: a joint on the wrist itself and one for all fingers, a thumb, and what hand and fingers hold."""
     added = [
         (name.format(side), above.format(side), (sign * x, 0.0, z))
         for side, sign in (("Left", 1.0), ("Right", -1.0))
@@ -230,6 +230,7 @@ def with_mittens(skeleton: Skeleton) -> Skeleton:
             ("{}HandIndex1", "{}FingerBase", 0.04, 0.0),
             ("{}Thumb", "{}Hand", 0.0, 0.0),
             ("{}Prop", "{}Hand", 0.1, 0.0),
+            ("{}Knife", "{}HandIndex1", 0.05, 0.02),
         )
     ]
     names = (*skeleton.names, *(name for name, _, _ in added))
@@ -251,7 +252,9 @@ def test_a_mitten_gives_way_to_fingers_and_what_a_hand_holds_does_not() -> None:
         assert [rig.names[joint] for joint in fingers_of(rig, roles, side)] == [
             FINGERED.names[joint] for joint in fingers_of(FINGERED, ROLES, side)
         ]
-    assert rig.parents[rig.index("LeftProp")] == rig.index("LeftHand")
+    for held, x, z in (("Prop", 0.1, 0.0), ("Knife", 0.09, 0.02)):
+        assert rig.parents[rig.index(f"Left{held}")] == rig.index("LeftHand")
+        np.testing.assert_allclose(rig.offsets[rig.index(f"Left{held}")], [x, 0.0, z], atol=1e-12)
     rotations = np.tile(quaternion.IDENTITY, (WALK.frame_count, mittened.joint_count, 1))
     rotations[:, : BARE.joint_count] = WALK.rotations
     clip, _ = fingered(replace(WALK, skeleton=mittened, rotations=rotations), BARE_ROLES, FINGERED, ROLES)

@@ -129,6 +129,10 @@ def test_all_that_hands_toml_says_is_read(tmp_path: Path) -> None:
         ("[[hands]]\nbody = 'a'\nhands = 'b'\nbands = [1]", "bands: two parts of 1"),
         ("[[hands]]\nbody = 'a'\nhands = 'b'\npairs = ['3']", "pair '3': it is no pair of frames"),
         ("[[hands]]\nbody = 'a'\nhands = 'b'\npairs = [3]", "pairs = "),
+        (
+            "[[hands]]\nbody = 'a'\nhands = 'b'\nhand = 'left'\n[[hands]]\nbody = 'a'\nhands = 'b'\nhand = 'right'",
+            "hands 2: b on a was said before",
+        ),
     ],
 )
 def test_a_bad_hands_toml_names_file_place_and_mend(tmp_path: Path, text: str, said: str) -> None:

@@ -10,22 +10,18 @@ from hypothesis import strategies as st
 
 from motion.errors import ClipError, SettingsError
 from motion.procedural.gestures import GesturePair, gesture_pair
-from motion.quaternion import IDENTITY, Floats, about, rotate
+from motion.procedural.score import least_jerk
+from motion.quaternion import about, rotate
 from motion.roles import find_roles
-from motion.skeleton import Skeleton
 from precompute import banded_warp
-from precompute.banded_warp import Band, FramePair, cheapest_path, limits, medians, straight_band
+from precompute.banded_warp import Band, FramePair, straight_band
 from precompute.hand_costs import Comparison
 from precompute.hand_phases import Phase, count_phases, derivatives, phases
-from precompute.hand_points import HandMotion, bones, hand_motion
-from precompute.hand_settings import HandSettings
-from precompute.hand_splice import splice_hands
+from precompute.hand_points import HandMotion, hand_motion
 from precompute.hands import align_hands
 from tests import naive_hands
-from tests.conftest import CLIPS
 
 RATE = 60.0
-seeds = st.integers(0, 2**32 - 1)
 
 
 def motions(pair: GesturePair, side: Any = "right") -> tuple[HandMotion, HandMotion]:
@@ -75,40 +71,6 @@ def test_the_trunk_turns_hands_too(both: tuple[HandMotion, HandMotion]) -> None:
         Comparison(HandMotion(body.points), hands, RATE, by_trunk=True)
 
 
-@given(seeds, st.integers(2, 30), st.integers(2, 30), st.floats(0.05, 1.0))
-@settings(max_examples=60)
-def test_paths_are_the_cheapest_in_their_band(seed: int, frames: int, others: int, width: float) -> None:
-    band = straight_band(frames, others, width, [])
-    costs = np.random.default_rng(seed).random((frames, band.width)).astype(np.float32)
-    path = cheapest_path(costs, band.low, band.high)
-    steps = np.diff(path, axis=0)
-    assert set(map(tuple, steps.tolist())) <= {(0, 1), (1, 0), (1, 1)}
-    assert path[0].tolist() == [0, 0]
-    assert path[-1].tolist() == [frames - 1, others - 1]
-    found = sum(float(costs[i, j - band.low[i]]) for i, j in path)
-    assert found == pytest.approx(naive_hands.path_cost(costs.astype(np.float64), band.low, band.high), abs=1e-4)
-
-
-@given(seeds, st.integers(2, 200), st.integers(2, 200), st.sampled_from([0.02, 0.1, 0.3, 1.0]), st.data())
-@settings(max_examples=100)
-def test_pairs_bend_any_band_and_are_hit(
-    seed: int, frames: int, others: int, width: float, data: st.DataObject
-) -> None:
-    draw, count = np.random.default_rng(seed), data.draw(st.integers(0, min(6, frames)))
-    body = np.sort(draw.choice(frames, count, replace=False))
-    hands = np.sort(draw.integers(0, others, count))
-    pairs = [FramePair(int(a), int(b), int(draw.integers(0, 6))) for a, b in zip(body, hands, strict=True)]
-    band = straight_band(frames, others, width, pairs)
-    path = cheapest_path(draw.random((frames, band.width)).astype(np.float32), band.low, band.high)
-    assert np.all(np.diff(path, axis=0) >= 0)
-    assert np.all((path[:, 1] >= band.low[path[:, 0]]) & (path[:, 1] <= band.high[path[:, 0]]))
-    least, most = limits(frames, others, pairs)
-    taken = np.clip(medians(path, frames), least, most)
-    assert np.all(np.diff(taken) >= 0.0)
-    for one in pairs:
-        assert abs(taken[one.body] - one.hands) <= one.tolerance
-
-
 @pytest.mark.parametrize(
     ("pairs", "said"),
     [
@@ -123,14 +85,6 @@ def test_pairs_that_cannot_be_are_named(pairs: list[FramePair], said: str) -> No
     with pytest.raises(SettingsError) as raised:
         align_hands([hand], [HandMotion(hand.points[:40])], RATE, pairs=pairs)
     assert said in str(raised.value)
-
-
-def test_pairs_are_read_and_written() -> None:
-    assert FramePair.parse("300:288~5") == FramePair(300, 288, 5)
-    assert [str(FramePair.parse(text)) for text in ("120:95", " 3 : 4 ~ 0 ")] == ["120:95", "3:4"]
-    for text in ("120", "a:b", "1:2~", "-1:3", "1:2:3", "1:99999999999"):
-        with pytest.raises(SettingsError, match="no pair of frames"):
-            FramePair.parse(text)
 
 
 def test_bands_that_mean_nothing_or_take_too_much_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -237,11 +191,6 @@ def test_pairs_help_where_gestures_are_alike() -> None:
 
 def out_and_back() -> HandMotion:
     """A hand that goes out, holds, and comes back at half the speed."""
-
-    def least_jerk(t: Floats) -> Floats:
-        t = np.clip(t, 0.0, 1.0)
-        return np.asarray(t**3 * (10.0 - 15.0 * t + 6.0 * t * t))
-
     time = np.arange(181) / RATE
     way = 0.3 * (least_jerk((time - 0.5) / 0.4) - least_jerk((time - 1.5) / 0.8))
     hand = np.array([[0.0, -0.3, 0.2], [0.04, -0.3, 0.2], [0.0, -0.2, 0.1], [0.0, -0.32, 0.28]])
@@ -261,24 +210,6 @@ def test_phases_of_a_short_clip_are_one_hold() -> None:
     assert phases(HandMotion(np.zeros((2, 4, 3)) + np.arange(3.0)), RATE) == [Phase("hold", 0, 2)]
 
 
-def test_joints_that_lie_on_the_wrist_are_no_hand() -> None:
-    clip = CLIPS["walk"]
-    wrist = clip.skeleton.index("LeftHand")
-    on_it = Skeleton(
-        names=(*clip.skeleton.names, "LeftThumb", "LeftMitten"),
-        parents=np.append(clip.skeleton.parents, [wrist, wrist]),
-        offsets=np.concatenate([clip.skeleton.offsets, np.zeros((2, 3))]),
-        end_parents=np.array([clip.skeleton.joint_count + 1]),
-        end_offsets=np.array([[0.04, 0.0, 0.0]]),
-    )
-    rotations = np.tile(IDENTITY, (clip.frame_count, on_it.joint_count, 1))
-    rotations[:, :-2] = clip.rotations
-    moves = hand_motion(replace(clip, skeleton=on_it, rotations=rotations), find_roles(clip.skeleton), "left")
-    assert np.isfinite(bones(moves.points)).all()
-    wrists = moves.points[:, :2].mean(axis=1)
-    np.testing.assert_allclose(np.linalg.norm(moves.points[:, 3] - wrists, axis=1), 0.04, atol=1e-9)
-
-
 @pytest.mark.parametrize("size", [0.0, 1e-200, 1e200])
 def test_points_of_no_or_boundless_size_are_aligned_all_the_same(size: float) -> None:
     draw = np.random.default_rng(0)
@@ -293,34 +224,3 @@ def test_motion_without_bounds_is_refused() -> None:
     far = HandMotion(np.random.default_rng(0).normal(size=(20, 4, 3)) * 1e306)
     with np.errstate(all="ignore"), pytest.raises(ClipError, match="too far to be compared"):
         align_hands([far], [far], RATE)
-
-
-def test_points_must_be_points() -> None:
-    with pytest.raises(ClipError, match="four points"):
-        HandMotion(np.zeros((3, 5, 3)))
-    with pytest.raises(ClipError, match="not a finite number"):
-        HandMotion(np.full((3, 4, 3), np.nan))
-
-
-@pytest.mark.parametrize("rate", [30.0, 100.0, 120.0])
-def test_hands_of_another_rate_are_aligned_in_their_own_frames(rate: float) -> None:
-    pair = gesture_pair(31, kinds=["point", "count", "thumbs_up"], seconds=4.5, hand_rate=rate, hand="right")
-    rigs = find_roles(pair.body.skeleton), find_roles(pair.hands.skeleton)
-    said = HandSettings("right", pairs=(FramePair(140, round(pair.hand_frames[140])),))
-    spliced = splice_hands(pair.body, rigs[0], pair.hands, rigs[1], said)
-    assert set(spliced.frames) == {"right"}
-    apart = np.abs(spliced.frames["right"] - pair.hand_frames) / rate
-    assert np.median(apart) < 0.02
-    assert spliced.frames["right"][140] == pytest.approx(round(pair.hand_frames[140]), abs=1e-9)
-    outside = HandSettings("right", pairs=(FramePair(3, pair.hands.frame_count),))
-    with pytest.raises(SettingsError, match=f"pair 3:{pair.hands.frame_count}"):
-        splice_hands(pair.body, rigs[0], pair.hands, rigs[1], outside)
-
-
-def test_each_hand_may_have_its_own_time() -> None:
-    pair = gesture_pair(8, gestures=6, seconds=5.0)
-    rigs = find_roles(pair.body.skeleton), find_roles(pair.hands.skeleton)
-    for choice, groups in (("each", 2), ("both", 1)):
-        spliced = splice_hands(pair.body, rigs[0], pair.hands, rigs[1], HandSettings(choice))  # type: ignore[arg-type]
-        assert len(spliced.aligned) == groups
-        assert np.array_equal(spliced.frames["left"], spliced.frames["right"]) == (choice == "both")

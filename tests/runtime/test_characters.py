@@ -137,35 +137,6 @@ def test_in_place_stays_and_looks_the_same(one: Setup) -> None:
     assert np.linalg.norm(moved.state[0, col.PLACE : col.PLACE + 3]) > 0.5
 
 
-def test_an_action_that_is_played_once_ends_and_tells(one: Setup, bank: Bank) -> None:
-    characters = one()
-    characters.add(1, "walk")
-    characters.act([0], "wave", loop=False, blend_out=0.3)
-    assert characters.events[0] & col.ACTION_BEGAN
-    events = passed(characters, 400)
-    ended = [frame for frame, bits in enumerate(events) if bits & col.ACTION_ENDED]
-    assert len(ended) == 1
-    assert ended[0] / RATE == pytest.approx(bank.clip("wave").duration, abs=0.8)
-    assert characters.state[0, col.ACTIONS] == 0
-    assert bank.clips[int(characters.state[0, col.ENDED])].name == "wave"
-
-
-def test_an_action_begins_when_it_is_told(one: Setup, bank: Bank) -> None:
-    for when, event in (("left_foot", col.LEFT_DOWN), ("right_foot", col.RIGHT_DOWN)):
-        characters = one()
-        characters.add(1, "walk")
-        characters.act([0], "wave", when=when)  # type: ignore[arg-type]
-        begun = next(bits for bits in passed(characters, 200) if bits & col.ACTION_BEGAN)
-        assert begun & event
-    characters = one()
-    characters.add(1, "walk")
-    characters.act([0], "wave", when="phase", start=0.7)
-    for _ in range(200):
-        if characters.advance() & col.ACTION_BEGAN:
-            break
-    assert layer(characters, 0, col.FRAME) / bank.clip("wave").rate == pytest.approx(0.7, abs=0.05)
-
-
 def test_an_own_clock_keeps_time_and_comes_back_into_step(one: Setup, bank: Bank) -> None:
     characters = one()
     characters.add(1, "run", time=0.3)
@@ -176,30 +147,6 @@ def test_an_own_clock_keeps_time_and_comes_back_into_step(one: Setup, bank: Bank
     passed(characters, 240)
     apart = layer(characters, 0, col.PHASE) - slot(characters, 0, col.PHASE)
     assert abs(apart - round(apart)) < 1e-6
-
-
-def test_strides_and_contacts_are_told(one: Setup, bank: Bank) -> None:
-    characters = one()
-    characters.add(1, "walk")
-    events = passed(characters, round(bank.clip("walk").duration * RATE) - 1)
-    contacts = bank.contacts("walk")
-    for foot, bit in (("left", col.LEFT_DOWN), ("right", col.RIGHT_DOWN)):
-        downs = [contact.down for contact in contacts if contact.foot == foot and contact.down > 0.0]
-        told = [(frame + 1) / RATE for frame, bits in enumerate(events) if bits & bit]
-        np.testing.assert_allclose([one for one in told if one > 0.1], [one for one in downs if one > 0.1], atol=0.03)
-    strides = [(frame + 1) / RATE for frame, bits in enumerate(events) if bits & col.STRIDE]
-    left = [contact.down for contact in contacts if contact.foot == "left" and contact.down > 0.0]
-    assert all(min(abs(stride - down) for down in left) < 0.08 for stride in strides)
-
-
-def test_a_locomotion_that_is_not_repeated_is_held_and_told_once(one: Setup) -> None:
-    characters = one()
-    characters.add(1, "stairs_up", loop=False)
-    events = passed(characters, 400)
-    assert sum(bool(bits & col.LOCOMOTION_ENDED) for bits in events) == 1
-    before = shown(characters)
-    characters.advance()
-    np.testing.assert_array_equal(shown(characters)[0], before[0])
 
 
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -279,3 +226,15 @@ def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Callable[
         do(characters)
     assert isinstance(raised.value, MotionError)
     np.testing.assert_array_equal(characters.state, before)
+
+
+def test_what_has_waited_is_not_looked_up_in_another_bank(one: Setup, hands_bank: Bank) -> None:
+    """It stays in its row after it has begun, and the other bank may have fewer clips."""
+    characters = one()
+    characters.add(1, "walk")
+    characters.act([0], "wave", loop=False)
+    passed(characters, 400)
+    assert characters.state[0, col.NEXT_ACTION + col.CLIP] >= len(hands_bank.clips)
+    moved = characters.moved(Stage(Evaluator(hands_bank)))
+    part = slice(col.NEXT_ACTION, col.WHEN)
+    np.testing.assert_array_equal(moved.state[:, part], characters.state[:, part])

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,11 +21,9 @@ from runtime.bank import Bank
 from runtime.character import Characters, Stage
 from runtime.evaluator import Evaluator
 from runtime.requests import Requests
-from tests import naive, naive_character
+from tests import naive, naive_character, playing
 from tests.conftest import COUNTING
-
-RATE = 60.0
-Setup = Callable[[], Characters]
+from tests.playing import RATE, Setup
 
 
 @pytest.fixture(scope="module")
@@ -34,16 +31,9 @@ def stage(hands_bank: Bank) -> Stage:
     return Stage(Evaluator(hands_bank))
 
 
-@pytest.fixture
-def one(stage: Stage) -> Setup:
-    return lambda: Characters(stage, RATE)
-
-
 def shown(characters: Characters) -> Floats:
     """Rotations [n, J, 4]."""
-    poses = characters.stage.evaluator.poses(len(characters))
-    characters.evaluate(poses)
-    return poses.rotations.astype(np.float64)
+    return playing.shown(characters)[1]
 
 
 def fingers(skeleton: Skeleton, roles: Roles) -> list[int]:
@@ -185,6 +175,26 @@ def test_hands_are_faded_in_over_others_and_off_and_the_third_waits(one: Setup) 
     assert characters.state[0, col.HANDS] == 0
 
 
+@pytest.mark.parametrize("over", ["other_hands", None])
+def test_hands_of_less_weight_take_the_place_of_others_without_a_jump(one: Setup, over: str | None) -> None:
+    characters, wanted = one(), one()
+    for some in (characters, wanted):
+        some.add(1, "counting", time=1.7)  # amid a gesture
+        some.speed([0], 0.0)
+    characters.wear([0], "counting_hands", blend=0.0)
+    characters.wear([0], over, blend=0.5, weight=0.3)
+    wanted.wear([0], over, blend=0.0, weight=0.3)
+    steps, before, way = [], shown(characters), quaternion.angle(shown(characters), shown(wanted)).max()
+    for _ in range(31):
+        characters.advance()
+        now = shown(characters)
+        steps.append(quaternion.angle(now, before).max())
+        before = now
+    assert max(steps) < 0.1 * way
+    assert characters.state[0, col.HANDS] == (0 if over is None else 1)
+    np.testing.assert_allclose(shown(characters), shown(wanted), atol=1e-6)
+
+
 def test_hands_on_another_clip_are_not_shown(one: Setup) -> None:
     bare, worn = one(), one()
     for characters in (bare, worn):
@@ -206,11 +216,12 @@ def test_the_same_commands_give_the_same_bytes(one: Setup) -> None:
         alone.advance()
 
 
-def test_characters_keep_their_hands_on_another_bank(one: Setup, hands_bank: Bank) -> None:
+def test_characters_keep_their_hands_on_another_bank(one: Setup, hands_bank: Bank, bank: Bank) -> None:
     characters = one()
     characters.add(2, "counting")
     characters.wear([1], "other_hands", blend=0.0)
-    assert characters.clips() == {"counting", "other_hands"}
+    assert characters.lacking(bank) == {"counting", "other_hands"}
+    assert not characters.lacking(hands_bank)
     moved = characters.moved(Stage(Evaluator(hands_bank)))
     np.testing.assert_array_equal(shown(moved), shown(characters))
 

@@ -86,3 +86,39 @@ def test_what_has_no_room_waits(one: Setup) -> None:
     assert characters.state[0, col.NEXT_COUNT] == 3
     passed(characters, 32)
     assert characters.state[0, col.NEXT_COUNT] == 0
+
+
+def test_a_clip_that_is_held_at_its_end_does_not_hold_up_what_is_played_next(one: Setup) -> None:
+    held, alone = one(), one()
+    held.add(1, "walk", loop=False)
+    passed(held, 400)
+    ended = slot(held, 0, col.FRAME)
+    held.play([0], "run", blend=0.5)
+    alone.add(1, "run")
+    alone.state[0, col.FIRST_LOCOMOTION : col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS] = held.state[
+        0, col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS : col.FIRST_LOCOMOTION + 2 * col.LOCOMOTION_COLUMNS
+    ]
+    for _ in range(28):
+        for characters in (held, alone):
+            characters.advance()
+        assert slot(held, 1, col.FRAME) == pytest.approx(slot(alone, 0, col.FRAME), abs=1e-6)
+        assert slot(held, 0, col.FRAME) == ended
+
+
+def test_a_mix_without_a_loop_comes_to_its_end_and_stays(one: Setup, bank: Bank) -> None:
+    """The run ends first; what is left of the walk is then played as fast as it was captured."""
+    characters = one()
+    characters.add(1, {"walk": 0.5, "run": 0.5}, loop=False)
+    last = {name: bank.clip(name).frame_count - 1.0 for name in ("walk", "run")}
+    speeds = []
+    for _ in range(500):
+        run_ended, before = slot(characters, 1, col.FRAME) == last["run"], slot(characters, 0, col.FRAME)
+        characters.advance()
+        walked = slot(characters, 0, col.FRAME) - before
+        assert walked >= 0.0
+        if run_ended and slot(characters, 0, col.FRAME) < last["walk"]:
+            speeds.append(walked * RATE / bank.clip("walk").rate)
+    np.testing.assert_allclose(speeds, 1.0, atol=1e-6)
+    assert len(speeds) > 20
+    assert (slot(characters, 0, col.FRAME), slot(characters, 1, col.FRAME)) == (last["walk"], last["run"])
+    assert not characters.deltas.any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import msgpack
@@ -158,6 +159,14 @@ def test_a_batch_with_wrong_hands_is_refused(
     assert (answer.status_code, words in answer.json()["detail"]) == (status, True), answer.text
 
 
+def test_hands_that_nobody_wears_may_be_named(hands_client: TestClient) -> None:
+    batch = {"clips": ["walk", "counting_hands", "counting"], "locomotion": [0, 2], "time": [0.0, 0.5]}
+    worn, bare = (hands_client.post("/v1/poses", json=batch | {"hands": hands}) for hands in ([-1, 1], [-1, -1]))
+    assert (worn.status_code, bare.status_code) == (200, 200), bare.text
+    answer = hands_client.post("/v1/poses", json=batch | {"clips": ["walk", "none of both", "counting"]})
+    assert (answer.status_code, "no clip 'none of both'" in answer.json()["detail"]) == (404, True)
+
+
 def commanded(bank: Bank, commands: dict[int, list[tuple[str, dict[str, Any]]]], frames: int) -> list[Any]:
     """Rotations [J, 4] of a character in each frame, commanded at some of them."""
     characters, shown = Characters(Stage(Evaluator(bank)), 60.0), []
@@ -219,7 +228,12 @@ def test_a_mistake_about_hands_is_refused_and_nothing_worn(hands_service: Runnin
         np.testing.assert_array_equal(player.frame()["rotations"], before)
 
 
-def test_a_connection_keeps_a_bank_whose_hands_are_gone(hands_service: Running, bank: Bank) -> None:
+@pytest.mark.parametrize("a_clip_now", [False, True])
+def test_a_connection_keeps_a_bank_whose_hands_are_gone(hands_service: Running, bank: Bank, a_clip_now: bool) -> None:
+    """Be they a clip like others now, as they are once `hands.toml` is taken away."""
+    if a_clip_now:
+        clips = tuple(replace(one, name="other_hands") if one.name == "wave" else one for one in bank.clips)
+        bank = replace(bank, manifest=replace(bank.manifest, clips=clips))
     serving = hands_service.config.front.shared.serving
     old, evaluator = serving.edition, Evaluator(bank)
     newer = type(old)(bank, evaluator, Stage(evaluator))

@@ -107,7 +107,8 @@ def band_around(
     low[1:] = np.minimum(low[1:], high[:-1] + 1)
     if (cells := int(body_frames * ((high - low).max() + 1))) > MOST_CELLS:
         raise ClipError(
-            f"clips of {body_frames} and {hand_frames} frames are too long for a band of {cells:,} cells",
+            f"clips of {body_frames} and {hand_frames} frames are too long for a band of {cells:,} cells, "
+            f"of which there may be {MOST_CELLS:,}",
             mend="Give a narrower --band, or shorter clips",
         )
     return Band(low, high)

@@ -76,7 +76,15 @@ def read_hand_settings(file: Path) -> list[HandsOnBody]:
     entries = document.get("hands")
     if set(document) != {"hands"} or not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
         raise SettingsError("it needs tables called hands", file=str(file), mend="Write [[hands]] before each")
-    return [_entry(number, one, str(file)) for number, one in enumerate(entries, 1)]
+    found: dict[str, HandsOnBody] = {}
+    for number, entry in enumerate(entries, 1):
+        one = _entry(number, entry, str(file))
+        if one.label in found:
+            before = list(found).index(one.label) + 1
+            problem = f"{one.label} is there already, as hands {before}"
+            raise SettingsError(problem, file=str(file), place=f"hands {number}", mend="Leave one of them out")
+        found[one.label] = one
+    return list(found.values())
 
 
 def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
@@ -85,6 +93,10 @@ def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
     for key in entry:
         if key not in known:
             raise SettingsError(f"unknown key {key!r}", file=file, place=where, mend=did_you_mean(key, known))
+    for key, wanted in (("body", "a clip"), ("hands", "a clip of hands")):
+        if key not in entry:
+            mend = f'Write {key} = "NAME", the name of {wanted}'
+            raise SettingsError(f"it has no key {key!r}", file=file, place=where, mend=mend)
     bands, pairs = entry.get("bands", list(BANDS)), entry.get("pairs", [])
     for key, sound, wanted in (
         ("body", isinstance(entry.get("body"), str), "the name of a clip"),

@@ -139,7 +139,7 @@ def test_bands_that_mean_nothing_or_take_too_much_are_refused(monkeypatch: pytes
         with pytest.raises(SettingsError, match="mean nothing"):
             align_hands([hand], [hand], RATE, bands=bands)
     monkeypatch.setattr(banded_warp, "MOST_CELLS", 100)
-    with pytest.raises(ClipError, match="too long for a band of"):
+    with pytest.raises(ClipError, match="too long for a band of 2,150 cells, of which there may be 100"):
         align_hands([hand], [hand], RATE)
 
 

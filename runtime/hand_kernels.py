@@ -51,20 +51,31 @@ def turn_to(lanes: Array, own: Index, other: Index, weight: Real) -> None:
 def wear_hands(bank: BankArrays, s: Array, c: int, clip: int, row: Index, t: Real, lanes: Array, above: Index) -> None:
     """Lays the hands that a character wears over the upper half of a clip that it plays, between row and the next.
 
-    Hands that do not lie on the clip, and none, cover those below them with the clip's own.
+    As they fade in they take the place of those below them, with whatever weight: what theirs leaves, hands that do not
+    lie on the clip, and none, are the clip's own.
     """
     count = int(s[c + col.HANDS])
     for number in range(count):
-        worn, weight = int(s[hands(c, number) + col.CLIP]), shown(s, hands(c, number))
+        worn, weight = int(s[hands(c, number) + col.CLIP]), share_of(s, c, number, count)
+        above_it = 0.0  # what those above give
         for over in range(number + 1, count):
             other = int(s[hands(c, over) + col.CLIP])
-            if other == col.BARE or bank.hand_rows[other, clip] < 0:
-                weight *= 1.0 - shown(s, hands(c, over))
+            if other != col.BARE and bank.hand_rows[other, clip] >= 0:
+                above_it += share_of(s, c, over, count)
         if worn != col.BARE and weight > 0.0:
-            lay_hands(bank, worn, clip, row, t, np.float32(weight), lanes, above)
+            lay_hands(bank, worn, clip, row, t, np.float32(weight / (1.0 - above_it)), lanes, above)
 
 
 @inlined
-def shown(s: Array, slot: int) -> float:
-    """How far hands are faded in, of what weight they have."""
-    return faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE]) * s[slot + col.WEIGHT]
+def share_of(s: Array, c: int, number: int, count: int) -> float:
+    """How much hands give of what is shown, of those that are worn."""
+    share = risen(s, hands(c, number)) * s[hands(c, number) + col.WEIGHT]
+    for over in range(number + 1, count):
+        share *= 1.0 - risen(s, hands(c, over))
+    return share
+
+
+@inlined
+def risen(s: Array, slot: int) -> float:
+    """How far hands are faded in."""
+    return faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])

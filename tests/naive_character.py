@@ -112,20 +112,23 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
 def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> None:
     """What a character wears over the rotations [J, 4] of a body: each hands over those below them, as they fade in.
 
-    What is not aligned to the body covers those below it with the body's own.
+    Each gives its weight, as far as it is faded in and those above it are not; the rest is the body's own.
     """
-    joints, worn = list(bank.layout.hands.joints), list[tuple[Floats | None, float]]()
+    joints, worn = list(bank.layout.hands.joints), list[tuple[Floats | None, float, float]]()
     for number in range(int(s[col.HANDS])):
         slot = s[col.FIRST_HANDS + number * col.HANDS_COLUMNS :]
         name = bank.hand_clips[int(slot[col.CLIP])] if slot[col.CLIP] != col.BARE else ""
         aligned = any((one.name, one.body) == (name, body) for one in bank.hands)
         turns = rotation_between(bank.hand_motion(name, body), frame) if aligned else None
-        worn.append((turns, fade(slot) * float(slot[col.WEIGHT])))
-    for number, (turns, shown) in enumerate(worn):
-        if turns is not None:
-            covered = [over for bare, over in worn[number + 1 :] if bare is None]
-            share = shown * float(np.prod([1.0 - over for over in covered]))
-            rotations[joints] = mixed([rotations[joints], turns], [1.0 - share, share])
+        worn.append((turns, fade(slot), float(slot[col.WEIGHT])))
+    shares = [
+        risen * weight * float(np.prod([1.0 - over for _, over, _ in worn[number + 1 :]])) if turns is not None else 0.0
+        for number, (turns, risen, weight) in enumerate(worn)
+    ]
+    for number, (turns, _, _) in enumerate(worn):
+        if turns is not None and shares[number] > 0.0:
+            part = shares[number] / (1.0 - sum(shares[number + 1 :]))  # so that those above leave its share of it
+            rotations[joints] = mixed([rotations[joints], turns], [1.0 - part, part])
 
 
 def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:

@@ -71,6 +71,8 @@ def check_pairs(pairs: Sequence[FramePair], body_frames: int, hand_frames: int) 
     for before, after in pairwise(ordered):
         if before.body == after.body or after.hands < before.hands:
             problem = f"it is crossed by the pair {before}: later frames of the body need later frames of the hands"
+            if before.body == after.body:
+                problem = f"the pair {before} has the same frame of the body"
             raise SettingsError(problem, place=f"pair {after}", mend="Leave one of them out")
     return ordered
 

@@ -100,6 +100,8 @@ def test_the_picture_shows_bands_paths_and_pairs(hands_folder: Path, tmp_path: P
         (["--pair", "9000:3"], "pair 9000:3: frame 9000 of the body lies outside the clip"),
         (["--pair", "9:30", "--pair", "20:5"], "pair 20:5: it is crossed by the pair 9:30"),
         (["--pair", "100:150", "--pair", "200:100"], "pair 200:100: it is crossed"),  # no emoji of ":100:"
+        (["--pair", "9:30", "--pair", "9:30"], "pair 9:30: the pair 9:30 has the same frame of the body"),
+        (["--pair", "9:30", "--pair", "9:40"], "pair 9:40: the pair 9:30 has the same frame of the body"),
         (["--band", "wide"], "--band 'wide' is no two numbers"),
         (["--band", "0,0.1"], "bands of 0 and 0.1 of the clip mean nothing"),
         (["--picture", "x.gif"], "End --picture in .png"),

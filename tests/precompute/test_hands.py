@@ -113,7 +113,7 @@ def test_pairs_bend_any_band_and_are_hit(
     ("pairs", "said"),
     [
         ([FramePair(10, 5), FramePair(20, 4)], "pair 20:4: it is crossed by the pair 10:5"),
-        ([FramePair(10, 5, 2), FramePair(10, 9)], "pair 10:9: it is crossed by the pair 10:5~2"),
+        ([FramePair(10, 5, 2), FramePair(10, 9)], "pair 10:9: the pair 10:5~2 has the same frame"),
         ([FramePair(50, 5)], "pair 50:5: frame 50 of the body lies outside the clip, whose last is 49"),
         ([FramePair(5, 40, 3)], "pair 5:40~3: frame 40 of the hands lies outside the clip, whose last is 39"),
     ],

@@ -41,5 +41,6 @@ def run(command: Callable[[], object]) -> None:
 
 
 def _tell(problem: str) -> None:
-    Console(stderr=True).print(f"[bold red]error:[/bold red] {escape(problem)}", highlight=False, soft_wrap=True)
+    console = Console(stderr=True, emoji=False)
+    console.print(f"[bold red]error:[/bold red] {escape(problem)}", highlight=False, soft_wrap=True)
     sys.exit(1)

@@ -24,7 +24,7 @@ from runtime.bank import Bank
 
 AUTOMATIC = "auto"
 
-console = Console()
+console = Console(emoji=False)
 
 
 def register(app: typer.Typer) -> None:

@@ -22,7 +22,7 @@ LOCOMOTION, ACTION = "curve", "carry_cup"
 BODY, HANDS = "count_steps", "count_steps_hands"
 SHOWN = (0.5, 3.0)  # seconds on the contact sheet
 
-console = Console()
+console = Console(emoji=False)
 
 
 def register(app: typer.Typer) -> None:

@@ -25,7 +25,7 @@ from precompute.hands import BANDS
 
 KINDS: tuple[PhaseKind, ...] = get_args(PhaseKind)
 
-console = Console()
+console = Console(emoji=False)
 
 
 def register(app: typer.Typer) -> None:

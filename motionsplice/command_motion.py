@@ -22,7 +22,7 @@ from runtime import requests
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 
-console = Console()
+console = Console(emoji=False)
 
 
 class Method(StrEnum):

@@ -35,7 +35,7 @@ def serve_command(bank: Path, **flags: Any) -> None:
 
 def start(bank: Path, settings: Settings) -> None:
     """Verifies a bank, says where it is served and with which settings, and serves it until stopped."""
-    digest, console = Bank.open(bank).digest, Console()
+    digest, console = Bank.open(bank).digest, Console(emoji=False)
     listener = listen(settings)
     port = listener.getsockname()[1]
     table = Table("setting", "", box=None, pad_edge=False)

@@ -22,7 +22,7 @@ from precompute.body_angles import View
 from precompute.correlation import Correlation, Key, Study, Survival, Verdict, lag_between, study, survival
 from precompute.periodic import Period
 
-console = Console()
+console = Console(emoji=False)
 
 CAPTION = (
     "global: along the way of travel; local: on the joint above; degrees: amplitude; "

@@ -104,7 +104,7 @@ def _draw_curves(figure: SubFigure, aligned: AlignedHands, rate: float) -> None:
             panel.set_ylabel(label, fontsize=8)
             panel.set_yticks([])
             _quieten(panel)
-        panels[-1].set_xlim(0.0, seconds[-1])
+        panels[-1].set_xlim(0.0, max(len(frames) - 1, 1) / rate)
     panels[-1].set_xlabel("seconds of the body", fontsize=9)
 
 

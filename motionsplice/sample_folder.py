@@ -7,7 +7,7 @@ from pathlib import Path
 
 from motion.clip import Clip
 from motion.formats.bvh import dump
-from motion.procedural.gestures import sample_gestures
+from motion.procedural.gestures import SAMPLE_HANDS, sample_gestures
 from motion.procedural.library import ACTIONS, sample_clips
 
 
@@ -20,10 +20,10 @@ def write_sample_clips(folder: Path) -> None:
 
 def write_sample_gestures(folder: Path) -> None:
     """Writes bodies that gesture, and the hands of each, with the `hands.toml` that tells which go together."""
-    clips = sample_gestures()
-    _write(folder, clips)
-    bodies = [name for name in clips if f"{name}_hands" in clips]
-    entries = [f'[[hands]]\nbody = "{name}"\nhands = "{name}_hands"\n' for name in bodies]
+    _write(folder, sample_gestures())
+    entries = [
+        f'[[hands]]\nbody = "{name}"\nhands = "{name}_hands"\nhand = "{hand}"\n' for name, hand in SAMPLE_HANDS.items()
+    ]
     (folder / "hands.toml").write_text("\n".join(entries))
 
 

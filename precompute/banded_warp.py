@@ -71,6 +71,8 @@ def check_pairs(pairs: Sequence[FramePair], body_frames: int, hand_frames: int) 
     for before, after in pairwise(ordered):
         if before.body == after.body or after.hands < before.hands:
             problem = f"it is crossed by the pair {before}: later frames of the body need later frames of the hands"
+            if before.body == after.body:
+                problem = f"the pair {before} has the same frame of the body"
             raise SettingsError(problem, place=f"pair {after}", mend="Leave one of them out")
     return ordered
 
@@ -107,7 +109,8 @@ def band_around(
     low[1:] = np.minimum(low[1:], high[:-1] + 1)
     if (cells := int(body_frames * ((high - low).max() + 1))) > MOST_CELLS:
         raise ClipError(
-            f"clips of {body_frames} and {hand_frames} frames are too long for a band of {cells:,} cells",
+            f"clips of {body_frames} and {hand_frames} frames are too long for a band of {cells:,} cells, "
+            f"of which there may be {MOST_CELLS:,}",
             mend="Give a narrower --band, or shorter clips",
         )
     return Band(low, high)

@@ -32,6 +32,9 @@ def typical_stride(search: StrideSearch, walks: Clips, failed: Mapping[str, Moti
     """
     if failed and not walks:
         raise BaselineError("not one of the locomotions can be read", mend=_reasons(failed))
+    if not walks:
+        problem = "all clips are actions or hands, and none can serve as the baseline"
+        raise BaselineError(problem, mend="Add a plain walk of a few steps, or name a clip as --baseline")
     searched = [kept(search, one).found() for one in walks.values()]
     strides = {found.ring.name: found for found in searched if found is not None}
     if not strides:

@@ -76,13 +76,16 @@ def read_hand_settings(file: Path) -> list[HandsOnBody]:
     entries = document.get("hands")
     if set(document) != {"hands"} or not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
         raise SettingsError("it needs tables called hands", file=str(file), mend="Write [[hands]] before each")
-    found = [_entry(number, one, str(file)) for number, one in enumerate(entries, 1)]
-    labels = [one.label for one in found]
-    for number, label in enumerate(labels):
-        if label in labels[:number]:
+    found: dict[str, HandsOnBody] = {}
+    for number, entry in enumerate(entries, 1):
+        one = _entry(number, entry, str(file))
+        if one.label in found:
+            before = list(found).index(one.label) + 1
+            problem = f"{one.label} is there already, as hands {before}"
             mend = 'Leave one of them out; hand = "each" aligns both apart'
-            raise SettingsError(f"{label} was said before", file=str(file), place=f"hands {number + 1}", mend=mend)
-    return found
+            raise SettingsError(problem, file=str(file), place=f"hands {number}", mend=mend)
+        found[one.label] = one
+    return list(found.values())
 
 
 def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
@@ -91,6 +94,10 @@ def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
     for key in entry:
         if key not in known:
             raise SettingsError(f"unknown key {key!r}", file=file, place=where, mend=did_you_mean(key, known))
+    for key, wanted in (("body", "a clip"), ("hands", "a clip of hands")):
+        if key not in entry:
+            mend = f'Write {key} = "NAME", the name of {wanted}'
+            raise SettingsError(f"it has no key {key!r}", file=file, place=where, mend=mend)
     bands, pairs = entry.get("bands", list(BANDS)), entry.get("pairs", [])
     for key, sound, wanted in (
         ("body", isinstance(entry.get("body"), str), "the name of a clip"),

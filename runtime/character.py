@@ -6,8 +6,9 @@ way in: they fill the part of a row that waits, and the kernels begin what waits
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from runtime.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_
 from runtime.evaluator import Evaluator
 from runtime.in_step import phase_at
 from runtime.limbs import limbs_of
-from runtime.played import newest_mix, played_clips, worn_hands
+from runtime.played import newest_mix, played_clips, strange_rows, worn_hands
 from runtime.requests import (
     FLOAT64,
     METHODS,
@@ -37,7 +38,7 @@ from runtime.requests import (
 
 BLEND = 0.3  # seconds
 States = NDArray[np.float64]
-Rows = NDArray[np.int64] | Sequence[int]
+Rows = NDArray[np.int64] | NDArray[np.bool_] | Sequence[int] | slice | int
 
 
 class Stage:
@@ -74,7 +75,10 @@ class Characters:
     """n characters, which are shown `rate` times a second.
 
     state: [n, COLUMNS] float64, a row for each, to be saved, copied and restored at will. The same commands at the same
-    frames give the same bytes, whichever other characters there are. Raises SettingsError if the state is not that.
+    frames give the same bytes, whichever other characters there are. Clips are named by their number in the bank, so a
+    state goes with the bank it was saved of. Raises SettingsError if the state or the rate is not that.
+
+    rows: those that a command is for, in any way in which NumPy names some.
     """
 
     def __init__(self, stage: Stage, rate: float, state: States | None = None) -> None:
@@ -82,10 +86,21 @@ class Characters:
         self.rate = rate
         self.state = np.zeros((0, col.COLUMNS)) if state is None else state
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
+        if not 0.0 < rate < np.inf:
+            raise SettingsError(f"{rate} is no number of frames per second")
+        if len(strange := strange_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
+            problem = f"character {strange[0]} plays what this bank has not, or is no row of one"
+            raise SettingsError(problem, mend="Is its state that of another bank?")
         self._share = Memory.begin(0, rate).share
 
     def __len__(self) -> int:
         return len(self.state)
+
+    def copy(self) -> Self:
+        """The same characters, on their own from now on."""
+        twin = copy.copy(self)
+        twin.state = self.state.copy()
+        return twin
 
     def add(self, count: int, locomotion: Locomotion, **options: Any) -> NDArray[np.int64]:
         """Adds characters at the origin, facing Z, and returns their rows; options are those of `play`."""
@@ -137,7 +152,7 @@ class Characters:
         they are followed within about a tenth of a second. Raises UnknownClipError or SettingsError."""
         given = shares_of(self.stage.bank, weights)
         goals = []
-        for row in np.atleast_1d(np.asarray(rows)):
+        for row in self._numbers(rows):
             clips, at = newest_mix(self.state[row])
             if missing := given.keys() - set(clips):
                 name = self.stage.bank.clips[min(missing)].name
@@ -177,6 +192,8 @@ class Characters:
         if (fault := time_fault("start", start, entry)) is not None:
             raise fault
         own = (0.0, np.inf) if own_clock is True else own_clock or (np.inf, np.inf)
+        if not 0.0 <= own[0] <= own[1]:
+            raise SettingsError(f"own_clock {own} should be two times, the earlier first")
         part = np.zeros(col.ACTION_COLUMNS)
         part[col.CLIP], part[col.KIND] = clip, known(METHODS, "method", method)
         part[col.PHASE] = phase_at(self.stage.evaluator.arrays, clip, start)
@@ -227,7 +244,7 @@ class Characters:
     def weight(self, rows: Rows, weight: float) -> None:
         """How much of the newest action is shown, followed within about a tenth of a second. Raises SettingsError."""
         part_of_1(weight)
-        for row in np.atleast_1d(np.asarray(rows)):
+        for row in self._numbers(rows):
             s = self.state[row]
             if s[col.WHEN]:
                 s[col.NEXT_ACTION + col.GOAL] = weight
@@ -235,7 +252,12 @@ class Characters:
                 s[col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS + col.GOAL] = weight
 
     def place(self, rows: Rows, position: Sequence[float], heading: float = 0.0) -> None:
-        """Puts them elsewhere: position [3], metres, of the ground under them, and heading, radians about Y from Z."""
+        """Puts them elsewhere: position [3], metres, of the ground under them, and heading, radians about Y from Z.
+
+        Raises SettingsError.
+        """
+        if np.shape(position) != (3,) or not np.isfinite([*position, heading]).all():
+            raise SettingsError("a place needs three numbers, and a heading one")
         self.state[rows, col.PLACE : col.PLACE + 3] = position
         self.state[rows, col.HEADING] = heading
         self.state[rows, col.SIN], self.state[rows, col.COS] = np.sin(0.5 * heading), np.cos(0.5 * heading)
@@ -289,9 +311,11 @@ class Characters:
         return self.state[:, col.EVENTS].astype(np.int64)
 
     def _begin(self, rows: Rows) -> None:
-        begun = np.atleast_1d(np.asarray(rows, np.int64))
         stage, state = self.stage, self.state.reshape(-1)
-        clock_kernels.begin(stage.evaluator.arrays, stage.ground, state, begun)
+        clock_kernels.begin(stage.evaluator.arrays, stage.ground, state, self._numbers(rows))
+
+    def _numbers(self, rows: Rows) -> NDArray[np.int64]:
+        return np.atleast_1d(np.arange(len(self))[rows])
 
     def _wait(self, rows: Rows, part: States, when: int) -> None:
         self.state[rows, col.NEXT_ACTION : col.NEXT_ACTION + col.ACTION_COLUMNS] = part

@@ -39,6 +39,26 @@ def worn_hands(state: States) -> tuple[Places, Numbers]:
     return at, state[at].astype(np.int64)
 
 
+def strange_rows(state: States, clips: int, hands: int) -> Numbers:
+    """The rows [n, COLUMNS] that do not fit a bank of so many clips and hands, as those of another bank may not.
+
+    What is looked at would lead a kernel out of its tables: how many slots there are, and what they name.
+    """
+    sound = np.ones(len(state), np.bool_)
+    for column, least, most in (
+        (col.LOCOMOTIONS, 1, col.MOST_LOCOMOTIONS),
+        (col.FIRST_LOCOMOTION + col.HEAD, 1, col.MOST_MIXED),
+        (col.ACTIONS, 0, col.MOST_ACTIONS),
+        (col.HANDS, 0, col.MOST_HANDS),
+        (col.NEXT_COUNT, 0, col.MOST_MIXED),
+    ):
+        sound &= np.isin(state[:, column], np.arange(least, most + 1))
+    with np.errstate(invalid="ignore"):  # NaN is no number of a clip
+        for (at, numbers), count in ((played_clips(state), clips), (worn_hands(state), hands)):
+            sound[at[0][(numbers < 0) | (numbers >= count)]] = False
+    return np.flatnonzero(~sound)
+
+
 def newest_mix(s: States) -> tuple[list[int], Numbers]:
     """The clips of the group that waits in a row, or else of the newest, and where in the row their weights are set."""
     if s[col.NEXT_COUNT]:

@@ -100,6 +100,8 @@ def _read(path: Path, skip_frames: int, unit: str | None, given: Mapping[str, Gi
 def _parse(path: Path) -> tuple[Nodes, float, float | None]:
     """A file's nodes, frames per second, and metres per unit if it says so."""
     suffix = path.suffix.lower()
+    if path.is_dir():
+        raise FormatError("it is a folder", mend=f"Give one file of it, {' or '.join(SUFFIXES)}")
     if suffix not in SUFFIXES:
         raise FormatError(f"files of kind {suffix!r} cannot be read", mend=f"Give one of {', '.join(SUFFIXES)}")
     data = read_bytes(path)

@@ -38,6 +38,7 @@ from motion.quaternion import Floats
 SLOWEST, FASTEST, TEMPO_CHANGES = 0.6, 1.6, 1.2  # of the score's time; seconds from one drawn tempo to the next
 VOLUME = np.array([0.0, -0.28, 0.27])  # where hands are captured: their wrist at rest, from the shoulder
 SMALLER = 0.95  # the stature of whose hands are captured
+SAMPLE_HANDS = {"count_steps": "right", "directions": "both"}  # bodies that gesture, and by which hand
 _ELBOW = (0.45, -1.0, -0.35)
 
 
@@ -147,12 +148,13 @@ def _upper(carriage: Carriage, rhythm: Rhythm, channels: dict[float, Floats]) ->
 
 
 def sample_gestures() -> dict[str, Clip]:
-    """Bodies that gesture as they walk, and the hands of each, by name: `count_steps`, `directions`."""
+    """Bodies that gesture as they walk, and the hands of each, by name: those of SAMPLE_HANDS."""
     found = {}
-    for name, seed, hand, kinds in (
-        ("count_steps", 11, "right", ["count"] * 5),
-        ("directions", 12, "both", ["point", "point", "open_close", "wave", "point", "thumbs_up"]),
+    for name, seed, kinds in (
+        ("count_steps", 11, ["count"] * 5),
+        ("directions", 12, ["point", "point", "open_close", "wave", "point", "thumbs_up"]),
     ):
+        hand = SAMPLE_HANDS[name]
         pair = gesture_pair(seed, kinds=kinds, hand=hand, seconds=1.5 * len(kinds))  # type: ignore[arg-type]
         found[name] = replace(pair.body, name=name)
         found[f"{name}_hands"] = replace(pair.hands, name=f"{name}_hands")

@@ -35,7 +35,7 @@ class Scene:
     def copy(self) -> Self:
         """The same characters, on their own from now on."""
         twin = copy.copy(self)
-        twin.characters = Characters(self.edition.stage, self.characters.rate, self.characters.state.copy())
+        twin.characters = self.characters.copy()
         return twin
 
     def keep_time(self, rate: float) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import astuple
 from pathlib import Path
 
 from motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
 from motion.errors import BankError, FormatError, SettingsError
 from motion.formats.files import clip_files, files_behind
-from runtime.manifest import MANIFEST, ClipEntry, HandsEntry, Manifest, Mark, file_digest, mark_of
+from runtime.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
 
 
 class Folder:
@@ -33,21 +32,19 @@ class Folder:
         return self._read[1]
 
     def pending(self) -> dict[str, str]:
-        """The clips that the bank has not, or not so: for each a text that changes when it does."""
-        said, built = self._said(), self._built()
-        hands = {(one.name, one.source) for one in self._hands()}
+        """The clips that the bank has not, or not so, hands among them: for each a text that changes when it does."""
+        said, built, hands = self._said(), self._built(), self._hands()
         waiting = {}
         for file in clip_files(self.clips):
             if file.is_file():
                 digests, entry = self._digests_behind(file), said.get(file.stem, DEFAULT_SETTINGS)
-                if (file.stem, digests[0]) not in hands and not _is_built(built.get(file.stem), digests[0], entry):
+                if hands.get(file.stem) != digests[0] and not _is_built(built.get(file.stem), digests[0], entry):
                     waiting[file.stem] = f"{' '.join(digests)} {astuple(entry)}"
         return waiting
 
     def missing(self) -> list[str]:
-        """The clips and hands of the bank that are not in the folder, and would not be in a bank made from it."""
-        names = self._built().keys() | {one.name for one in self._hands()}
-        return sorted(names - {file.stem for file in clip_files(self.clips)})
+        """The clips and hands of the bank that are not in the folder, and would be in no bank that is made from it."""
+        return sorted((self._built().keys() | self._hands()) - {file.stem for file in clip_files(self.clips)})
 
     def _digests_behind(self, file: Path) -> list[str]:
         try:
@@ -71,8 +68,9 @@ class Folder:
     def _built(self) -> dict[str, ClipEntry]:
         return {clip.name: clip for clip in self.manifest.clips} if self.manifest else {}
 
-    def _hands(self) -> Sequence[HandsEntry]:
-        return self.manifest.hands if self.manifest else ()
+    def _hands(self) -> dict[str, str]:
+        """The digests of the clips of hands that lie on bodies."""
+        return {one.name: one.source for one in self.manifest.hands} if self.manifest else {}
 
 
 def _is_built(built: ClipEntry | None, digest: str, said: ClipSettings) -> bool:

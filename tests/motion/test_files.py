@@ -93,10 +93,11 @@ def test_a_bad_file_is_named(tmp_path: Path, name: str, data: bytes | None, word
         read_clip(tmp_path / name)
 
 
-def test_a_folder_is_no_file(tmp_path: Path) -> None:
-    (tmp_path / "walk.bvh").mkdir()
-    with pytest.raises(MotionError, match=r"walk\.bvh: it cannot be read"):
-        read_clip(tmp_path / "walk.bvh")
+@pytest.mark.parametrize("name", ["clips", "clips.bvh"])
+def test_a_folder_is_no_motion(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).mkdir()
+    with pytest.raises(MotionError, match=f"{name}: it is a folder. Give one file of it, .amc or .bvh"):
+        read_clip(tmp_path / name)
 
 
 @pytest.mark.parametrize(

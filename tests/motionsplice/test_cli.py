@@ -12,6 +12,7 @@ from motion.formats.bvh import dump
 from motion.formats.files import read_clip
 from motion.kinematics import joint_positions
 from motionsplice.cli import app, main
+from precompute.hand_settings import read_hand_settings
 from runtime.bank import Bank
 from runtime.evaluator import Evaluator
 
@@ -118,6 +119,11 @@ def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
     assert read_clip(tmp_path / "count_steps+hands.bvh").clip.skeleton.joint_count == 52
     assert "http://127.0.0.1:8000" in shown
     assert Bank.open(tmp_path / "bank").clip("carry_box").kind == "action"
+    worn = read_hand_settings(tmp_path / "gestures" / "hands.toml")
+    assert {one.label: one.settings.hand for one in worn} == {
+        "count_steps_hands on count_steps": "right",
+        "directions_hands on directions": "both",
+    }
 
 
 def test_errors_are_one_paragraph(

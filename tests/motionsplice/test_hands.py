@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import re
 import sys
+import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +99,9 @@ def test_the_picture_shows_bands_paths_and_pairs(hands_folder: Path, tmp_path: P
         (["--pair", "12"], "pair '12': it is no pair of frames"),
         (["--pair", "9000:3"], "pair 9000:3: frame 9000 of the body lies outside the clip"),
         (["--pair", "9:30", "--pair", "20:5"], "pair 20:5: it is crossed by the pair 9:30"),
+        (["--pair", "100:150", "--pair", "200:100"], "pair 200:100: it is crossed"),  # no emoji of ":100:"
+        (["--pair", "9:30", "--pair", "9:30"], "pair 9:30: the pair 9:30 has the same frame of the body"),
+        (["--pair", "9:30", "--pair", "9:40"], "pair 9:40: the pair 9:30 has the same frame of the body"),
         (["--band", "wide"], "--band 'wide' is no two numbers"),
         (["--band", "0,0.1"], "bands of 0 and 0.1 of the clip mean nothing"),
         (["--picture", "x.gif"], "End --picture in .png"),
@@ -119,6 +124,19 @@ def test_what_cannot_be_is_told_in_one_paragraph_and_nothing_is_written(
     assert told.startswith("error: ")
     assert said in told
     assert not (tmp_path / "out.bvh").exists()
+
+
+def test_a_body_of_one_frame_has_a_picture_too(hands_folder: Path, tmp_path: Path) -> None:
+    body = read_clip(hands_folder / "counting.bvh", unit="m").clip
+    still = tmp_path / "still.bvh"
+    still.write_bytes(dump(replace(body, root_positions=body.root_positions[:1], rotations=body.rotations[:1])))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        shown(
+            still, hands_folder / "counting_hands.bvh", "--unit", "m",
+            "--out", tmp_path / "out.bvh", "--picture", tmp_path / "picture.png",
+        )  # fmt: skip
+    assert (tmp_path / "picture.png").exists()
 
 
 def test_clips_without_any_fingers_are_refused(

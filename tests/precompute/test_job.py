@@ -53,6 +53,13 @@ def test_a_clip_that_fails_is_named_and_the_others_finish(tmp_path: Path) -> Non
     assert [clip.name for clip in Bank.open(tmp_path / "bank").clips] == ["run", "walk"]
 
 
+def test_if_all_clips_are_actions_it_is_told(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    (clips / "clips.toml").write_text('[walk]\nkind = "action"\n')
+    with pytest.raises(BaselineError, match=r"all clips are actions.*\. Add a plain walk"):
+        precompute([clips], tmp_path / "bank", jobs=1)
+
+
 def test_progress_counts_every_clip(tmp_path: Path) -> None:
     seen: list[tuple[str, int, int]] = []
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"])

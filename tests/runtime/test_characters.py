@@ -214,6 +214,11 @@ def test_without_a_gait_an_action_goes_by_its_own_clock(standing: Stage) -> None
         (lambda one: one.act([0], "wave", when="soon"), SettingsError),
         (lambda one: one.act([0], "wave", mask="tail"), SettingsError),
         (lambda one: one.act([0], "wave", weight=np.nan), SettingsError),
+        (lambda one: one.act([0], "wave", own_clock=(2.0, 1.0)), SettingsError),
+        (lambda one: one.act([0], "wave", own_clock=(np.nan, 1.0)), SettingsError),
+        (lambda one: one.place([0], [np.nan, 0.0, 0.0]), SettingsError),
+        (lambda one: one.place([0], [0.0, 0.0]), SettingsError),
+        (lambda one: one.place([0], [0.0, 0.0, 0.0], np.inf), SettingsError),
         (lambda one: one.speed([0], np.inf), SettingsError),
         (lambda one: one.add(1, "nobody"), UnknownClipError),
     ],
@@ -238,3 +243,61 @@ def test_what_has_waited_is_not_looked_up_in_another_bank(one: Setup, hands_bank
     moved = characters.moved(Stage(Evaluator(hands_bank)))
     part = slice(col.NEXT_ACTION, col.WHEN)
     np.testing.assert_array_equal(moved.state[:, part], characters.state[:, part])
+
+
+@pytest.mark.parametrize(
+    "rows", [[-1], np.array([False, False, True]), slice(2, 3), np.array([2])], ids=["back", "mask", "slice", "array"]
+)
+def test_rows_are_any_that_numpy_takes(one: Setup, rows: Any) -> None:
+    plain, other = one(), one()
+    for characters, which in ((plain, [2]), (other, rows)):
+        characters.add(3, "walk")
+        characters.play(which, {"run": 1.0, "side_step": 1.0})
+        characters.weigh(which, {"run": 1.0})
+        characters.act(which, "wave")
+        characters.weight(which, 0.5)
+    assert other.state.tobytes() == plain.state.tobytes()
+
+
+@pytest.mark.parametrize("rate", [0.0, -60.0, np.nan, np.inf])
+def test_a_rate_that_is_none_is_refused(one: Setup, rate: float) -> None:
+    with pytest.raises(SettingsError, match="frames per second"):
+        Characters(one().stage, rate)
+
+
+@pytest.mark.parametrize("column", [col.LOCOMOTIONS, col.ACTIONS, col.HANDS, col.NEXT_COUNT])
+@pytest.mark.parametrize("number", [-1.0, 99.0, 0.5, np.nan])
+def test_a_state_with_more_slots_than_there_are_is_refused(one: Setup, column: int, number: float) -> None:
+    characters = one()
+    characters.add(2, "walk")
+    state = characters.state.copy()
+    state[1, column] = number
+    with pytest.raises(SettingsError, match="character 1 "):
+        Characters(characters.stage, RATE, state)
+
+
+@pytest.mark.parametrize("number", [-1.0, 99.0, np.nan])
+def test_a_state_of_clips_that_the_bank_has_not_is_refused(one: Setup, number: float) -> None:
+    characters = one()
+    characters.add(2, "walk")
+    characters.act([0, 1], "wave", when="left_foot")
+    waits = characters.state.copy()
+    characters.act([0, 1], "wave")
+    characters.play([0, 1], "run")
+    while not characters.state[1, col.NEXT_COUNT]:  # until one has to wait
+        characters.play([0, 1], {"walk": 1.0, "side_step": 2.0})
+    Characters(characters.stage, RATE, characters.state.copy())
+    places = [col.FIRST_LOCOMOTION, col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS, col.FIRST_ACTION, col.NEXT_CLIPS + 1]
+    for sound, column in ((waits, col.NEXT_ACTION), *((characters.state, place) for place in places)):
+        state = sound.copy()
+        state[1, column] = number
+        with pytest.raises(SettingsError, match=r"character 1 .*another bank"):
+            Characters(characters.stage, RATE, state)
+
+
+def test_a_state_of_hands_that_the_bank_has_not_is_refused(one: Setup) -> None:
+    characters = one()
+    characters.add(2, "walk")
+    characters.state[1, [col.HANDS, col.FIRST_HANDS]] = 1.0, 0.0  # this bank has none
+    with pytest.raises(SettingsError, match=r"character 1 .*another bank"):
+        Characters(characters.stage, RATE, characters.state)

@@ -139,6 +139,36 @@ def test_poses_are_those_of_the_twin(one: Setup, hands_bank: Bank, seed: int) ->
         assert quaternion.angle(rotations[row], naive_character.pose(hands_bank, state)[1]).max() < 1e-3
 
 
+@pytest.mark.parametrize("weight", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("over", ["counting_hands", "other_hands", None])
+def test_whatever_weight_hands_have_they_take_the_place_of_others_without_a_jump(
+    one: Setup, over: str | None, weight: float
+) -> None:
+    characters, plain, bare = one(), one(), one()
+    for each in (characters, plain, bare):
+        each.add(1, "counting")
+        each.advance()
+    characters.wear([0], "counting_hands", blend=0.0)
+    joints = fingers(characters.stage.bank.skeleton, characters.stage.bank.roles)
+
+    def apart(some: Characters, others: Characters) -> float:
+        return float(quaternion.angle(shown(some)[0][joints], shown(others)[0][joints]).max())
+
+    while apart(characters, bare) < 1.2:  # until a finger is bent
+        for each in (characters, plain, bare):
+            each.advance()
+    characters.wear([0], over, blend=0.3, weight=weight)
+    plain.wear([0], over, blend=0.0, weight=weight)
+    steps = []
+    for _ in range(25):
+        before = shown(characters)[0][joints]
+        for each in (characters, plain):
+            each.advance()
+        steps.append(quaternion.angle(shown(characters)[0][joints], before).max())
+    assert max(steps) < 0.25
+    assert apart(characters, plain) == 0.0
+
+
 def test_hands_of_weight_0_are_the_clips_own_and_of_weight_1_the_hands(one: Setup) -> None:
     bare, none, whole = one(), one(), one()
     for characters in (bare, none, whole):

@@ -18,7 +18,6 @@ from motion.procedural.library import make
 from runtime.bank import Bank
 from service.exchange import job as jobs
 from service.exchange.job import LOCK, MOST_TRIES, Job, JobInfo
-from service.exchange.pending import Folder
 from tests.service.running import PATIENCE
 
 
@@ -29,18 +28,6 @@ def folder(clip_folder: Path, bank: Bank, tmp_path: Path) -> Path:
     shutil.copytree(bank.path, tmp_path / "bank")
     (tmp_path / "clips" / "jog.bvh").write_bytes(dump(make("run", seed=20, seconds=3.0)))
     return tmp_path / "clips"
-
-
-def test_hands_in_the_folder_are_no_clips_that_wait(hands_folder: Path, hands_bank: Bank, tmp_path: Path) -> None:
-    clips = tmp_path / "clips"
-    shutil.copytree(hands_folder, clips)
-    folder = Folder(clips, hands_bank.path)
-    assert folder.pending() == {}
-    assert folder.missing() == []
-    (clips / "other_hands.bvh").write_bytes((clips / "counting_hands.bvh").read_bytes())
-    assert list(folder.pending()) == ["other_hands"]
-    (clips / "other_hands.bvh").unlink()
-    assert folder.missing() == ["other_hands"]
 
 
 def job_of(folder: Path) -> Job:

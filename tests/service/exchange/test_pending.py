@@ -1,0 +1,36 @@
+"""What of a folder of clips is not in the bank."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from motion.formats.bvh import dump
+from runtime.bank import Bank
+from service.exchange.pending import Folder
+from tests.conftest import COUNTING
+
+
+@pytest.fixture
+def clips(hands_folder: Path, tmp_path: Path) -> Path:
+    """A copy of a folder with hands, whose bank is made."""
+    shutil.copytree(hands_folder, tmp_path / "clips")
+    return tmp_path / "clips"
+
+
+def test_hands_that_lie_on_bodies_are_in_the_bank(clips: Path, hands_bank: Bank) -> None:
+    folder = Folder(clips, hands_bank.path)
+    assert folder.pending() == {}
+    assert folder.missing() == []
+
+
+def test_hands_that_have_changed_are_work_to_do(clips: Path, hands_bank: Bank) -> None:
+    (clips / "other_hands.bvh").write_bytes(dump(COUNTING.hands))
+    assert list(Folder(clips, hands_bank.path).pending()) == ["other_hands"]
+
+
+def test_hands_without_their_file_would_be_lost(clips: Path, hands_bank: Bank) -> None:
+    (clips / "counting_hands.bvh").unlink()
+    assert Folder(clips, hands_bank.path).missing() == ["counting_hands"]

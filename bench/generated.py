@@ -87,7 +87,7 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
         digests[name] = write_table(folder, TABLES[name][0], length, (one.tables[name] for one in motions))
     entries = [_entry(number, one.phase, size) for number, one in enumerate(motions)]
     worn = [
-        HandsEntry(HANDS, one.name, one.first_row, size.rate, "both", False, (), "generated")
+        HandsEntry(HANDS, one.name, one.first_row, size.rate, "both", False, (), 0.0, (), "generated")
         for one in entries
         if size.hands
     ]

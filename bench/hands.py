@@ -5,6 +5,7 @@ sequences    gestures like the paper's (6 to 34 in 280 to 570 frames at 60 Hz, e
              plain dynamic time warping of positions and of derivatives (the paper's figure 3) in the same band, as seen
              from the trunks; and of derivatives that are filtered, and a result that is steadied, as ours are.
 real         the arms of each clip in a folder, and once more 0.2 to 1 times as large, turned, and in another tempo.
+mismatch     by which a user is warned of hands that do not do what the body does.
 pairs        equal gestures, of which the hands' performer repeats one: with and without three pairs of frames.
 time         one hand of 569 frames, the paper's longest (10.95 s there).
 """
@@ -40,7 +41,9 @@ def main(
     """Prints what is found."""
     if clips is not None:
         errors("Real motion, once more in other tempo and size", captured(clips)).show()
-    errors(f"{sequences} sequences", [sequence(seed) for seed in range(sequences)]).show()
+    drawn = [sequence(seed) for seed in range(sequences)]
+    errors(f"{sequences} sequences", drawn).show()
+    mismatches(drawn).show()
     for size in PARTS:
         some = [sequence(1000 + seed, size) for seed in range(max(sequences // 3, 1))]
         errors(f"hands {size[0]:g} to {size[1]:g} times as large", some).show()
@@ -117,6 +120,17 @@ def distances(ours: Floats, theirs: Floats, band: Band) -> np.ndarray[tuple[int,
     for row, low, high, one in zip(costs, band.low, band.high, ours, strict=True):
         row[: high - low + 1] = np.sum((theirs[low : high + 1] - one) ** 2, axis=1)
     return costs
+
+
+def mismatches(drawn: list[Sequence]) -> Findings:
+    """What hands that do the body's gestures and hands that do others' are told apart by."""
+    told = Findings("Mismatch of phases")
+    for label, apart in (("the body's own hands", 0), ("another's", 1)):
+        others = drawn[apart:] + drawn[:apart]
+        found = [align_hands(one.body, other.hands, RATE).mismatch for one, other in zip(drawn, others, strict=True)]
+        told.add(f"{label}, median", float(np.median(found)))
+        told.add(f"{label}, {'most' if not apart else 'least'}", float(min(found) if apart else max(found)))
+    return told
 
 
 def constrained(count: int) -> Findings:

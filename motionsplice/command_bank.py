@@ -165,11 +165,12 @@ def show_bank(bank: Bank) -> None:
     console.print(table)
     if bank.hands:
         console.print(hands_table(bank))
-    for style, said in (("yellow", "warnings"), ("dim", "notes")):
+    warnings = [(clip.name, clip.warnings) for clip in bank.clips] + [(one.name, one.warnings) for one in bank.hands]
+    for style, said in (("yellow", warnings), ("dim", [(clip.name, clip.notes) for clip in bank.clips])):
         names: dict[str, list[str]] = {}
-        for clip in bank.clips:
-            for sentence in getattr(clip, said):
-                names.setdefault(sentence, []).append(clip.name)
+        for name, sentences in said:
+            for sentence in sentences:
+                names.setdefault(sentence, []).append(name)
         for sentence, clips in names.items():
             console.print(
                 f"[{style}]{escape(', '.join(clips))}: {escape(sentence)}[/{style}]", highlight=False, soft_wrap=True
@@ -178,10 +179,14 @@ def show_bank(bank: Bank) -> None:
 
 def hands_table(bank: Bank) -> Table:
     """Which hands lie on which clips, and how far they go from the body's own time."""
-    table = Table(caption="ahead: by how much the hands' own time runs ahead of the body's, least and most, seconds")
+    table = Table(
+        caption="mismatch: how much phases of gestures differ, as a part of how much those of any two frames do; "
+        "ahead: by how much the hands' own time runs ahead of the body's, least and most, seconds"
+    )
     for column in ("hands", "on", "hand", "wrist", "pairs"):
         table.add_column(column, overflow="fold")
-    table.add_column("ahead", justify="right", no_wrap=True)
+    for column in ("mismatch", "ahead"):
+        table.add_column(column, justify="right", no_wrap=True)
     for one in bank.hands:
         frames, rate = bank.hand_frames(one.name, one.body), bank.clip(one.body).rate
         taken = {"left": [0], "right": [1]}.get(one.hand, [0, 1])
@@ -192,6 +197,7 @@ def hands_table(bank: Bank) -> Table:
             one.hand,
             "yes" if one.wrist else "",
             " ".join(one.pairs),
+            f"[yellow]{one.mismatch:.2f}[/yellow]" if one.warnings else f"{one.mismatch:.2f}",
             f"{ahead.min():.2f} to {ahead.max():.2f}",
         )
     return table

@@ -67,12 +67,12 @@ def hands_command(
         raise SettingsError(f"a picture cannot be written as {picture.suffix!r}", mend="End --picture in .png")
     given = read_roles_file(roles) if roles else {}
     ours, theirs = (read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in (body, hands))
-    for reading in (ours, theirs):
-        for sentence in reading.warnings:
-            console.print(f"[yellow]{escape(f'{reading.clip.name}: {sentence}')}[/yellow]", soft_wrap=True)
     begin = time.perf_counter()
     spliced = splice_hands(ours.clip, ours.roles, theirs.clip, theirs.roles, settings)
     seconds = time.perf_counter() - begin
+    for clip, warnings in ((ours.clip, ours.warnings), (theirs.clip, (*theirs.warnings, *spliced.warnings))):
+        for sentence in warnings:
+            console.print(f"[yellow]{escape(f'{clip.name}: {sentence}')}[/yellow]", soft_wrap=True)
     console.print(phase_table(spliced, ours, theirs))
     for line in _how_it_went(spliced, theirs, settings):
         console.print(f"  {line}", highlight=False)
@@ -112,7 +112,7 @@ def _how_it_went(spliced: HandSplice, hands: Reading, settings: HandSettings) ->
         slow, fast = np.percentile(np.diff(frames) * rate / own, [5.0, 95.0]) if len(frames) > 1 else (1.0, 1.0)
         lines.append(
             f"{' and '.join(aligned.body)}: hands run {ahead.min():+.2f} to {ahead.max():+.2f} s ahead of the body, "
-            f"at {slow:.1f} to {fast:.1f} times their own pace"
+            f"at {slow:.1f} to {fast:.1f} times their own pace; mismatch {aligned.alignment.mismatch:.2f}"
         )
         lines += [f"pair {one}: frame {frames[one.body]:.1f} of the hands" for one in settings.pairs]
     return lines

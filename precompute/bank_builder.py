@@ -178,8 +178,20 @@ def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:
     entries, row = [], 0
     for one in laid:
         said = one.settings
-        pairs = tuple(str(pair) for pair in said.pairs)
-        entries.append(HandsEntry(one.name, one.body, row, one.rate, said.hand, said.wrist, pairs, one.source))
+        entries.append(
+            HandsEntry(
+                name=one.name,
+                body=one.body,
+                first_row=row,
+                rate=one.rate,
+                hand=said.hand,
+                wrist=said.wrist,
+                pairs=tuple(str(pair) for pair in said.pairs),
+                mismatch=one.mismatch,
+                warnings=one.warnings,
+                source=one.source,
+            )
+        )
         row += len(one.rows)
     return entries
 

@@ -9,7 +9,7 @@ import numpy as np
 from motion.clip import Clip
 from motion.errors import ClipError
 from motion.hand_joints import Side, ahead_of, forearm
-from motion.kinematics import heading, world_transforms
+from motion.kinematics import end_positions, heading, world_transforms
 from motion.quaternion import Floats, rotate
 from motion.roles import Roles
 from motion.skeleton import Skeleton
@@ -53,29 +53,30 @@ def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
     across = WRIST_WIDTH * float(np.linalg.norm(bone)) * ahead_of(bone)
     aside = rotate(world[:, skeleton.parents[wrist]], across)
     at, upper = positions[:, wrist], positions[:, elbow]
-    hand = at + rotate(world[:, wrist], knuckles(skeleton, wrist, bone))
+    first = _firsts(skeleton, wrist)
+    everything = np.concatenate([positions, end_positions(skeleton, positions, world)], axis=1)
+    hand = everything[:, first].mean(axis=1) if first else at + rotate(world[:, wrist], KNUCKLES * bone)
     points = np.stack([at + aside, at - aside, 0.5 * (at + upper), hand], axis=1) - positions[:, [shoulder]]
     hips = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
     return HandMotion(points, np.unwrap(heading(hips)))
 
 
-def knuckles(skeleton: Skeleton, wrist: int, bone: Floats) -> Floats:
-    """Where fingers begin [3], metres, in the wrist's frame; bone [3] is the forearm in the bind pose."""
-    first = _firsts(skeleton, wrist)
-    return np.mean(first, axis=0) if first else bone * KNUCKLES
-
-
-def _firsts(skeleton: Skeleton, wrist: int) -> list[Floats]:
-    """The first bones of some length below a wrist: rigs have joints that lie on the wrist itself."""
-    on_it, found = {wrist}, list[Floats]()
+def _firsts(skeleton: Skeleton, wrist: int) -> list[int]:
+    """Where the first bones of some length below a wrist end, joints and then end sites: rigs have joints that lie on
+    the wrist itself, and may bend the hand there."""
+    on_it, found = {wrist}, list[int]()
     for joint in range(wrist + 1, skeleton.joint_count):
         if int(skeleton.parents[joint]) in on_it:
             if np.any(skeleton.offsets[joint]):
-                found.append(skeleton.offsets[joint])
+                found.append(joint)
             else:
                 on_it.add(joint)
     ends = zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
-    return found + [offset for parent, offset in ends if int(parent) in on_it and np.any(offset)]
+    return found + [
+        skeleton.joint_count + number
+        for number, (parent, offset) in enumerate(ends)
+        if int(parent) in on_it and np.any(offset)
+    ]
 
 
 def bones(points: Floats) -> Floats:

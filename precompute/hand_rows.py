@@ -23,7 +23,7 @@ from runtime.rows import Layout
 @dataclass(frozen=True, eq=False)
 class LaidHands:
     """Hands on a body: rows [n, columns], as many as its own, and frames [n, 2]: which frame of the hands, which have
-    `rate` a second, the left and the right one show there."""
+    `rate` a second, the left and the right one show there; by how much they differ, and what to warn of."""
 
     name: str
     body: str
@@ -31,6 +31,8 @@ class LaidHands:
     settings: HandSettings
     rows: NDArray[np.float32]
     frames: Floats
+    mismatch: float
+    warnings: tuple[str, ...]
     source: str = ""
 
 
@@ -56,7 +58,8 @@ def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading
             [frames, np.stack([np.interp(after[2:], np.arange(count), one) for one in frames.T], axis=1)]
         )
     rows = layout.pack_hands(quaternion.one_hemisphere(laid))
-    return LaidHands(hands.name, prepared.name, hands.rate, settings, rows, frames)
+    warnings = (*reading.warnings, *spliced.warnings)
+    return LaidHands(hands.name, prepared.name, hands.rate, settings, rows, frames, spliced.mismatch, warnings)
 
 
 def _counterparts(prepared: PreparedClip) -> Floats:

@@ -16,7 +16,7 @@ from precompute.banded_warp import check_pairs, limits
 from precompute.hand_merge import merge_hands
 from precompute.hand_points import HandMotion, hand_motion
 from precompute.hand_settings import HandSettings
-from precompute.hands import HandAlignment, align_hands
+from precompute.hands import STRANGE, HandAlignment, align_hands
 
 MOST_FRAMES = 250_000  # of hands at the body's rate: an hour at 60 Hz
 
@@ -41,6 +41,19 @@ class HandSplice:
     roles: Roles
     frames: Mapping[Side, Floats]
     aligned: tuple[AlignedHands, ...]
+
+    @property
+    def mismatch(self) -> float:
+        """Of those hands that fit worst (`HandAlignment.mismatch`)."""
+        return max(one.alignment.mismatch for one in self.aligned)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user should look at."""
+        if self.mismatch <= STRANGE:
+            return ()
+        said = f"its gestures hardly seem to be those of {self.clip.name!r}: phases of frames that go together differ"
+        return (f"{said} {self.mismatch:.2f} times as much as those of any; one hand alone may fit",)
 
 
 def splice_hands(body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, settings: HandSettings) -> HandSplice:

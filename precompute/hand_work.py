@@ -112,13 +112,21 @@ class HandsLaying:
         reading, rig = kept(self.readings, task.hands), self.bodies.rig
         layout = Layout.of(rig.skeleton, rig.roles)
         laid = lay_hands(kept(self.bodies, task.body), layout, rig, reading, task.settings)
-        self.cache.store(self.key(task), {"rate": laid.rate}, {"rows": laid.rows, "frames": laid.frames})
+        said = {"rate": laid.rate, "mismatch": laid.mismatch, "warnings": laid.warnings}
+        self.cache.store(self.key(task), said, {"rows": laid.rows, "frames": laid.frames})
 
     def load(self, task: HandsTask) -> LaidHands | None:
         def unpack(said: Said, arrays: Arrays) -> LaidHands:
-            names = task.hands.source.name, task.body.source.name
             return LaidHands(
-                *names, said["rate"], task.settings, arrays["rows"], arrays["frames"], task.hands.file_digest
+                name=task.hands.source.name,
+                body=task.body.source.name,
+                rate=said["rate"],
+                settings=task.settings,
+                rows=arrays["rows"],
+                frames=arrays["frames"],
+                mismatch=said["mismatch"],
+                warnings=tuple(said["warnings"]),
+                source=task.hands.file_digest,
             )
 
         return self.cache.load(self.key(task), unpack)

@@ -28,6 +28,7 @@ from precompute.hand_costs import Comparison, Costs
 from precompute.hand_points import HandMotion
 
 BANDS = (0.3, 0.1)  # of the body's frames: half the width of each pass's band
+STRANGE = 0.45  # a mismatch above which hands and body do not seem to make the same gestures
 STEADYING = 0.04  # seconds: the standard deviation of the bell that steps of the curve are blended with
 # what they weigh beside a difference of phase in the second pass: a radian between palms, and the difference of paces,
 # which the paper has not: with it the second pass errs by a quarter less on real arms (docs/hands.md)
@@ -49,6 +50,17 @@ class HandAlignment:
 
     frames: Floats
     passes: tuple[Pass, Pass]
+
+    @property
+    def mismatch(self) -> float:
+        """By how much phases of frames that go together differ, as a part of what those of all in the band do.
+
+        0.1 to 0.4 where both performers do the same gestures; above STRANGE they hardly do (docs/hands.md).
+        """
+        costs, band, path = self.passes[0].costs, self.passes[0].band, self.passes[0].path
+        within = np.arange(band.width) <= (band.high - band.low)[:, None]
+        usual = float(costs[within].mean())
+        return float(costs[path[:, 0], path[:, 1] - band.low[path[:, 0]]].mean()) / usual if usual > 0.0 else 0.0
 
 
 def align_hands(

@@ -95,7 +95,8 @@ class HandsEntry:
     """A clip of hands on the body of a clip: where its rows lie, as many as the clip's.
 
     rate is the hands' own; hand is `left`, `right`, `both` (by one alignment) or `each` (by two); wrist, whether wrists
-    and the twist of forearms are the hands' too; pairs are those that a user gave; source is the digest of their file.
+    and the twist of forearms are the hands' too; pairs are those that a user gave; mismatch is by how much phases of
+    gestures differ, as a part of what any do; source is the digest of their file.
     """
 
     name: str
@@ -105,6 +106,8 @@ class HandsEntry:
     hand: str
     wrist: bool
     pairs: tuple[str, ...]
+    mismatch: float
+    warnings: tuple[str, ...]
     source: str
 
 

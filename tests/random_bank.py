@@ -57,7 +57,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         if number % 2:
             tables["hands"].append(layout.pack_hands(_rotations(draw, rows, joints)).astype(np.float64))
             tables["hand_frames"].append(np.cumsum(draw.uniform(0.0, 2.0, (rows, 2)), axis=0))
-            hands.append(HandsEntry("hands", f"clip {number}", hand_row, RATE, "both", False, (), ""))
+            hands.append(HandsEntry("hands", f"clip {number}", hand_row, RATE, "both", False, (), 0.2, (), ""))
             hand_row += rows
         strides = int(phase[-1] - phase[0]) if seam and draw.random() < 0.7 else 0
         span = (float(phase[0]), float(phase[-1]), float(phase[frames - 1] - phase[0]))

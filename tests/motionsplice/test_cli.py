@@ -75,6 +75,14 @@ def test_a_clip_that_fails_is_named_and_the_status_says_so(clip_folder: Path, tm
     assert len(Bank.open(tmp_path / "bank").clips) == 7
 
 
+def test_inspect_shows_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank) -> None:
+    shown = run("inspect", hands_bank.path).output
+    fit = {(one.name, one.body): one.mismatch for one in hands_bank.hands}
+    assert fit["counting_hands", "counting"] < 0.4 < fit["counting_hands", "run"]
+    assert f"{fit['counting_hands', 'counting']:.2f}" in shown
+    assert "counting_hands: its gestures hardly seem to be those of 'run'" in shown
+
+
 def test_inspect_shows_clips_and_their_alignment(bank: Bank) -> None:
     shown = run("inspect", bank.path).output
     for clip in bank.clips:

@@ -8,7 +8,7 @@ import pytest
 
 from motion.clip import Clip
 from motion.errors import ClipError, SkeletonError
-from motion.quaternion import IDENTITY, Floats
+from motion.quaternion import IDENTITY, Floats, about
 from motion.roles import find_roles
 from motion.skeleton import Skeleton
 from precompute.hand_points import HandMotion, bones, hand_motion
@@ -48,6 +48,20 @@ def test_joints_that_lie_on_the_wrist_are_no_hand(count: int) -> None:
     assert np.isfinite(bones(moves.points)).all()
     wrists = moves.points[:, :2].mean(axis=1)
     np.testing.assert_allclose(np.linalg.norm(moves.points[:, 3] - wrists, axis=1), 0.04, atol=1e-9)
+
+
+def test_a_joint_that_lies_on_the_wrist_bends_the_palm() -> None:
+    clip = CLIPS["walk"].frames(0, 20)
+    wrist = clip.skeleton.index("LeftHand")
+    mitten = below_the_left_wrist(clip, ["LeftMitten"], [wrist], np.array([0.04, 0.0, 0.0]))
+    bent = mitten.rotations.copy()
+    bent[:, -1] = about([0.0, 0.0, 1.0], 0.5)
+    found = [
+        bones(hand_motion(one, find_roles(clip.skeleton), "left").points)
+        for one in (mitten, replace(mitten, rotations=bent))
+    ]
+    np.testing.assert_allclose(found[0][:, 0], found[1][:, 0], atol=1e-12)
+    np.testing.assert_allclose(np.sum(found[0][:, 1] * found[1][:, 1], axis=1), np.cos(0.5), atol=1e-9)
 
 
 @pytest.mark.parametrize("ahead", [0.25, -0.25])

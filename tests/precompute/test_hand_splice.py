@@ -11,6 +11,7 @@ from motion.roles import find_roles
 from precompute.banded_warp import FramePair
 from precompute.hand_settings import HandSettings
 from precompute.hand_splice import splice_hands
+from precompute.hands import STRANGE
 
 
 @pytest.mark.parametrize("rate", [30.0, 100.0, 120.0])
@@ -35,6 +36,28 @@ def test_each_hand_may_have_its_own_time() -> None:
         spliced = splice_hands(pair.body, rigs[0], pair.hands, rigs[1], HandSettings(choice))  # type: ignore[arg-type]
         assert len(spliced.aligned) == groups
         assert np.array_equal(spliced.frames["left"], spliced.frames["right"]) == (choice == "both")
+
+
+def test_hands_that_do_other_gestures_are_told_apart() -> None:
+    pairs = [gesture_pair(seed, gestures=7, seconds=6.0) for seed in (40, 41, 42)]
+    for number, pair in enumerate(pairs):
+        roles, other = find_roles(pair.body.skeleton), pairs[number - 1].hands
+        own = splice_hands(pair.body, roles, pair.hands, find_roles(pair.hands.skeleton), HandSettings())
+        assert own.mismatch < 0.4
+        assert own.warnings == ()
+        strange = splice_hands(pair.body, roles, other, find_roles(other.skeleton), HandSettings())
+        assert strange.mismatch > STRANGE
+        (said,) = strange.warnings
+        assert "hardly seem to be those of 'body'" in said
+
+
+def test_hands_that_rest_both_do_the_same() -> None:
+    hands = gesture_pair(8, gestures=2, seconds=2.0).hands
+    still, roles = (
+        replace(hands, rotations=np.tile(hands.rotations[:1], (hands.frame_count, 1, 1))),
+        find_roles(hands.skeleton),
+    )
+    assert splice_hands(still, roles, still, roles, HandSettings()).mismatch == 0.0
 
 
 def test_hands_that_last_for_hours_are_refused_before_they_take_the_memory() -> None:

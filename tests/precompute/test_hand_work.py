@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,12 +9,13 @@ import pytest
 
 from motion import quaternion
 from motion.errors import SettingsError
+from motion.formats.bvh import dump
 from motion.hand_joints import has_fingers
 from precompute.banded_warp import FramePair
 from precompute.hand_settings import HandSettings, HandsOnBody, read_hand_settings
 from precompute.job import precompute
 from runtime.bank import Bank
-from tests.conftest import CLIPS
+from tests.conftest import CLIPS, COUNTING
 from tests.precompute.test_job import files_of, write
 
 
@@ -35,6 +37,26 @@ def test_a_bank_of_bodies_without_fingers_has_those_of_the_hands(hands_bank: Ban
         assert quaternion.angle(bank_walk.rotations[:, theirs], ours).max() < 1e-3
     thumb = hands_bank.skeleton.index("LeftHandThumb2")
     assert quaternion.angle(bank_walk.rotations[:, thumb], quaternion.IDENTITY).max() < 1e-6
+
+
+def test_what_is_to_be_said_of_hands_is_in_the_bank(hands_folder: Path, tmp_path: Path) -> None:
+    """A first frame that is no motion, and gestures that are not the body's; also where both come from the cache."""
+    clips = Path(shutil.copytree(hands_folder, tmp_path / "clips"))
+    hands, still = COUNTING.hands, np.tile(quaternion.IDENTITY, (COUNTING.hands.skeleton.joint_count, 1))
+    rotations = np.concatenate([still[None], hands.rotations])
+    places = np.concatenate([hands.root_positions[:1], hands.root_positions])
+    (clips / "counting_hands.bvh").write_bytes(dump(replace(hands, rotations=rotations, root_positions=places)))
+    said = []
+    for name in ("bank", "again"):
+        precompute([clips], tmp_path / name, baseline="walk", jobs=1)
+        said.append(
+            {one.body: one.warnings for one in Bank.open(tmp_path / name).hands if one.name == "counting_hands"}
+        )
+        shutil.copytree(tmp_path / "bank" / "cache", tmp_path / "again" / "cache", dirs_exist_ok=True)
+    assert said[0] == said[1]
+    for warnings in said[0].values():
+        assert "its first frame looks like a bind pose" in warnings[0]
+    assert "hardly seem to be those of 'run'" in said[0]["run"][1]
 
 
 def test_what_hands_do_not_drive_is_the_body_to_the_last_bit(hands_bank: Bank) -> None:

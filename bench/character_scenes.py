@@ -17,7 +17,8 @@ from bench.service.findings import Findings
 from bench.steady import played_on, steadily, what_is_played
 from motion.quaternion import Floats
 from runtime import character_state as col
-from runtime.character import Characters, Stage
+from runtime.character import Characters
+from runtime.stage import Stage
 
 FRAMES = 360
 LIKELY = 0.04  # that a command comes with a frame

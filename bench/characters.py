@@ -35,8 +35,9 @@ from motion.quaternion import Floats, about, rotate
 from motionsplice.cli import run
 from runtime import character_state as col
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 
 FOREVER = 1e6  # seconds of a fade that is held where it is
 
@@ -49,7 +50,7 @@ def main(
     """Prints what is found."""
     with tempfile.TemporaryDirectory() as folder:
         stage = Stage(Evaluator(bank_of(clips, baseline, Path(folder))))
-        stage.warm()
+        Characters.warm(stage)
         pops(stage, scenes).show()
         phases(stage).show()
         replay(stage).show()

@@ -32,8 +32,9 @@ marks = [float(sys.argv[2])]
 def mark():
     marks.append(time.time())
 from runtime.bank import Bank
-from runtime.character import Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 mark()
 bank = Bank.open(sys.argv[1])
 mark()
@@ -42,7 +43,7 @@ mark()
 for _ in range(2):
     evaluator.pose(bank.clips[0].name, 0.5, bank.clips[-1].name)
     mark()
-Stage(evaluator).warm()
+Characters.warm(Stage(evaluator))
 mark()
 print(json.dumps([after - before for before, after in zip(marks, marks[1:])]))
 """

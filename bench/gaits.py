@@ -12,8 +12,9 @@ from bench.service.findings import Findings
 from bench.steady import LEGS
 from motion.quaternion import Floats
 from runtime import character_state as col
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.contacts import FEET
+from runtime.stage import Stage
 
 FADE = 0.5  # seconds
 MOMENTS = (0.1, 0.5, 0.9)  # of a clip, at which another follows

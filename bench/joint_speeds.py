@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.quaternion import Floats
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.requests import Poses
+from runtime.stage import Stage
 
 RATE = 60.0  # frames a second, of all that is watched
 

@@ -12,8 +12,9 @@ import numpy as np
 from bench.character_scenes import Command, drawn
 from bench.joint_speeds import RATE
 from bench.service.findings import Findings
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 
 COMMANDS, ROWS = 10_000, 100
 FRAMES = 2400

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from bench.joint_speeds import RATE, Watch, shown
 from runtime import character_state as col
-from runtime.character import Characters, Stage, States
+from runtime.character import Characters, States
+from runtime.stage import Stage
 
 FRAMES = 240  # that it is played on
 AT_ONCE = 2000  # characters

@@ -19,9 +19,10 @@ from bench.rounds import Work, evict_caches, interleaved, paired_ratio
 from bench.service.findings import Findings
 from bench.workload import RATE, Scene, evaluation, request_sets
 from motionsplice.cli import run
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
 from runtime.requests import Requests
+from runtime.stage import Stage
 
 COUNT = 1000
 FOREVER = 1e6  # seconds of a fade that is held where it is

@@ -31,9 +31,10 @@ from precompute.correlation import study
 from precompute.hand_merge import merge_hands
 from precompute.hand_settings import HandSettings
 from precompute.hand_splice import splice_hands
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
 from runtime.requests import Posture
+from runtime.stage import Stage
 
 IMAGES = Path(__file__).parent / "images"
 FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")

@@ -12,9 +12,10 @@ from precompute.hand_splice import splice_hands
 from precompute.job import precompute
 from precompute.splice import splice_exact, splice_naive
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
 from runtime.requests import Memory, Poses, Requests
+from runtime.stage import Stage
 
 __all__ = [
     "Bank",

@@ -14,61 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motion.errors import SettingsError
-from runtime import arrays, character_kernels, clock_kernels
+from runtime import character_kernels, clock_kernels
 from runtime import character_state as col
 from runtime.bank import Bank
 from runtime.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
-from runtime.evaluator import Evaluator
 from runtime.in_step import phase_at
-from runtime.limbs import limbs_of
 from runtime.played import newest_mix, played_clips, strange_rows, worn_hands
-from runtime.requests import (
-    FLOAT64,
-    METHODS,
-    POSTURES,
-    REQUEST,
-    Memory,
-    Method,
-    Poses,
-    Posture,
-    check_array,
-    known,
-    time_fault,
-)
+from runtime.requests import FLOAT64, METHODS, POSTURES, Memory, Method, Poses, Posture, check_array, known, time_fault
+from runtime.stage import Stage
 
 BLEND = 0.3  # seconds
 States = NDArray[np.float64]
 Rows = NDArray[np.int64] | NDArray[np.bool_] | Sequence[int] | slice | int
-
-
-class Stage:
-    """A bank as characters play on it. Not to be shared between threads, as the evaluator."""
-
-    def __init__(self, evaluator: Evaluator) -> None:
-        bank = evaluator.bank
-        self.evaluator = evaluator
-        self.bank: Bank = bank
-        self.ground = arrays.ground(bank)
-        self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
-        width = max(bank.layout.lower.width, bank.layout.upper.width)
-        self.mixing = arrays.Mixing(
-            requests=np.zeros(arrays.BLOCK, REQUEST),
-            memory=np.zeros((arrays.BLOCK, arrays.MEMORY_COLUMNS)),
-            sum=np.zeros((4, width), np.float32),
-            lane_weights=np.zeros((1, width), np.float32),
-            row=np.zeros((2, bank.layout.lower.columns), np.float32),
-            weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
-            shares=np.zeros((arrays.BLOCK, col.PARTS)),
-            kept=np.zeros((arrays.BLOCK, 4 * col.PARTS)),
-            limbs_turn=np.zeros(arrays.BLOCK, np.int64),
-        )
-
-    def warm(self) -> None:
-        """Compiles the kernels, or loads them compiled."""
-        characters = Characters(self, 60.0)
-        characters.add(1, self.bank.clips[0].name)
-        characters.advance()
-        characters.evaluate(self.evaluator.poses(1))
 
 
 class Characters:
@@ -85,6 +42,7 @@ class Characters:
         self.stage = stage
         self.rate = rate
         self.state = np.zeros((0, col.COLUMNS)) if state is None else state
+        self._room = self.state  # whose first rows the state is, or was
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
         if not 0.0 < rate < np.inf:
             raise SettingsError(f"{rate} is no number of frames per second")
@@ -92,6 +50,14 @@ class Characters:
             problem = f"character {strange[0]} plays what this bank has not, or is no row of one"
             raise SettingsError(problem, mend="Is its state that of another bank?")
         self._share = Memory.begin(0, rate).share
+
+    @classmethod
+    def warm(cls, stage: Stage) -> None:
+        """Compiles the kernels, or loads them compiled."""
+        characters = cls(stage, 60.0)
+        characters.add(1, stage.bank.clips[0].name)
+        characters.advance()
+        characters.evaluate(stage.evaluator.poses(1))
 
     def __len__(self) -> int:
         return len(self.state)
@@ -105,15 +71,23 @@ class Characters:
     def add(self, count: int, locomotion: Locomotion, **options: Any) -> NDArray[np.int64]:
         """Adds characters at the origin, facing Z, and returns their rows; options are those of `play`."""
         rows = np.arange(len(self), len(self) + count)
-        added = np.zeros((count, col.COLUMNS))
-        added[:, [col.SPEED, col.COS]] = 1.0
-        before, self.state = self.state, np.concatenate([self.state, added])
+        before, self.state = self.state, self._longer(count)
+        self.state[rows] = 0.0
+        self.state[rows[:, None], [col.SPEED, col.COS]] = 1.0
         try:
             self.play(rows, locomotion, **{"blend": 0.0, **options})
         except Exception:
             self.state = before
             raise
         return rows
+
+    def _longer(self, count: int) -> States:
+        """The state with so many rows more. Room is doubled when it is used up, so that one by one costs no more."""
+        needed = len(self) + count
+        if needed > len(self._room) or self.state.base is not self._room:
+            self._room = np.empty((needed + len(self), col.COLUMNS))
+            self._room[: len(self)] = self.state
+        return self._room[:needed]
 
     def remove(self, rows: Rows) -> None:
         """Removes characters; those after them move up."""
@@ -266,10 +240,13 @@ class Characters:
         """Shows them at the origin, facing Z, for a game that moves them by `deltas` itself."""
         self.state[rows, col.IN_PLACE] = in_place
 
-    def advance(self) -> int:
-        """Moves all on by a frame. Returns the bits of all events that happened; `events` are each character's."""
+    def advance(self, frames: int = 1) -> int:
+        """Moves all on by a frame. Returns the bits of all events that happened; `events` are each character's.
+
+        Several frames in one step are nearly those one by one: what would begin or end within them does at their end.
+        """
         stage, state = self.stage, self.state.reshape(-1)
-        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, state, 1.0 / self.rate))
+        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, state, frames / self.rate))
 
     def evaluate(self, out: Poses) -> None:
         """Writes every character's pose into `out`, which has as many rows. Raises SettingsError."""

@@ -10,8 +10,9 @@ from typing import Any
 
 from motion.errors import MotionError
 from runtime.bank import Bank
-from runtime.character import Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 from service.wire.encoding import warm as warm_encoding
 
 logger = logging.getLogger(__name__)
@@ -42,7 +43,7 @@ class Edition:
         evaluator.warm()
         warm_encoding()
         stage = Stage(evaluator)
-        stage.warm()
+        Characters.warm(stage)
         return cls(bank, evaluator, stage)
 
 

@@ -16,8 +16,9 @@ from bench.service.process import serving
 from bench.service.statistics import lost
 from bench.service.stream_client import Job
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 
 STREAMS = 32
 EXCHANGES = 20

@@ -238,8 +238,7 @@ def _catch_up(connection: Connection, now: float) -> int:
     play = connection.play
     missed = math.floor((now - play.due) * play.rate) if now - play.due > BEHIND else 0
     if missed:
-        for _ in range(min(missed, math.ceil(LEFT_OUT * play.rate))):
-            play.scene.pass_frame()
+        play.scene.leave_out(min(missed, math.ceil(LEFT_OUT * play.rate)))
         connection.play = play.after(missed)
     return missed
 

@@ -16,8 +16,9 @@ from bench.steady import LAYERS, LEGS, is_fading, steadily, what_is_played
 from precompute.job import precompute
 from runtime import character_state as col
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 
 FEW = 20  # scenes
 REAL = ("16.asf", "16_15.amc", "16_17.amc", "09.asf", "09_01.amc", "02.asf", "02_03.amc", "14.asf", "14_21.amc")

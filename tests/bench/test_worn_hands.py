@@ -9,9 +9,10 @@ from bench.generated import Size, generate
 from bench.service.findings import Findings
 from bench.workload import Scene
 from runtime import character_state as col
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
 from runtime.requests import Poses, Requests
+from runtime.stage import Stage
 
 
 def test_what_is_timed_with_hands_has_them_and_the_other_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

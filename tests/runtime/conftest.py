@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 from tests.playing import RATE, Setup
 
 

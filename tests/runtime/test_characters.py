@@ -17,8 +17,9 @@ from motion.procedural.library import make
 from precompute.job import precompute
 from runtime import character_state as col
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 from tests import naive_character
 from tests.playing import RATE, Setup, layer, passed, shown, slot
 
@@ -301,3 +302,35 @@ def test_a_state_of_hands_that_the_bank_has_not_is_refused(one: Setup) -> None:
     characters.state[1, [col.HANDS, col.FIRST_HANDS]] = 1.0, 0.0  # this bank has none
     with pytest.raises(SettingsError, match=r"character 1 .*another bank"):
         Characters(characters.stage, RATE, characters.state)
+
+
+def test_characters_may_be_added_one_by_one(one: Setup) -> None:
+    single, together = one(), one()
+    for _ in range(40):
+        single.add(1, "walk")
+    together.add(40, "walk")
+    assert single.state.tobytes() == together.state.tobytes()
+    copied = single.copy()
+    copied.add(1, "run")
+    single.remove([3, 7])
+    single.add(3, "wave")
+    assert (len(copied), len(single)) == (41, 41)
+    assert copied.state[:40].tobytes() == together.state.tobytes()
+    assert single.state[:38].tobytes() == together.state[:38].tobytes()
+    with pytest.raises(UnknownClipError):
+        single.add(2, "wlak")
+    assert len(single) == 41
+
+
+@pytest.mark.parametrize("frames", [6, 15])
+def test_several_frames_in_one_step_are_nearly_those_one_by_one(one: Setup, frames: int) -> None:
+    steps, apart = one(), one()
+    for characters in (steps, apart):
+        characters.add(2, "walk")
+        characters.play([1], {"walk": 1.0, "run": 1.0}, blend=0.0)
+        characters.act([0], "wave")
+    for _ in range(120 // frames):
+        apart.advance(frames)
+    passed(steps, 120)
+    columns = [col.PLACE, col.PLACE + 1, col.PLACE + 2, col.FIRST_LOCOMOTION + col.PHASE, col.FIRST_ACTION + col.PHASE]
+    np.testing.assert_allclose(steps.state[:, columns], apart.state[:, columns], atol=0.02)

@@ -18,9 +18,10 @@ from precompute.hand_settings import HandSettings
 from precompute.hand_splice import splice_hands
 from runtime import character_state as col
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
 from runtime.requests import Requests
+from runtime.stage import Stage
 from tests import naive, naive_character, playing
 from tests.conftest import COUNTING
 from tests.playing import RATE, Setup

@@ -12,9 +12,10 @@ from fastapi.testclient import TestClient
 
 from motion.formats.bvh import parse
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
 from runtime.requests import Memory
+from runtime.stage import Stage
 from tests.service.characters.player import Player
 from tests.service.messages import arrays, unpacked
 from tests.service.running import Running

@@ -8,8 +8,9 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from runtime.bank import Bank
-from runtime.character import Characters, Stage
+from runtime.character import Characters
 from runtime.evaluator import Evaluator
+from runtime.stage import Stage
 from service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running

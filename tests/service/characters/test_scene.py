@@ -1,0 +1,45 @@
+"""The characters of a connection, without one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from runtime import character_state as col
+from runtime.bank import Bank
+from service.characters import scene
+from service.characters.commands import checked, parse
+from service.characters.scene import Scene
+from service.serving import Edition
+
+
+@pytest.fixture(scope="module")
+def edition(bank: Bank) -> Edition:
+    return Edition.warm(bank)
+
+
+def playing(edition: Edition) -> Scene:
+    found = Scene(edition, 60.0, 100)
+    for command in checked(parse('[{"do": "create", "id": [5, 6], "locomotion": "walk"},'
+                                 '{"do": "act", "id": 6, "action": "wave"}]')):  # fmt: skip
+        found.do(command)
+    return found
+
+
+def test_a_few_frames_that_are_left_out_are_as_if_they_had_been_shown(edition: Edition) -> None:
+    shown, late = playing(edition), playing(edition)
+    for _ in range(50):
+        shown.pass_frame()
+    late.leave_out(50)
+    assert late.characters.state.tobytes() == shown.characters.state.tobytes()
+
+
+def test_many_frames_are_left_out_in_long_steps(edition: Edition, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown, late = playing(edition), playing(edition)
+    for _ in range(50):
+        shown.pass_frame()
+    monkeypatch.setattr(scene, "FEW", 99)
+    monkeypatch.setattr(Scene, "pass_frame", None)
+    late.leave_out(50)
+    places = [col.PLACE, col.PLACE + 2, col.FIRST_LOCOMOTION + col.PHASE]
+    np.testing.assert_allclose(late.characters.state[:, places], shown.characters.state[:, places], atol=0.02)

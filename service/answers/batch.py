@@ -100,9 +100,10 @@ class Batch:
             if outside.any():
                 first = int(np.argmax(outside))
                 raise RequestError(f"{key}: {columns[key][first]} of character {first} is none of {len(clips)} clips")
-        played = np.union1d(columns["locomotion"], columns["action"])
-        if len(both := np.setdiff1d(np.intersect1d(played, columns["hands"]), NONE)):
-            raise RequestError(f"hands: {clips[both[0]]!r:.40} is played as a clip too", mend="Name it twice in clips")
+        played, worn = _named(len(clips), columns)
+        if (both := played & worn).any():
+            name = clips[int(np.argmax(both))]
+            raise RequestError(f"hands: {name!r:.40} is played as a clip too", mend="Name it twice in clips")
         named = {key: values.get(key, default) for key, default in (("method", "splice"), ("posture", "relative"))}
         for key, name in named.items():
             if name not in NAMES[key]:
@@ -112,10 +113,10 @@ class Batch:
     def requests(self, bank: Bank) -> Requests:
         """The same for the evaluator. Raises UnknownClipError."""
         locomotion, action, hands = (self.columns[key] for key in ("locomotion", "action", "hands"))
-        played, worn = (set(np.unique(some).tolist()) for some in ((locomotion, action), hands))
+        played, worn = _named(len(self.clips), self.columns)
         numbers, hand_clips = np.zeros(len(self.clips), np.int32), set(bank.hand_clips)
         for one, name in enumerate(self.clips):
-            is_hands = one in worn or (one not in played and name in hand_clips)
+            is_hands = worn[one] or (not played[one] and name in hand_clips)
             numbers[one] = bank.hand_number(name) if is_hands else bank.number(name)
         acts, requests = action != NONE, Requests.empty(len(locomotion))
         if len(locomotion):
@@ -126,6 +127,13 @@ class Batch:
         requests.method[:] = np.where(acts, METHODS[self.method], METHODS["none"])
         requests.posture[:] = POSTURES[self.posture]
         return requests
+
+
+def _named(count: int, columns: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which of so many names are played, and which are worn [count]."""
+    played, worn = np.zeros(count + 1, bool), np.zeros(count + 1, bool)  # the last takes NONE
+    played[columns["locomotion"]] = played[columns["action"]] = worn[columns["hands"]] = True
+    return played[:-1], worn[:-1]
 
 
 def _known(key: object, values: Mapping[str, Any]) -> str:

@@ -17,6 +17,7 @@ from motion.skeleton import Integers
 from precompute.banded_warp import Band
 from precompute.hand_phases import Derivatives, derivatives
 from precompute.hand_points import HandMotion, bones
+from runtime.compiled import FASTMATH
 
 WINDOW = 5  # frames that are turned together
 Costs = NDArray[np.float32]
@@ -45,7 +46,7 @@ class Comparison:
             (ours.acceleration, theirs.acceleration, ours.steady, theirs.steady),
         ):
             signs = np.where(np.abs(change) > zone, np.sign(change), 0.0)
-            _add_sign_costs(signs, their_change / their_zone, *self._facing, band.low, band.high, costs)
+            _add_differences(signs, their_change / their_zone, True, *self._facing, band.low, band.high, costs)
         return costs
 
     def paces(self, band: Band) -> Costs:
@@ -53,7 +54,7 @@ class Comparison:
         as a part of what it is in its clip: within a phase signs are alike, and so may palms be."""
         costs = np.zeros((len(band.low), band.width), np.float32)
         ours, theirs = (_paces(found) for found in self._changes)
-        _add_differences(ours, theirs, *self._facing, band.low, band.high, costs)
+        _add_differences(ours, theirs, False, *self._facing, band.low, band.high, costs)
         return costs
 
     def palms(self, band: Band) -> Costs:
@@ -84,7 +85,7 @@ def _paces(found: Derivatives) -> Floats:
     return np.concatenate([change / max(float(change.std()), zone) for change, zone in parts], axis=1)
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True, fastmath=FASTMATH)
 def _turn(body: Floats, hands: Floats, turned: Floats, i: int, j: int) -> tuple[float, float]:
     """Cosine and sine of the turn about Y by which hands in frame j lie as the body's in frame i."""
     along = across = 0.0
@@ -101,34 +102,11 @@ def _sign(value: float) -> float:
     return 1.0 if value > 1.0 else -1.0 if value < -1.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
-def _add_sign_costs(
-    signs: Floats,
-    values: Floats,
-    body: Floats,
-    hands: Floats,
-    turned: Floats,
-    low: Integers,
-    high: Integers,
-    out: Costs,
-) -> None:
-    for i in range(len(low)):
-        for j in range(low[i], high[i] + 1):
-            cosine, sine = _turn(body, hands, turned, i, j)
-            cost = 0.0
-            for k in range(values.shape[1]):
-                x, y, z = values[j, k, 0], values[j, k, 1], values[j, k, 2]
-                dx = signs[i, k, 0] - _sign(cosine * x + sine * z)
-                dy = signs[i, k, 1] - _sign(y)
-                dz = signs[i, k, 2] - _sign(cosine * z - sine * x)
-                cost += dx * dx + dy * dy + dz * dz
-            out[i, j - low[i]] += cost
-
-
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True, fastmath=FASTMATH)
 def _add_differences(
     ours: Floats,
     theirs: Floats,
+    signs: bool,
     body: Floats,
     hands: Floats,
     turned: Floats,
@@ -136,15 +114,17 @@ def _add_differences(
     high: Integers,
     out: Costs,
 ) -> None:
+    """Squared, of vectors [F, n, 3], theirs turned until their hand lies as ours does, or of the signs of that."""
     for i in range(len(low)):
         for j in range(low[i], high[i] + 1):
             cosine, sine = _turn(body, hands, turned, i, j)
             cost = 0.0
             for k in range(ours.shape[1]):
                 x, y, z = theirs[j, k, 0], theirs[j, k, 1], theirs[j, k, 2]
-                dx = ours[i, k, 0] - (cosine * x + sine * z)
-                dy = ours[i, k, 1] - y
-                dz = ours[i, k, 2] - (cosine * z - sine * x)
+                x, z = cosine * x + sine * z, cosine * z - sine * x
+                if signs:
+                    x, y, z = _sign(x), _sign(y), _sign(z)
+                dx, dy, dz = ours[i, k, 0] - x, ours[i, k, 1] - y, ours[i, k, 2] - z
                 cost += dx * dx + dy * dy + dz * dz
             out[i, j - low[i]] += cost
 

@@ -8,11 +8,12 @@ import numpy as np
 
 from motion.clip import Clip
 from motion.errors import ClipError
-from motion.hand_joints import Side, ahead_of, forearm
-from motion.kinematics import end_positions, heading, world_transforms
+from motion.hand_joints import Side, ahead_of, elbow_of, forearm, wrist_of
+from motion.kinematics import heading
 from motion.quaternion import Floats, rotate
 from motion.roles import Roles
 from motion.skeleton import Skeleton
+from precompute.joint_paths import joint_transforms
 
 THUMB_SIDE, LITTLE_SIDE, FOREARM, HAND = 0, 1, 2, 3  # the points
 WRIST_WIDTH = 0.12  # of the forearm's length, from the wrist's middle to each side
@@ -46,37 +47,33 @@ def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
     The sides of the wrist turn with the forearm; the hand's point is where the fingers begin. Raises SkeletonError if
     the forearm has no length.
     """
-    shoulder, elbow, wrist = (getattr(roles, f"{side}_{part}") for part in ("shoulder", "elbow", "wrist"))
-    skeleton = clip.skeleton
-    positions, world = world_transforms(skeleton, clip.root_positions, clip.rotations)
-    bone = forearm(skeleton, roles, side)
-    across = WRIST_WIDTH * float(np.linalg.norm(bone)) * ahead_of(bone)
-    aside = rotate(world[:, skeleton.parents[wrist]], across)
-    at, upper = positions[:, wrist], positions[:, elbow]
-    first = _firsts(skeleton, wrist)
-    everything = np.concatenate([positions, end_positions(skeleton, positions, world)], axis=1)
-    hand = everything[:, first].mean(axis=1) if first else at + rotate(world[:, wrist], KNUCKLES * bone)
-    points = np.stack([at + aside, at - aside, 0.5 * (at + upper), hand], axis=1) - positions[:, [shoulder]]
-    hips = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
-    return HandMotion(points, np.unwrap(heading(hips)))
+    skeleton, wrist = clip.skeleton, wrist_of(roles, side)
+    bone, first = forearm(skeleton, roles, side), _firsts(skeleton, wrist)
+    shoulders, elbow = [roles.left_shoulder, roles.right_shoulder], elbow_of(roles, side)
+    above = int(skeleton.parents[wrist])
+    bearers = [joint for joint, _ in first] or [wrist]
+    positions, world = joint_transforms(clip, [*shoulders, elbow, wrist, above, *bearers])
+    left, right, upper, at = np.moveaxis(positions[:, :4], 1, 0)
+    aside = rotate(world[:, 4], WRIST_WIDTH * float(np.linalg.norm(bone)) * ahead_of(bone))
+    offsets = np.array([offset for _, offset in first] or [KNUCKLES * bone])
+    hand = at + rotate(world[:, 5:], offsets).mean(axis=1)
+    shoulder = left if side == "left" else right
+    points = np.stack([at + aside, at - aside, 0.5 * (at + upper), hand], axis=1) - shoulder[:, None]
+    return HandMotion(points, np.unwrap(heading(left - right)))
 
 
-def _firsts(skeleton: Skeleton, wrist: int) -> list[int]:
-    """Where the first bones of some length below a wrist end, joints and then end sites: rigs have joints that lie on
-    the wrist itself, and may bend the hand there."""
-    on_it, found = {wrist}, list[int]()
+def _firsts(skeleton: Skeleton, wrist: int) -> list[tuple[int, Floats]]:
+    """The first bones [3] of some length below a wrist, to joints and then to end sites, each with the joint it hangs
+    on: rigs have joints that lie on the wrist itself, and may bend the hand there."""
+    on_it, found = {wrist}, list[tuple[int, Floats]]()
     for joint in range(wrist + 1, skeleton.joint_count):
-        if int(skeleton.parents[joint]) in on_it:
+        if (parent := int(skeleton.parents[joint])) in on_it:
             if np.any(skeleton.offsets[joint]):
-                found.append(joint)
+                found.append((parent, skeleton.offsets[joint]))
             else:
                 on_it.add(joint)
-    ends = zip(skeleton.end_parents, skeleton.end_offsets, strict=True)
-    return found + [
-        skeleton.joint_count + number
-        for number, (parent, offset) in enumerate(ends)
-        if int(parent) in on_it and np.any(offset)
-    ]
+    ends = zip(skeleton.end_parents.tolist(), skeleton.end_offsets, strict=True)
+    return found + [(parent, offset) for parent, offset in ends if parent in on_it and np.any(offset)]
 
 
 def bones(points: Floats) -> Floats:

@@ -14,6 +14,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from bench.characters import FOREVER, played
 from bench.generated import HANDS, Size, generate
 from bench.rounds import Work, evict_caches, interleaved, paired_ratio
 from bench.service.findings import Findings
@@ -25,7 +26,6 @@ from runtime.requests import Requests
 from runtime.stage import Stage
 
 COUNT = 1000
-FOREVER = 1e6  # seconds of a fade that is held where it is
 
 
 def main(
@@ -43,7 +43,7 @@ def main(
     plain, worn = (asked(evaluator, Scene(), hands) for hands in (False, True))
     compare(told, "splices, cold", plain, worn, max(rounds // 3, 2), cold=True)
     stage = Stage(evaluator)
-    bare, wearing, fading = (played(stage, hands) for hands in ((), (HANDS,), (HANDS, HANDS)))
+    bare, wearing, fading = (played(dressed(stage, hands)) for hands in ((), (HANDS,), (HANDS, HANDS)))
     compare(told, "characters", bare, wearing, rounds)
     compare(told, "characters whose hands are faded into others", bare, fading, rounds)
     told.show()
@@ -65,7 +65,7 @@ def asked(evaluator: Evaluator, scene: Scene, hands: bool) -> Work:
     return evaluation(evaluator, sets)
 
 
-def played(stage: Stage, hands: Sequence[str]) -> Work:
+def dressed(stage: Stage, hands: Sequence[str]) -> Characters:
     """Characters that act over a locomotion, and wear hands, the last of which are half faded in for ever."""
     draw, characters = np.random.default_rng(len(hands)), Characters(stage, RATE)
     names = [clip.name for clip in stage.bank.clips]
@@ -75,13 +75,7 @@ def played(stage: Stage, hands: Sequence[str]) -> Work:
         characters.act([row], str(draw.choice(names)), blend=0.0)
     for number, name in enumerate(hands):
         characters.wear(range(COUNT), name, blend=FOREVER if number else 0.0)
-    poses = stage.evaluator.poses(COUNT)
-
-    def frame(_: int) -> None:
-        characters.evaluate(poses)
-        characters.advance()
-
-    return frame
+    return characters
 
 
 if __name__ == "__main__":

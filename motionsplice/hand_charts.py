@@ -47,8 +47,8 @@ def draw_alignment(spliced: HandSplice, settings: HandSettings, hand_rate: float
     """
     from matplotlib.figure import Figure  # takes a second, which the other commands need not wait
 
-    figure = Figure(figsize=(WIDTH, sum(ROW * len(one.body) ** 0.5 for one in spliced.aligned)), dpi=DPI)
-    heights = [len(one.body) ** 0.5 for one in spliced.aligned]
+    heights = [ROW * len(one.body) ** 0.5 for one in spliced.aligned]
+    figure = Figure(figsize=(WIDTH, sum(heights)), dpi=DPI)
     rows = figure.subfigures(len(spliced.aligned), 1, height_ratios=heights, squeeze=False)[:, 0]
     rate = spliced.clip.rate
     for row, aligned in zip(rows, spliced.aligned, strict=True):

@@ -65,7 +65,7 @@ class Characters:
     def copy(self) -> Self:
         """The same characters, on their own from now on."""
         twin = copy.copy(self)
-        twin.state = self.state.copy()
+        twin.state = twin._room = self.state.copy()
         return twin
 
     def add(self, count: int, locomotion: Locomotion, **options: Any) -> NDArray[np.int64]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from bench import worn_hands
+from bench.characters import played
 from bench.generated import Size, generate
 from bench.service.findings import Findings
 from bench.workload import Scene
@@ -31,7 +32,7 @@ def test_what_is_timed_with_hands_has_them_and_the_other_not(tmp_path: Path, mon
     for hands in (False, True):
         worn_hands.asked(evaluator, Scene(), hands)(0)
     for names in ((), ("hands",), ("hands", "hands")):
-        worn_hands.played(stage, names)(0)
+        played(worn_hands.dressed(stage, names))(0)
     assert seen == [[number] * 5 for number in (0, 1, 0, 1, 2)]
 
 

@@ -13,7 +13,7 @@ RUN python -m venv /opt/motionsplice && /opt/motionsplice/bin/pip install --no-c
 ARG CPU=haswell
 ENV NUMBA_CACHE_DIR=/opt/motionsplice/kernels NUMBA_CPU_NAME=$CPU NUMBA_CPU_FEATURES=""
 RUN /opt/motionsplice/bin/motionsplice demo /demo && rm -r /demo/bank/cache && /opt/motionsplice/bin/python -c \
-    "from runtime.bank import Bank; from service.serving import Edition; Edition.warm(Bank.open('/demo/bank'))"
+    "from motionsplice.runtime.bank import Bank; from motionsplice.service.serving import Edition; Edition.warm(Bank.open('/demo/bank'))"
 
 FROM python:3.11-slim
 ARG CPU=haswell

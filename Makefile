@@ -9,12 +9,12 @@ demo: $(VENV)/ready            ## set up, splice the built-in motions, show the 
 	$(BIN)/motionsplice demo demo
 
 test: $(VENV)/ready            ## set up and run every test; kernels also as plain Python, which checks bounds
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_kernels.py tests/precompute/test_timewarp.py \
-		tests/precompute/test_joint_paths.py tests/precompute/test_best_rotations.py tests/motion/test_decimals.py
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_characters.py tests/runtime/test_events.py \
-		tests/runtime/test_mixes.py -k "not same_bytes"  # which would take a minute
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/test_hands.py \
-		tests/precompute/test_banded_warp.py -k "twin or paths or few_frames or boundless or layer or loop or wear"
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/kernels/test_evaluate.py tests/precompute/alignment/test_timewarp.py \
+		tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
+		tests/runtime/characters/test_mixes.py -k "not same_bytes"  # which would take a minute
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/hands/test_align.py \
+		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or boundless or layer or loop or wear"
 	$(BIN)/python -m pytest -q tests/runtime  # first and alone, for it compiles the kernels: a minute
 	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/runtime
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motion.clip_settings import FILE_NAME
-from motionsplice.sample_folder import write_sample_clips
-from precompute.job import precompute
-from runtime.bank import Bank
+from motionsplice.commands.sample_folder import write_sample_clips
+from motionsplice.motion.clip_settings import FILE_NAME
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import Bank
 
 REAL_CLIP = "06_02.bvh"
 REAL_SETTINGS = Path(__file__).with_name("real_clips.toml")
@@ -21,7 +21,7 @@ def bank_of(clips: Path | None, baseline: str | None, folder: Path) -> Bank:
         write_sample_clips(linked)
     else:
         link(clips, linked)
-    precompute([linked], folder / "bank", baseline=baseline)
+    build_bank([linked], folder / "bank", baseline=baseline)
     return Bank.open(folder / "bank")
 
 

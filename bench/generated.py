@@ -15,18 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import SettingsError
-from motion.quaternion import Floats
-from motion.roles import Roles, find_roles
-from motion.skeleton import Skeleton
-from precompute.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
-from precompute.posture import measure_torso
-from runtime.bank import TABLE_FOLDER, Bank
-from runtime.contacts import LEFT_FOOT, RIGHT_FOOT
-from runtime.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
-from runtime.rows import Layout, TorsoRows
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles, find_roles
+from motionsplice.motion.skeleton import Skeleton
+from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.job.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
+from motionsplice.runtime.bank import TABLE_FOLDER, Bank
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
+from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
+from motionsplice.runtime.format.rows import Layout, TorsoRows
 
 FEWEST_JOINTS, MOST_JOINTS = 15, 300  # every role needs its joint
 MOST_DRAWN = 50_000  # rows

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motion.quaternion import Floats
+from motionsplice.motion.quaternion import Floats
 
 Work = Callable[[int], object]  # told a number that goes up, so that no two calls need ask the same
 EVICTING = np.zeros(2**26, np.uint8)  # larger than the caches of most processors

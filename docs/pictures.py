@@ -8,33 +8,33 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from bench import flatness
-from bench.charts import pair_chart, ratio_grid
 from bench.clips import bank_of
-from bench.frames import batches
 from bench.generated import Size, generate
-from bench.pair_list import grid_pairs, truth_of
-from bench.scores import Form, score_pair, splice_pair
-from bench.speed_charts import speed_chart
-from motion.clip import Clip
-from motion.hand_joints import Side
-from motion.procedural.gestures import gesture_pair
-from motion.procedural.library import make, truth
-from motion.quaternion import Floats
-from motion.roles import find_roles
-from motionsplice.command_demo import demo_command
-from motionsplice.correlation_charts import draw_chart
-from motionsplice.drawing import contact_sheet
-from motionsplice.hand_charts import draw_alignment
-from precompute.body_angles import View
-from precompute.correlation import study
-from precompute.hand_merge import merge_hands
-from precompute.hand_settings import HandSettings
-from precompute.hand_splice import splice_hands
-from runtime.character import Characters
-from runtime.evaluator import Evaluator
-from runtime.requests import Posture
-from runtime.stage import Stage
+from bench.quality.charts import pair_chart, ratio_grid
+from bench.quality.pair_list import grid_pairs, truth_of
+from bench.quality.scores import Form, score_pair, splice_pair
+from bench.speed import flatness
+from bench.speed.frames import batches
+from bench.speed.speed_charts import speed_chart
+from motionsplice.commands.demo import demo_command
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.hand_joints import Side
+from motionsplice.motion.procedural.gestures import gesture_pair
+from motionsplice.motion.procedural.library import make, truth
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import find_roles
+from motionsplice.pictures.correlation_charts import draw_chart
+from motionsplice.pictures.hand_charts import draw_alignment
+from motionsplice.pictures.sheets import contact_sheet
+from motionsplice.precompute.hands.merge import merge_hands
+from motionsplice.precompute.hands.settings import HandSettings
+from motionsplice.precompute.hands.splice import splice_hands
+from motionsplice.precompute.study.body_angles import View
+from motionsplice.precompute.study.correlation import study
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Posture
+from motionsplice.runtime.stage import Stage
 
 IMAGES = Path(__file__).parent / "images"
 FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motion import quaternion
-from motion.errors import ClipError
-from motion.quaternion import Floats
-from motion.skeleton import Skeleton
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import ClipError
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Skeleton
 
 FARTHEST = 1e6  # metres
 ROUNDING = 1e-14  # of a unit quaternion's length

@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from motion.errors import SettingsError, did_you_mean
+from motionsplice.motion.errors import SettingsError, did_you_mean
 
 FILE_NAME = "clips.toml"
 KINDS = ("locomotion", "action")

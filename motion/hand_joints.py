@@ -8,13 +8,13 @@ from typing import Literal
 
 import numpy as np
 
-from motion.clip import Clip
-from motion.errors import SkeletonError
-from motion.pointcloud import horn_rotation
-from motion.quaternion import IDENTITY, Floats, angle, rotate
-from motion.role_names import side_and_part
-from motion.roles import Roles
-from motion.skeleton import Integers, Skeleton
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SkeletonError
+from motionsplice.motion.pointcloud import horn_rotation
+from motionsplice.motion.quaternion import IDENTITY, Floats, angle, rotate
+from motionsplice.motion.role_names import side_and_part
+from motionsplice.motion.roles import Roles
+from motionsplice.motion.skeleton import Integers, Skeleton
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, ...] = ("left", "right")

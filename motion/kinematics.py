@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.quaternion import Floats
-from motion.roles import Roles
-from motion.skeleton import Skeleton
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.motion.skeleton import Skeleton
 
 
 def world_transforms(skeleton: Skeleton, root_positions: ArrayLike, rotations: ArrayLike) -> tuple[Floats, Floats]:

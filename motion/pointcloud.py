@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motion.quaternion import Floats
+from motionsplice.motion.quaternion import Floats
 
 
 def planar_distances(a: ArrayLike, b: ArrayLike) -> Floats:

@@ -10,10 +10,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from motion.errors import RoleError, SettingsError, did_you_mean
-from motion.quaternion import Floats
-from motion.role_names import OPTIONAL, PAIRED, roles_by_name
-from motion.skeleton import Integers, Skeleton, chain
+from motionsplice.motion.errors import RoleError, SettingsError, did_you_mean
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.role_names import OPTIONAL, PAIRED, roles_by_name
+from motionsplice.motion.skeleton import Integers, Skeleton, chain
 
 GivenRole = str | Sequence[str]  # the name of a joint, or for the spine of several
 NOTHING_GIVEN: Mapping[str, GivenRole] = MappingProxyType({})

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import ClipError, did_you_mean
-from motion.quaternion import Floats
+from motionsplice.motion.errors import ClipError, did_you_mean
+from motionsplice.motion.quaternion import Floats
 
 Integers = NDArray[np.int64]
 

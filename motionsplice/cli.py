@@ -9,8 +9,13 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
-from motion.errors import MotionError
-from motionsplice import command_bank, command_demo, command_hands, command_motion, command_serve, command_study
+from motionsplice.commands import bank as command_bank
+from motionsplice.commands import demo as command_demo
+from motionsplice.commands import hands as command_hands
+from motionsplice.commands import motion as command_motion
+from motionsplice.commands import serve as command_serve
+from motionsplice.commands import study as command_study
+from motionsplice.motion.errors import MotionError
 
 app = typer.Typer(
     help="Splice the upper body of any motion clip onto the lower body of any other.",

@@ -10,16 +10,16 @@ from typing import Literal
 
 import numpy as np
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import ClipError, SkeletonError
-from motion.kinematics import joint_positions
-from motion.pointcloud import horn_rotation
-from motion.quaternion import Floats
-from motion.roles import Roles
-from precompute.baseline import SHORTEST_CLIP, WORKING_RATE
-from precompute.posture import Torso, measure_torso
-from precompute.timewarp import TimeWarp, align_pair
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import ClipError, SkeletonError
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.pointcloud import horn_rotation
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP, WORKING_RATE
+from motionsplice.precompute.alignment.timewarp import TimeWarp, align_pair
+from motionsplice.precompute.body.posture import Torso, measure_torso
 
 Posture = Literal["relative", "absolute", "off"]
 
@@ -47,9 +47,9 @@ def splice_exact(
     """The action's upper body on the locomotion's root and lower body, by the papers' three steps.
 
     All clips share one skeleton. Posture `relative` needs the `torso_offsets` [F, 4] of locomotion and action at their
-    own frames (`precompute.torso_offset`, `Bank.torso_offsets`); None for a clip that is its own neutral, as a plain
-    locomotion is (docs/method.md). Raises SkeletonError for clips on two skeletons, and ClipError for clips too long or
-    too short to be aligned.
+    own frames (`precompute.preparation.torso_offset`, `Bank.torso`); None for a clip that is its own neutral, as a
+    plain locomotion is (docs/method.md). Raises SkeletonError for clips on two skeletons, and ClipError for clips too
+    long or too short to be aligned.
     """
     check_same_rig(locomotion, action)
     warp, action_frames = align_in_time(locomotion, action, roles)

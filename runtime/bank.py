@@ -10,14 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.clip import Clip
-from motion.errors import BankError, UnknownClipError, did_you_mean
-from motion.roles import Roles
-from motion.skeleton import Skeleton
-from runtime.bank_checks import Tables, check_contents, check_fit
-from runtime.contacts import Contact, contacts_of
-from runtime.manifest import MANIFEST, REBUILD, TABLES, BaselineEntry, ClipEntry, HandsEntry, Manifest
-from runtime.rows import Layout, TorsoRows
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import BankError, UnknownClipError, did_you_mean
+from motionsplice.motion.roles import Roles
+from motionsplice.motion.skeleton import Skeleton
+from motionsplice.runtime.format.checks import Tables, check_contents, check_fit
+from motionsplice.runtime.format.contacts import Contact, contacts_of
+from motionsplice.runtime.format.manifest import (
+    MANIFEST,
+    REBUILD,
+    TABLES,
+    BaselineEntry,
+    ClipEntry,
+    HandsEntry,
+    Manifest,
+)
+from motionsplice.runtime.format.rows import Layout, TorsoRows
 
 TABLE_FOLDER = "tables"
 

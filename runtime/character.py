@@ -1,7 +1,7 @@
 """Characters: what a game does with splices from one second to the next.
 
-Each is a row of numbers (`runtime.character_state`), and one call moves or evaluates all of them. Commands are the slow
-way in: they fill the part of a row that waits, and the kernels begin what waits when its moment has come.
+Each is a row of numbers (`runtime.characters.state`), and one call advances or evaluates all of them. Commands fill the
+part of a row that waits; the kernels begin what waits when its moment has come.
 """
 
 from __future__ import annotations
@@ -13,15 +13,27 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import SettingsError
-from runtime import character_kernels, clock_kernels
-from runtime import character_state as col
-from runtime.bank import Bank
-from runtime.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
-from runtime.in_step import phase_at
-from runtime.played import newest_mix, played_clips, strange_rows, worn_hands
-from runtime.requests import FLOAT64, METHODS, POSTURES, Memory, Method, Poses, Posture, check_array, known, time_fault
-from runtime.stage import Stage
+from motionsplice.motion.errors import SettingsError
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import clock_kernels
+from motionsplice.runtime.characters import pose_kernels as character_kernels
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.clip_references import newest_mix, played_clips, strange_rows, worn_hands
+from motionsplice.runtime.characters.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
+from motionsplice.runtime.kernels.in_step import phase_at
+from motionsplice.runtime.requests import (
+    FLOAT64,
+    METHODS,
+    POSTURES,
+    Memory,
+    Method,
+    Poses,
+    Posture,
+    check_array,
+    known,
+    time_fault,
+)
+from motionsplice.runtime.stage import Stage
 
 BLEND = 0.3  # seconds
 States = NDArray[np.float64]

@@ -9,12 +9,14 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.clip import Clip
-from motion.errors import SettingsError, TimeRangeError
-from runtime import arrays, kernels, world_kernels
-from runtime.bank import Bank
-from runtime.lookup_kernels import NONE
-from runtime.requests import (
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError, TimeRangeError
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels import evaluate as kernels
+from motionsplice.runtime.kernels import world as world_kernels
+from motionsplice.runtime.kernels.lookup import NONE
+from motionsplice.runtime.requests import (
     FLOAT32,
     METHODS,
     POSTURES,

@@ -9,12 +9,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from motion.errors import SettingsError, TimeRangeError, did_you_mean
-from motion.quaternion import IDENTITY
-from runtime.arrays import LAST_TURN, LATE, MEAN_POSTURE, MEMORY_COLUMNS
-from runtime.lookup_kernels import NAIVE, NONE, SPLICE
-from runtime.manifest import ClipEntry
-from runtime.posture_kernels import ABSOLUTE, OFF, RELATIVE, RUNNING
+from motionsplice.motion.errors import SettingsError, TimeRangeError, did_you_mean
+from motionsplice.motion.quaternion import IDENTITY
+from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.kernels.arrays import LAST_TURN, LATE, MEAN_POSTURE, MEMORY_COLUMNS
+from motionsplice.runtime.kernels.lookup import NAIVE, NONE, SPLICE
+from motionsplice.runtime.kernels.posture import ABSOLUTE, OFF, RELATIVE, RUNNING
 
 Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
@@ -48,8 +48,7 @@ class Requests:
     time:   [n] float64 seconds into the locomotion.
     start:  [n] float64 seconds into the action before which it does not begin; the first frame at or after it
             that is in step with the locomotion's first frame goes with that.
-    cycles: [n] int32 whole cycles by which the action is ahead of that (`runtime/in_step.py` says how many bring it to
-            a moment of one's choice); of no account unless the method is `splice`.
+    cycles: [n] int32 whole cycles by which the action is ahead of that; ignored unless the method is `splice`.
     method, posture: [n] uint8, values of METHODS and POSTURES.
     hands:  [n] uint16, 0 for the fingers of the clip that gives the upper body, else 1 more than a number of hands
             (`Bank.hand_number`) that lie on that clip.

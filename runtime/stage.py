@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from runtime import arrays
-from runtime import character_state as col
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
-from runtime.limbs import limbs_of
-from runtime.requests import REQUEST
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.limbs import limbs_of
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.requests import REQUEST
 
 
 class Stage:

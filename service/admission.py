@@ -6,8 +6,8 @@ import hmac
 
 from starlette.types import Scope
 
-from service.problems import OriginError, TokenError
-from service.settings import Settings
+from motionsplice.service.problems import OriginError, TokenError
+from motionsplice.service.settings import Settings
 
 OPEN = frozenset({"/healthz", "/readyz", "/", "/docs", "/redoc", "/openapi.json"})
 ASSETS = "/static-offline-docs/"

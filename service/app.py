@@ -12,20 +12,20 @@ from fastapi.responses import RedirectResponse, Response
 from fastapi_offline import FastAPIOffline
 from starlette.exceptions import HTTPException
 
-from motion.errors import MotionError
-from runtime.bank import Bank
-from service.exchange.job import Job
-from service.exchange.routes import exchange_routes
-from service.exchange.watch import watch
-from service.front import Front
-from service.logs import request_id
-from service.metrics import Metrics
-from service.openapi import document
-from service.problems import MEDIA_TYPE, problem, told
-from service.routes import bank_routes, health_routes
-from service.serving import Edition, Serving
-from service.settings import Settings
-from service.shared import Shared
+from motionsplice.motion.errors import MotionError
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.exchange.job import Job
+from motionsplice.service.exchange.routes import exchange_routes
+from motionsplice.service.exchange.watch import watch
+from motionsplice.service.front import Front
+from motionsplice.service.logs import request_id
+from motionsplice.service.metrics import Metrics
+from motionsplice.service.openapi import document
+from motionsplice.service.problems import MEDIA_TYPE, problem, told
+from motionsplice.service.routes import bank_routes, health_routes
+from motionsplice.service.serving import Edition, Serving
+from motionsplice.service.settings import Settings
+from motionsplice.service.shared import Shared
 
 
 def create_app(bank: Bank, settings: Settings | None = None) -> Front:

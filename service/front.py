@@ -12,17 +12,17 @@ from collections.abc import Awaitable, Callable
 from fastapi import FastAPI
 from starlette.types import Message, Receive, Scope, Send
 
-from motion.errors import MotionError
-from service.admission import Admission
-from service.answers.answer import Answer, Headers
-from service.answers.pose import PoseAnswers
-from service.answers.poses import poses
-from service.answers.splice import splice
-from service.answers.stream import stream
-from service.characters.hub import Hub
-from service.logs import request_id, request_ids
-from service.problems import MEDIA_TYPE, UnknownBankError, problem, told
-from service.shared import Shared
+from motionsplice.motion.errors import MotionError
+from motionsplice.service.admission import Admission
+from motionsplice.service.answers.answer import Answer, Headers
+from motionsplice.service.answers.pose import PoseAnswers
+from motionsplice.service.answers.poses import poses
+from motionsplice.service.answers.splice import splice
+from motionsplice.service.answers.stream import stream
+from motionsplice.service.characters.hub import Hub
+from motionsplice.service.logs import request_id, request_ids
+from motionsplice.service.problems import MEDIA_TYPE, UnknownBankError, problem, told
+from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)
 

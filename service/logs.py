@@ -52,7 +52,7 @@ class Lines(logging.Formatter):
 
 def log_config() -> dict[str, Any]:
     """For logging.config: everything to stderr."""
-    formatter = "service.logs.Lines" if sys.stderr.isatty() else "service.logs.JsonLines"
+    formatter = "motionsplice.service.logs.Lines" if sys.stderr.isatty() else "motionsplice.service.logs.JsonLines"
     return {
         "version": 1,
         "disable_existing_loggers": False,

@@ -8,12 +8,12 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
-from runtime.bank import Bank
-from runtime.contacts import FEET, Contact
-from runtime.manifest import ClipEntry
-from service.settings import Settings
-from service.wire.axes import AXES, Axes
-from service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.contacts import FEET, Contact
+from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.service.settings import Settings
+from motionsplice.service.wire.axes import AXES, Axes
+from motionsplice.service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
 
 LIMITS = tuple(name for name in Settings.model_fields if name.startswith("max_") or name.endswith("_seconds"))
 

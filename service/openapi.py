@@ -8,20 +8,20 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
-from runtime.bank import Bank
-from service.answers.pose import POSE
-from service.answers.poses import POSES
-from service.answers.splice import BVH, SPLICE
-from service.answers.stream import MEDIA_TYPE as STREAM_TYPE
-from service.answers.stream import STREAM
-from service.characters.hub import CHARACTERS
-from service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
-from service.problems import Problem
-from service.routes import NOT_READY, REFUSED, UNKNOWN, Responses, problem_response
-from service.shared import Shared
-from service.wire.axes import AXES
-from service.wire.messages import JSON, MSGPACK
-from service.wire.query import REQUIRED, Query
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.answers.pose import POSE
+from motionsplice.service.answers.poses import POSES
+from motionsplice.service.answers.splice import BVH, SPLICE
+from motionsplice.service.answers.stream import MEDIA_TYPE as STREAM_TYPE
+from motionsplice.service.answers.stream import STREAM
+from motionsplice.service.characters.hub import CHARACTERS
+from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
+from motionsplice.service.problems import Problem
+from motionsplice.service.routes import NOT_READY, REFUSED, UNKNOWN, Responses, problem_response
+from motionsplice.service.shared import Shared
+from motionsplice.service.wire.axes import AXES
+from motionsplice.service.wire.messages import JSON, MSGPACK
+from motionsplice.service.wire.query import REQUIRED, Query
 
 ABOUT = """Splices the upper body of any clip onto the lower body of any other.
 

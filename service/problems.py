@@ -7,14 +7,8 @@ from http import HTTPStatus
 import orjson
 from pydantic import BaseModel, Field
 
-from motion.errors import (
-    BankError,
-    MotionError,
-    SettingsError,
-    TimeRangeError,
-    UnknownClipError,
-)
-from service.serving import NotReadyError
+from motionsplice.motion.errors import BankError, MotionError, SettingsError, TimeRangeError, UnknownClipError
+from motionsplice.service.serving import NotReadyError
 
 MEDIA_TYPE = "application/problem+json"
 URN = "urn:motionsplice:"

@@ -8,12 +8,12 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from fastapi.responses import FileResponse
 
-from motion.errors import did_you_mean
-from service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
-from service.problems import MEDIA_TYPE, RequestError, UnknownBankError
-from service.serving import NotReadyError
-from service.shared import Shared
-from service.wire.axes import AXES
+from motionsplice.motion.errors import did_you_mean
+from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
+from motionsplice.service.problems import MEDIA_TYPE, RequestError, UnknownBankError
+from motionsplice.service.serving import NotReadyError
+from motionsplice.service.shared import Shared
+from motionsplice.service.wire.axes import AXES
 
 Responses = dict[int | str, dict[str, Any]]
 OCTETS = {"type": "string", "format": "binary"}

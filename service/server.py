@@ -10,10 +10,10 @@ from pathlib import Path
 import uvicorn
 from uvicorn.supervisors import Multiprocess
 
-from motion.errors import SettingsError
-from service.edge.config import EdgeConfig
-from service.metrics import SHARED_FOLDER
-from service.settings import Settings
+from motionsplice.motion.errors import SettingsError
+from motionsplice.service.edge.config import EdgeConfig
+from motionsplice.service.metrics import SHARED_FOLDER
+from motionsplice.service.settings import Settings
 
 BACKLOG = 2048
 MOST_UNSENT = 1024 * 1024  # bytes that the kernel keeps for a slow client, so that it is soon known to be one

@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from motion.errors import MotionError
-from runtime.bank import Bank
-from runtime.character import Characters
-from runtime.evaluator import Evaluator
-from runtime.stage import Stage
-from service.wire.encoding import warm as warm_encoding
+from motionsplice.motion.errors import MotionError
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.stage import Stage
+from motionsplice.service.wire.encoding import warm as warm_encoding
 
 logger = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from pydantic import Field, ModelWrapValidatorHandler, SecretStr, ValidationErro
 from pydantic_core import ErrorDetails
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-from motion.errors import SettingsError
+from motionsplice.motion.errors import SettingsError
 
 PREFIX = "MOTIONSPLICE_"
 SECOND = Annotated[float, Field(gt=0.0, le=3600.0, allow_inf_nan=False)]

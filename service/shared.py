@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from service.metrics import Metrics
-from service.problems import BusyError
-from service.serving import Serving
-from service.settings import Settings
+from motionsplice.service.metrics import Metrics
+from motionsplice.service.problems import BusyError
+from motionsplice.service.serving import Serving
+from motionsplice.service.settings import Settings
 
 
 @dataclass(frozen=True, eq=False)

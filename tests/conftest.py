@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from motion.formats.bvh import dump
-from motion.procedural.gestures import gesture_pair
-from motion.procedural.library import make
-from precompute.job import precompute
-from runtime.bank import Bank
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.gestures import gesture_pair
+from motionsplice.motion.procedural.library import make
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import Bank
 
 # A first call may compile a kernel, and CI machines stall: how long an example takes says nothing here.
 settings.register_profile("motionsplice", deadline=None)
@@ -41,7 +41,7 @@ def clip_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Seven built-in clips as BVH files, two of them actions."""
     folder = tmp_path_factory.mktemp("clips")
     for name, clip in CLIPS.items():
-        (folder / f"{name}.bvh").write_bytes(dump(clip))
+        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
     (folder / "clips.toml").write_text(SETTINGS)
     return folder
 
@@ -50,7 +50,7 @@ def clip_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def bank(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `clip_folder`; not to be changed by a test."""
     path = tmp_path_factory.mktemp("banks") / "bank"
-    outcome = precompute([clip_folder], path, baseline="walk", jobs=1)
+    outcome = build_bank([clip_folder], path, baseline="walk", jobs=1)
     assert not outcome.failed
     return Bank.open(path)
 
@@ -81,7 +81,7 @@ def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     clips = {name: CLIPS[name] for name in ("walk", "run", "wave")}
     hands = {"counting": COUNTING.body, "counting_hands": COUNTING.hands, "other_hands": OTHERS.hands}
     for name, clip in {**clips, **hands}.items():
-        (folder / f"{name}.bvh").write_bytes(dump(clip))
+        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
     (folder / "clips.toml").write_text('[wave]\nkind = "action"\n[counting]\nkind = "action"\n')
     (folder / "hands.toml").write_text(HANDS)
     return folder
@@ -91,7 +91,7 @@ def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def hands_bank(hands_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `hands_folder`; not to be changed by a test."""
     path = tmp_path_factory.mktemp("banks") / "hands"
-    outcome = precompute([hands_folder], path, baseline="walk", jobs=1)
+    outcome = build_bank([hands_folder], path, baseline="walk", jobs=1)
     assert not outcome.failed
     return Bank.open(path)
 

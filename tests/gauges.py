@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.kinematics import end_positions, joint_positions, world_transforms
-from motion.procedural.body import HEEL, SKELETON
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.kinematics import end_positions, joint_positions, world_transforms
+from motionsplice.motion.procedural.body import HEEL, SKELETON
+from motionsplice.motion.quaternion import Floats
 
 RATE = 100.0
 SIDES = ("Left", "Right")

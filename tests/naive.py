@@ -10,15 +10,15 @@ import numpy as np
 from scipy.optimize import lsq_linear, minimize
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.pointcloud import horn_rotation
-from motion.quaternion import Floats
-from precompute.posture import measure_torso
-from precompute.splice import transfer_posture
-from runtime.bank import Bank
-from runtime.manifest import ClipEntry
-from runtime.posture_kernels import LEAST_GAP
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.pointcloud import horn_rotation
+from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.splice import transfer_posture
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.kernels.posture import LEAST_GAP
 
 
 def planar_distance(a: Floats, b: Floats) -> float:

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from motion import quaternion
-from motion.quaternion import Floats
-from motion.roles import common_ancestor
-from runtime import character_state as col
-from runtime.bank import Bank
-from runtime.requests import METHODS, POSTURES
+from motionsplice.motion import quaternion
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import common_ancestor
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.requests import METHODS, POSTURES
 from tests.naive import best_rotation, rotation_between, vectors_between
 
 UP = [0.0, 1.0, 0.0]

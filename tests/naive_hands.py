@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from motion.quaternion import Floats, about, rotate
-from motion.skeleton import Integers
-from precompute.hand_costs import WINDOW
-from precompute.hand_phases import derivatives
-from precompute.hand_points import HandMotion
+from motionsplice.motion.quaternion import Floats, about, rotate
+from motionsplice.motion.skeleton import Integers
+from motionsplice.precompute.hands.costs import WINDOW
+from motionsplice.precompute.hands.phases import derivatives
+from motionsplice.precompute.hands.points import HandMotion
 
 UP = [0.0, 1.0, 0.0]
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from motion.quaternion import Floats
-from runtime import character_state as col
-from runtime.character import Characters
+from motionsplice.motion.quaternion import Floats
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters import state as col
 
 RATE = 60.0
 Setup = Callable[[], Characters]

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.quaternion import Floats
-from motion.roles import Roles
-from motion.skeleton import Skeleton
-from precompute.bank_builder import frame_of_phase
-from runtime.bank import Bank
-from runtime.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry, Manifest
-from runtime.rows import Layout, TorsoRows
+from motionsplice.motion import quaternion
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.motion.skeleton import Skeleton
+from motionsplice.precompute.job.bank_builder import frame_of_phase
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry, Manifest
+from motionsplice.runtime.format.rows import Layout, TorsoRows
 
 CLOUDS = ("torso", "line", "point")
 RATE = 30.0

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.quaternion import Floats
-from motion.skeleton import Skeleton
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Skeleton
 
 
 def local_axes(joints: int, seed: int) -> Floats:

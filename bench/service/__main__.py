@@ -13,15 +13,15 @@ from typing import Annotated
 
 import typer
 
+from bench.findings import Findings
 from bench.service.banks import built_in
 from bench.service.crowd import crowd
 from bench.service.exchange import exchange
-from bench.service.findings import Findings
 from bench.service.harm import connects, stalled
 from bench.service.requests import batches, poses
 from bench.service.streams import streams
-from motion.errors import SettingsError, did_you_mean
 from motionsplice.cli import run
+from motionsplice.motion.errors import SettingsError, did_you_mean
 
 Measure = Callable[[Path], Findings]
 SHORT: dict[str, Measure] = {

@@ -5,12 +5,12 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from motion.formats.bvh import dump
-from motion.procedural.library import make
-from motionsplice.sample_folder import write_sample_clips
-from precompute.job import precompute
-from runtime.bank import Bank
-from runtime.manifest import MANIFEST
+from motionsplice.commands.sample_folder import write_sample_clips
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import make
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import MANIFEST
 
 BASELINE = "walk"
 
@@ -18,7 +18,7 @@ BASELINE = "walk"
 def built_in(folder: Path) -> Path:
     """A bank of the built-in motions."""
     write_sample_clips(folder / "clips")
-    precompute([folder / "clips"], folder / "bank", baseline=BASELINE)
+    build_bank([folder / "clips"], folder / "bank", baseline=BASELINE)
     return folder / "bank"
 
 
@@ -26,8 +26,8 @@ def another(folder: Path) -> Path:
     """The same with another run, in a folder beside it."""
     clips = folder / "other clips"
     shutil.copytree(folder / "clips", clips)
-    (clips / "run.bvh").write_bytes(dump(make("run", seed=77, seconds=4.0)))
-    precompute([clips], folder / "other", baseline=BASELINE)
+    (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=77, seconds=4.0)))
+    build_bank([clips], folder / "other", baseline=BASELINE)
     return folder / "other"
 
 

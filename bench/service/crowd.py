@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from bench.findings import Findings
 from bench.service.banks import names
 from bench.service.clients import create, taken_meanwhile
-from bench.service.findings import Findings
 from bench.service.process import serving
 from bench.service.statistics import lost
 from bench.service.stream_client import Job

@@ -9,16 +9,16 @@ from pathlib import Path
 import msgpack
 import numpy as np
 
+from bench.findings import Findings
 from bench.service.banks import another, put
 from bench.service.clients import Streams
-from bench.service.findings import Findings
 from bench.service.process import serving
 from bench.service.statistics import lost
 from bench.service.stream_client import Job
-from runtime.bank import Bank
-from runtime.character import Characters
-from runtime.evaluator import Evaluator
-from runtime.stage import Stage
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.stage import Stage
 
 STREAMS = 32
 EXCHANGES = 20

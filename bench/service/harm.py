@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.findings import Findings
 from bench.service.banks import names
 from bench.service.clients import Streams, create
-from bench.service.findings import Findings
 from bench.service.process import Process, serving
 from bench.service.stream_client import HANDSHAKE, Job
 from bench.service.streams import PATH, spread

@@ -29,8 +29,8 @@ from bench.service.process import PATIENCE, Process, profiled
 from bench.service.requests import CONNECTIONS, batch_request, queries
 from bench.service.stream_client import Job
 from bench.service.streams import PATH
-from motion.errors import SettingsError, did_you_mean
 from motionsplice.cli import run
+from motionsplice.motion.errors import SettingsError, did_you_mean
 
 SETTLING = 4.0  # seconds that clients have to start in and to make characters
 LOOP = "run_until_complete"

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.findings import Findings
 from bench.service.banks import names
 from bench.service.clients import ask, get, post
-from bench.service.findings import Findings
 from bench.service.process import Process, control, serving
 from bench.service.statistics import percentiles
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
-from runtime.requests import METHODS, Requests
-from service.wire.encoding import Encoding, warm
-from service.wire.messages import packed
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import METHODS, Requests
+from motionsplice.service.wire.encoding import Encoding, warm
+from motionsplice.service.wire.messages import packed
 
 CONNECTIONS = 32
 BATCH = 1000

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.findings import Findings
 from bench.service.banks import names
 from bench.service.clients import Streams, Taken, create, taken_meanwhile
-from bench.service.findings import Findings
 from bench.service.process import control, serving
 from bench.service.statistics import intervals, jitter, lost, percentiles
 from bench.service.stream_client import Job

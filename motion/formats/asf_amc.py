@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from motion import quaternion
-from motion.errors import FormatError, did_you_mean
-from motion.formats.decimals import read_table
-from motion.formats.fold import Nodes, still
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.formats.decimals import read_table
+from motionsplice.motion.formats.fold import Nodes, still
+from motionsplice.motion.quaternion import Floats
 
 INCH = 0.0254  # metres; an ASF's unit of length is so many inches
 RATE = 120.0  # frames per second, unless the file says otherwise

@@ -15,12 +15,12 @@ from decimal import Decimal
 
 import numpy as np
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import FormatError
-from motion.formats.decimals import read_table
-from motion.formats.fold import Nodes, still
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import FormatError
+from motionsplice.motion.formats.decimals import read_table
+from motionsplice.motion.formats.fold import Nodes, still
+from motionsplice.motion.quaternion import Floats
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
@@ -232,13 +232,13 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
     )
 
 
-def dump(clip: Clip, unit: float = 1.0) -> bytes:
+def dump_bvh(clip: Clip, unit: float = 1.0) -> bytes:
     """A clip as BVH: ZXY Euler channels in degrees, lengths in `unit` metres, joints in depth-first order."""
     return b"".join(pieces(clip, unit))
 
 
 def pieces(clip: Clip, unit: float = 1.0) -> Iterator[bytes]:
-    """What `dump` gives, in pieces that each take a millisecond or two to make."""
+    """What `dump_bvh` gives, in pieces that each take a millisecond or two to make."""
     from scipy.spatial.transform import Rotation  # half a second, which those who only read need not wait
 
     order, text = _write_hierarchy(clip, unit)

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from motion.quaternion import Floats
+from motionsplice.motion.quaternion import Floats
 
 MOST_DIGITS = 18  # that an int64 holds; what follows them is below a float's precision
 EXACT_POWER = 22  # the largest power of ten that a float holds exactly

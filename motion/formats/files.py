@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import FormatError, MotionError
-from motion.formats import asf_amc, bvh
-from motion.formats.fold import Folded, Nodes, fold
-from motion.formats.units import guess_unit, metres_per_unit
-from motion.kinematics import world_transforms
-from motion.quaternion import Floats
-from motion.roles import (
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import FormatError, MotionError
+from motionsplice.motion.formats import asf_amc, bvh
+from motionsplice.motion.formats.fold import Folded, Nodes, fold
+from motionsplice.motion.formats.units import guess_unit, metres_per_unit
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import (
     ENDS,
     NOTHING_GIVEN,
     GivenRole,

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motion import quaternion
-from motion.errors import FormatError
-from motion.quaternion import Floats
-from motion.skeleton import Integers, Skeleton, chain, subtree
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import FormatError
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Integers, Skeleton, chain, subtree
 
 STEADY = 0.01  # of the rig's longest bone: less movement of an inner joint on its parent is noise
 

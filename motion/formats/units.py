@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from motion.errors import FormatError, SettingsError
+from motionsplice.motion.errors import FormatError, SettingsError
 
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "cmu": 0.0254 / 0.45}
 LEG = 0.85  # metres from hip over knee to ankle of a grown person

@@ -8,11 +8,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from motion import quaternion
-from motion.procedural.body import FOREARM, LEFT, RIGHT, SKELETON, UPPER_ARM, euler, frame, two_bones
-from motion.procedural.path import ease
-from motion.procedural.upper import Arm, Carriage, Rhythm, Trunk, swinging_arm, trunk
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.procedural.body import FOREARM, LEFT, RIGHT, SKELETON, UPPER_ARM, euler, frame, two_bones
+from motionsplice.motion.procedural.path import ease
+from motionsplice.motion.procedural.upper import Arm, Carriage, Rhythm, Trunk, swinging_arm, trunk
+from motionsplice.motion.quaternion import Floats
 
 Upper = tuple[Trunk, dict[float, Arm]]
 Action = Callable[[Carriage, Rhythm, np.random.Generator], Upper]

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.quaternion import Floats
-from motion.skeleton import Skeleton
+from motionsplice.motion import quaternion
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Skeleton
 
 STATURE = 1.78
 THIGH, SHANK, ANKLE_HEIGHT = 0.245 * STATURE, 0.246 * STATURE, 0.039 * STATURE

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from motion.procedural.curves import (
+from motionsplice.motion.procedural.curves import (
     RUN,
     RUN_FOOT,
     SIDE_STEP_FOOT,
@@ -20,8 +20,8 @@ from motion.procedural.curves import (
     WALK_FOOT,
     scaled,
 )
-from motion.procedural.gait import Gait
-from motion.procedural.locomotions import (
+from motionsplice.motion.procedural.gait import Gait
+from motionsplice.motion.procedural.locomotions import (
     Locomotion,
     Manner,
     around,
@@ -31,7 +31,7 @@ from motion.procedural.locomotions import (
     onto_a_platform,
     there_and_back,
 )
-from motion.procedural.upper import Carriage
+from motionsplice.motion.procedural.upper import Carriage
 
 RISE, TREAD = 0.17, 0.29  # of a stair, metres
 # Captured runs and jogs swing arms and shoulders 0.06 of a stride ahead of walks, against the knees; the knees of a run

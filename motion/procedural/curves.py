@@ -17,7 +17,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
-from motion.quaternion import Floats
+from motionsplice.motion.quaternion import Floats
 
 Curve = Callable[[Floats], Floats]  # of phases [n] in cycles, to radians [n]
 

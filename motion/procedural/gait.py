@@ -10,11 +10,11 @@ from functools import cached_property
 
 import numpy as np
 
-from motion import quaternion
-from motion.procedural.body import ANKLE_HEIGHT, BALL, HEEL, LEFT, SHANK, SKELETON, THIGH, euler, side_name
-from motion.procedural.curves import Curve, Norm
-from motion.procedural.path import ease
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.procedural.body import ANKLE_HEIGHT, BALL, HEEL, LEFT, SHANK, SKELETON, THIGH, euler, side_name
+from motionsplice.motion.procedural.curves import Curve, Norm
+from motionsplice.motion.procedural.path import ease
+from motionsplice.motion.quaternion import Floats
 
 TURN = 2.0 * np.pi
 LONGEST = 0.998 * (THIGH + SHANK)  # a leg is never quite straight

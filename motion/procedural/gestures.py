@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from motion.clip import Clip
-from motion.errors import SettingsError
-from motion.procedural.actions import Upper, reaching_arm
-from motion.procedural.body import LEFT, RIGHT
-from motion.procedural.hand_rig import with_fingers
-from motion.procedural.library import moving, standing
-from motion.procedural.score import (
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.procedural.actions import Upper, reaching_arm
+from motionsplice.motion.procedural.body import LEFT, RIGHT
+from motionsplice.motion.procedural.hand_rig import with_fingers
+from motionsplice.motion.procedural.library import moving, standing
+from motionsplice.motion.procedural.score import (
     EXTENSION,
     FINGERS,
     KINDS,
@@ -32,8 +32,8 @@ from motion.procedural.score import (
     phase_spans,
     write_score,
 )
-from motion.procedural.upper import Carriage, Rhythm, swinging_arm, trunk
-from motion.quaternion import Floats
+from motionsplice.motion.procedural.upper import Carriage, Rhythm, swinging_arm, trunk
+from motionsplice.motion.quaternion import Floats
 
 SLOWEST, FASTEST, TEMPO_CHANGES = 0.6, 1.6, 1.2  # of the score's time; seconds from one drawn tempo to the next
 VOLUME = np.array([0.0, -0.28, 0.27])  # where hands are captured: their wrist at rest, from the shoulder

@@ -12,11 +12,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.procedural.body import LEFT, RIGHT, SKELETON, side_name
-from motion.quaternion import Floats
-from motion.skeleton import Skeleton
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.procedural.body import LEFT, RIGHT, SKELETON, side_name
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Skeleton
 
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Pinky")
 # where the first joint sits on a left wrist, the way to the next ones, and the lengths of three bones, metres

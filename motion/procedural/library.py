@@ -10,15 +10,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import SettingsError, did_you_mean
-from motion.procedural import actions, catalogue
-from motion.procedural.body import ANKLE_HEIGHT, LEFT, RIGHT, SHANK, SKELETON, THIGH, euler, side_name
-from motion.procedural.locomotions import varied
-from motion.procedural.lower import lower_body
-from motion.procedural.upper import Arm, Carriage, Rhythm, Trunk, swinging_arms, trunk
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError, did_you_mean
+from motionsplice.motion.procedural import actions, catalogue
+from motionsplice.motion.procedural.body import ANKLE_HEIGHT, LEFT, RIGHT, SHANK, SKELETON, THIGH, euler, side_name
+from motionsplice.motion.procedural.locomotions import varied
+from motionsplice.motion.procedural.lower import lower_body
+from motionsplice.motion.procedural.upper import Arm, Carriage, Rhythm, Trunk, swinging_arms, trunk
+from motionsplice.motion.quaternion import Floats
 
 LOCOMOTIONS: tuple[str, ...] = tuple(catalogue.LOCOMOTIONS)
 ACTIONS: tuple[str, ...] = tuple(actions.ACTIONS)

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from motion.procedural.body import HEEL, UP
-from motion.procedural.gait import Gait
-from motion.procedural.lower import LANDED, Walker
-from motion.procedural.path import Path, about_turn, circle, ease, straight
-from motion.procedural.tempo import Change, Tempo
-from motion.procedural.turning import Turning
-from motion.procedural.upper import Carriage
-from motion.quaternion import Floats
+from motionsplice.motion.procedural.body import HEEL, UP
+from motionsplice.motion.procedural.gait import Gait
+from motionsplice.motion.procedural.lower import LANDED, Walker
+from motionsplice.motion.procedural.path import Path, about_turn, circle, ease, straight
+from motionsplice.motion.procedural.tempo import Change, Tempo
+from motionsplice.motion.procedural.turning import Turning
+from motionsplice.motion.procedural.upper import Carriage
+from motionsplice.motion.quaternion import Floats
 
 STEP = 0.26  # the height of a platform, metres
 _APPROACH, _ARRIVAL = 0.75, 0.5  # cycles before a foot lands on the platform, and after, of another gait

@@ -12,13 +12,24 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
-from motion import quaternion
-from motion.procedural.body import ANKLE_HEIGHT, LEFT, RIGHT, SHANK, THIGH, UP, euler, frame, side_name, two_bones
-from motion.procedural.gait import LONGEST, TURN, harmonics, hip_of, progress, rocker
-from motion.procedural.path import Path, ease, forward, leftward
-from motion.procedural.tempo import Tempo
-from motion.procedural.turning import Turning
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.procedural.body import (
+    ANKLE_HEIGHT,
+    LEFT,
+    RIGHT,
+    SHANK,
+    THIGH,
+    UP,
+    euler,
+    frame,
+    side_name,
+    two_bones,
+)
+from motionsplice.motion.procedural.gait import LONGEST, TURN, harmonics, hip_of, progress, rocker
+from motionsplice.motion.procedural.path import Path, ease, forward, leftward
+from motionsplice.motion.procedural.tempo import Tempo
+from motionsplice.motion.procedural.turning import Turning
+from motionsplice.motion.quaternion import Floats
 
 LEAVE, LAND = 0.12, 0.1  # phases over which a foot goes from the ground's path to the swing's, and back
 TO_LEAVE = 0.4  # the phase of a foot whose gait its foothold has: the body's as it leaves, lest the leg be outrun

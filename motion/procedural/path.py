@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from motion.quaternion import Floats
+from motionsplice.motion.quaternion import Floats
 
 GRAVITY = 9.81
 

@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from motion.procedural.body import LEFT, RIGHT
-from motion.procedural.hand_rig import COUNTED, FIST, OPEN, POINT, POSE, RELAXED, THUMBS_UP
-from motion.quaternion import Floats
+from motionsplice.motion.procedural.body import LEFT, RIGHT
+from motionsplice.motion.procedural.hand_rig import COUNTED, FIST, OPEN, POINT, POSE, RELAXED, THUMBS_UP
+from motionsplice.motion.quaternion import Floats
 
 Kind = Literal["count", "point", "wave", "open_close", "thumbs_up"]
 PhaseKind = Literal["preparation", "stroke", "hold", "retraction"]

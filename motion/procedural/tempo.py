@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motion.procedural.path import ease
-from motion.quaternion import Floats
+from motionsplice.motion.procedural.path import ease
+from motionsplice.motion.quaternion import Floats
 
 _ROUNDS = 8  # of Newton's method, which doubles its digits in each
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motion.procedural.gait import Gait
-from motion.quaternion import Floats
+from motionsplice.motion.procedural.gait import Gait
+from motionsplice.motion.quaternion import Floats
 
 
 def _registered(u: Floats, duty: Floats, own: float) -> Floats:

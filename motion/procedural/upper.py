@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from motion import quaternion
-from motion.procedural.body import LEFT, RIGHT, euler
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.procedural.body import LEFT, RIGHT, euler
+from motionsplice.motion.quaternion import Floats
 
 TURN = 2.0 * np.pi
 

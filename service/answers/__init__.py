@@ -1,0 +1,1 @@
+"""Poses, splices and streams over HTTP. Imported by `routes`."""

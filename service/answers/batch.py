@@ -11,10 +11,10 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
-from motion.errors import did_you_mean
-from runtime.bank import Bank
-from runtime.requests import METHODS, POSTURES, Method, Posture, Requests
-from service.problems import LimitError, RequestError
+from motionsplice.motion.errors import did_you_mean
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.requests import METHODS, POSTURES, Method, Posture, Requests
+from motionsplice.service.problems import LimitError, RequestError
 
 COLUMNS: Mapping[str, str] = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8", "start": "<f8"}
 NAMES: Mapping[str, tuple[str, ...]] = {"method": get_args(Method), "posture": get_args(Posture)}

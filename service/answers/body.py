@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 
 from starlette.types import Receive, Scope
 
-from service.problems import RequestError, TooLargeError, TooSlowError
+from motionsplice.service.problems import RequestError, TooLargeError, TooSlowError
 
 
 def header(scope: Scope, name: bytes) -> str:

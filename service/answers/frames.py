@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.evaluator import Evaluator
-from runtime.requests import Memory, Poses
-from service.problems import LimitError, RequestError
-from service.serving import Edition
-from service.wire.query import integer, number
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Memory, Poses
+from motionsplice.service.problems import LimitError, RequestError
+from motionsplice.service.serving import Edition
+from motionsplice.service.wire.query import integer, number
 
 BLOCK = 256  # frames that are evaluated at once: a tenth of a millisecond
 WHICH = (

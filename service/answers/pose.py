@@ -10,13 +10,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from runtime.requests import Poses, Requests
-from service.answers.answer import Answer
-from service.serving import Edition
-from service.wire.encoding import Encoding
-from service.wire.messages import FORMS, Form
-from service.wire.parameters import HOW, WHAT, encoding, format_parameter
-from service.wire.query import REQUIRED, Query, number
+from motionsplice.runtime.requests import Poses, Requests
+from motionsplice.service.answers.answer import Answer
+from motionsplice.service.serving import Edition
+from motionsplice.service.wire.encoding import Encoding
+from motionsplice.service.wire.messages import FORMS, Form
+from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
+from motionsplice.service.wire.query import REQUIRED, Query, number
 
 POSE = Query(*WHAT, number("time", "seconds into the locomotion", REQUIRED), *HOW, format_parameter("json", "msgpack"))
 TIME = b"time="

@@ -6,14 +6,14 @@ from time import perf_counter
 
 from starlette.types import Receive, Scope
 
-from service.answers.answer import Answer
-from service.answers.batch import Batch
-from service.answers.body import header, whole_body
-from service.problems import LimitError, MediaTypeError
-from service.shared import Shared
-from service.wire.messages import FORMS, JSON, MSGPACK
-from service.wire.parameters import HOW, encoding, format_parameter
-from service.wire.query import Query
+from motionsplice.service.answers.answer import Answer
+from motionsplice.service.answers.batch import Batch
+from motionsplice.service.answers.body import header, whole_body
+from motionsplice.service.problems import LimitError, MediaTypeError
+from motionsplice.service.shared import Shared
+from motionsplice.service.wire.messages import FORMS, JSON, MSGPACK
+from motionsplice.service.wire.parameters import HOW, encoding, format_parameter
+from motionsplice.service.wire.query import Query
 
 POSES = Query(*HOW, format_parameter("json", "msgpack"))
 JSON_SHARE = 16  # JSON in memory is so many times larger and slower than blobs, so there must be less of it

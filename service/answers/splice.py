@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import orjson
 
-from motion.clip import Clip
-from motion.formats.bvh import pieces
-from service.answers.answer import Answer
-from service.answers.frames import BLOCK, WHICH, Frames
-from service.problems import RequestError
-from service.shared import Shared
-from service.wire.encoding import Arrays, Encoding
-from service.wire.messages import FORMS, json, packed, told_of
-from service.wire.parameters import HOW, WHAT, encoding, format_parameter
-from service.wire.query import Query
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.formats.bvh import pieces
+from motionsplice.service.answers.answer import Answer
+from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
+from motionsplice.service.problems import RequestError
+from motionsplice.service.shared import Shared
+from motionsplice.service.wire.encoding import Arrays, Encoding
+from motionsplice.service.wire.messages import FORMS, json, packed, told_of
+from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
+from motionsplice.service.wire.query import Query
 
 BVH = b"application/x-bvh"
 JSON_BLOCK = 64

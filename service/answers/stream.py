@@ -10,14 +10,14 @@ from typing import Any
 
 from starlette.types import Receive, Send
 
-from service.answers.answer import Headers
-from service.answers.frames import WHICH, Frames
-from service.problems import at_most
-from service.shared import Shared
-from service.wire.encoding import Encoding
-from service.wire.messages import length_delimited, packed, told_of
-from service.wire.parameters import HOW, WHAT, encoding
-from service.wire.query import Query, choice, integer
+from motionsplice.service.answers.answer import Headers
+from motionsplice.service.answers.frames import WHICH, Frames
+from motionsplice.service.problems import at_most
+from motionsplice.service.shared import Shared
+from motionsplice.service.wire.encoding import Encoding
+from motionsplice.service.wire.messages import length_delimited, packed, told_of
+from motionsplice.service.wire.parameters import HOW, WHAT, encoding
+from motionsplice.service.wire.query import Query, choice, integer
 
 logger = logging.getLogger(__name__)
 

@@ -1,0 +1,1 @@
+"""Characters over a WebSocket. Imported by `front`."""

@@ -9,10 +9,10 @@ from typing import Any, get_args
 
 import orjson
 
-from motion.errors import did_you_mean
-from runtime.character_state import EVENT_NAMES, Curve, Mask, When
-from runtime.requests import Posture
-from service.problems import RequestError
+from motionsplice.motion.errors import did_you_mean
+from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
+from motionsplice.runtime.requests import Posture
+from motionsplice.service.problems import RequestError
 
 LARGEST_ID = 2**32 - 1
 FASTEST = 8.0  # times a clip's own speed

@@ -13,14 +13,14 @@ from typing import Any, Protocol
 import orjson
 from starlette.types import Receive, Send
 
-from motion.errors import MotionError
-from service.characters.commands import Command, checked, parse, ref_of
-from service.characters.scene import Scene
-from service.metrics import Metrics
-from service.problems import URN, told
-from service.serving import Edition
-from service.settings import Settings
-from service.wire.encoding import Encoding
+from motionsplice.motion.errors import MotionError
+from motionsplice.service.characters.commands import Command, checked, parse, ref_of
+from motionsplice.service.characters.scene import Scene
+from motionsplice.service.metrics import Metrics
+from motionsplice.service.problems import URN, told
+from motionsplice.service.serving import Edition
+from motionsplice.service.settings import Settings
+from motionsplice.service.wire.encoding import Encoding
 
 logger = logging.getLogger(__name__)
 

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 from starlette.types import Receive, Scope, Send
 
-from runtime.requests import Poses
-from service.admission import SUBPROTOCOL
-from service.characters.commands import Command
-from service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play
-from service.characters.scene import Scene
-from service.problems import BusyError, LimitError, at_most
-from service.serving import Edition
-from service.shared import Shared
-from service.wire.encoding import Arrays, Encoding
-from service.wire.messages import packed, told_of
-from service.wire.parameters import HOW, encoding
-from service.wire.query import Query, integer, number
+from motionsplice.runtime.requests import Poses
+from motionsplice.service.admission import SUBPROTOCOL
+from motionsplice.service.characters.commands import Command
+from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play
+from motionsplice.service.characters.scene import Scene
+from motionsplice.service.problems import BusyError, LimitError, at_most
+from motionsplice.service.serving import Edition
+from motionsplice.service.shared import Shared
+from motionsplice.service.wire.encoding import Arrays, Encoding
+from motionsplice.service.wire.messages import packed, told_of
+from motionsplice.service.wire.parameters import HOW, encoding
+from motionsplice.service.wire.query import Query, integer, number
 
 logger = logging.getLogger(__name__)
 

@@ -10,12 +10,19 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.character import Characters
-from runtime.character_state import ACTION_BEGAN, ACTION_ENDED, BEGAN, ENDED, EVENT_NAMES, LOCOMOTION_ENDED
-from runtime.requests import Poses
-from service.characters.commands import Command
-from service.problems import LimitError, RequestError
-from service.serving import Edition
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters.state import (
+    ACTION_BEGAN,
+    ACTION_ENDED,
+    BEGAN,
+    ENDED,
+    EVENT_NAMES,
+    LOCOMOTION_ENDED,
+)
+from motionsplice.runtime.requests import Poses
+from motionsplice.service.characters.commands import Command
+from motionsplice.service.problems import LimitError, RequestError
+from motionsplice.service.serving import Edition
 
 FEW = 20_000  # characters times frames, which take some milliseconds
 LONGEST_STEP = 0.1  # seconds

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import uvicorn
 
-from runtime.bank import Bank
-from service.app import create_app
-from service.edge.http_protocol import HttpProtocol
-from service.edge.ledger import Ledger
-from service.edge.websocket_protocol import WebSocketProtocol
-from service.front import Front
-from service.logs import log_config
-from service.settings import Settings
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.app import create_app
+from motionsplice.service.edge.http_protocol import HttpProtocol
+from motionsplice.service.edge.ledger import Ledger
+from motionsplice.service.edge.websocket_protocol import WebSocketProtocol
+from motionsplice.service.front import Front
+from motionsplice.service.logs import log_config
+from motionsplice.service.settings import Settings
 
 
 def _application(path: Path, settings: Settings) -> Front:

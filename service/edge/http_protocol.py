@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, cast
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 from uvicorn.server import ServerState
 
-from service.edge.corked import Corked
-from service.edge.refusal import refusal
-from service.edge.stall import StallGuard
+from motionsplice.service.edge.corked import Corked
+from motionsplice.service.edge.refusal import refusal
+from motionsplice.service.edge.stall import StallGuard
 
 if TYPE_CHECKING:
-    from service.edge.config import EdgeConfig
+    from motionsplice.service.edge.config import EdgeConfig
 
 POSE = b"/v1/pose?"
 MOST_PIPELINED = 16  # requests that wait for the answer to one before them

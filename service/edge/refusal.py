@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from http import HTTPStatus
 
-from service.problems import MEDIA_TYPE, problem
+from motionsplice.service.problems import MEDIA_TYPE, problem
 
 
 def refusal(status: HTTPStatus, kind: str, detail: str, identity: str) -> bytes:

@@ -14,12 +14,12 @@ from websockets.exceptions import InvalidMessage
 from websockets.frames import Frame
 from websockets.http11 import Request
 
-from service.characters.connection import TRANSPORT
-from service.edge.refusal import refusal
-from service.edge.stall import StallGuard
+from motionsplice.service.characters.connection import TRANSPORT
+from motionsplice.service.edge.refusal import refusal
+from motionsplice.service.edge.stall import StallGuard
 
 if TYPE_CHECKING:
-    from service.edge.config import EdgeConfig
+    from motionsplice.service.edge.config import EdgeConfig
 
 MOST_UNSENT = 32 * 1024  # bytes that the kernel keeps for a slow client: what is more would only grow stale
 MOST_FRAGMENTS = 1024  # of one message: even empty ones take memory

@@ -19,8 +19,8 @@ from typing import Any, Literal
 import orjson
 from pydantic import BaseModel, Field
 
-from motion.errors import MotionError
-from service.exchange.pending import Folder
+from motionsplice.motion.errors import MotionError
+from motionsplice.service.exchange.pending import Folder
 
 logger = logging.getLogger(__name__)
 

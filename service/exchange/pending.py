@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import astuple
 from pathlib import Path
 
-from motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
-from motion.errors import BankError, FormatError, SettingsError
-from motion.formats.files import clip_files, files_behind
-from runtime.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
+from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
+from motionsplice.motion.errors import BankError, FormatError, SettingsError
+from motionsplice.motion.formats.files import clip_files, files_behind
+from motionsplice.runtime.format.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
 
 
 class Folder:

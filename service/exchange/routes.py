@@ -9,13 +9,13 @@ import orjson
 from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import StreamingResponse
 
-from service.answers.body import chunks
-from service.exchange.job import Job, JobInfo
-from service.exchange.spoken import Said
-from service.exchange.uploads import Uploads
-from service.problems import UploadError
-from service.routes import OCTETS, Responses, only_known_parameters, problem_response
-from service.shared import Shared
+from motionsplice.service.answers.body import chunks
+from motionsplice.service.exchange.job import Job, JobInfo
+from motionsplice.service.exchange.spoken import Said
+from motionsplice.service.exchange.uploads import Uploads
+from motionsplice.service.problems import UploadError
+from motionsplice.service.routes import OCTETS, Responses, only_known_parameters, problem_response
+from motionsplice.service.shared import Shared
 
 QUIET = 15  # seconds without a change after which a comment keeps the connection alive
 CLOSED = problem_response(403, "This service takes no clips")

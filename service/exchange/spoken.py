@@ -9,8 +9,8 @@ from pathlib import Path
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
-from motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
-from motion.errors import SettingsError
+from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
+from motionsplice.motion.errors import SettingsError
 
 
 @dataclass(frozen=True)

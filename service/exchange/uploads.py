@@ -17,11 +17,11 @@ from pathlib import Path
 
 import orjson
 
-from motion.clip_settings import FILE_NAME, ClipSettings
-from motion.errors import ClipError, did_you_mean
-from motion.formats.files import clip_files
-from service.exchange.spoken import Said, settings_of, written_beside
-from service.problems import RequestError
+from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings
+from motionsplice.motion.errors import ClipError, did_you_mean
+from motionsplice.motion.formats.files import clip_files
+from motionsplice.service.exchange.spoken import Said, settings_of, written_beside
+from motionsplice.service.problems import RequestError
 
 LOCK, ROOM, SKELETON = ".clips.lock", ".upload-", ".asf"
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_+-]{0,99}\.(bvh|amc|asf)")
@@ -120,7 +120,7 @@ async def _write(file: Path, body: AsyncIterator[bytes]) -> None:
 async def _check(file: Path, bank: Path, settings: ClipSettings) -> None:
     """Reads a clip in a process of its own, which may take long or fail without harm. Raises ClipError."""
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "precompute.check", str(file), str(bank)),
+        *(sys.executable, "-m", "motionsplice.precompute.job.check", str(file), str(bank)),
         *(str(settings.skip_frames), settings.unit or ""),
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,

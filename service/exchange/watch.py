@@ -7,12 +7,12 @@ import logging
 from functools import partial
 from pathlib import Path
 
-from motion.errors import BankError, MotionError
-from runtime.bank import Bank
-from runtime.manifest import MANIFEST, mark_of
-from service.exchange.background import in_background
-from service.metrics import Metrics
-from service.serving import Edition, Serving
+from motionsplice.motion.errors import BankError, MotionError
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import MANIFEST, mark_of
+from motionsplice.service.exchange.background import in_background
+from motionsplice.service.metrics import Metrics
+from motionsplice.service.serving import Edition, Serving
 
 logger = logging.getLogger(__name__)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from runtime.compiled import Array, kernel
+from motionsplice.runtime.simd.compiled import Array, kernel
 
 LARGEST = 32767  # of a normalised int16
 

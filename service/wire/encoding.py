@@ -9,10 +9,10 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.evaluator import Evaluator
-from runtime.requests import Poses
-from service.wire.axes import AXES, Axes
-from service.wire.encode_kernels import convert, shorten
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Poses
+from motionsplice.service.wire.axes import AXES, Axes
+from motionsplice.service.wire.encode_kernels import convert, shorten
 
 Numbers = Literal["float32", "int16"]
 Parts = Literal["local", "world", "both"]

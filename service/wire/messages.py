@@ -10,7 +10,7 @@ import msgpack
 import numpy as np
 import orjson
 
-from service.wire.encoding import Arrays
+from motionsplice.service.wire.encoding import Arrays
 
 JSON, MSGPACK = "application/json", "application/msgpack"
 FIXMAP, MOST_KEYS, BIN32 = 0x80, 15, b"\xc6"  # of MessagePack

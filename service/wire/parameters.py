@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
-from runtime.requests import Method, Posture
-from service.wire.axes import AXES
-from service.wire.encoding import NUMBERS, PARTS, Encoding
-from service.wire.query import REQUIRED, Parameter, choice, number, text
+from motionsplice.runtime.requests import Method, Posture
+from motionsplice.service.wire.axes import AXES
+from motionsplice.service.wire.encoding import NUMBERS, PARTS, Encoding
+from motionsplice.service.wire.query import REQUIRED, Parameter, choice, number, text
 
 WHAT = (
     text("locomotion", "the clip that gives root and lower body", REQUIRED),

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import unquote_plus
 
-from motion.errors import did_you_mean
-from service.problems import RequestError
+from motionsplice.motion.errors import did_you_mean
+from motionsplice.service.problems import RequestError
 
 REQUIRED = object()
 

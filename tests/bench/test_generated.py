@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from bench.generated import FEWEST_JOINTS, HANDS, MOST_JOINTS, Size, generate, skeleton_of
-from motion import quaternion
-from motion.errors import SettingsError
-from motion.roles import find_roles
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.roles import find_roles
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
 
 
 @pytest.mark.parametrize("joints", [FEWEST_JOINTS, 16, 17, 18, 19, 20, 21, 22, 31, 64, 200, MOST_JOINTS])

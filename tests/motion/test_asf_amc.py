@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.errors import FormatError, MotionError
-from motion.formats.asf_amc import parse_motion, parse_skeleton
-from motion.formats.files import read_clip
-from motion.kinematics import joint_positions
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import FormatError, MotionError
+from motionsplice.motion.formats.asf_amc import parse_motion, parse_skeleton
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.kinematics import joint_positions
 
 ASF = """# a comment
 :version 1.10

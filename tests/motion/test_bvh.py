@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import ClipError, FormatError, MotionError
-from motion.formats import bvh
-from motion.formats.fold import fold
-from motion.kinematics import joint_positions
-from motion.skeleton import Skeleton
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import ClipError, FormatError, MotionError
+from motionsplice.motion.formats import bvh
+from motionsplice.motion.formats.fold import fold
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.skeleton import Skeleton
 
 SMALL = """HIERARCHY
 ROOT Hips
@@ -162,7 +162,7 @@ def test_written_and_read_again_is_the_same_motion(seed: int) -> None:
         "clip", skeleton, float(draw.choice([24.0, 30.0, 60.0, 120.0])), draw.normal(size=(frames, 3)), rotations
     )
     unit = float(draw.choice([1.0, 0.01]))
-    again = clip_of(bvh.dump(clip, unit))
+    again = clip_of(bvh.dump_bvh(clip, unit))
     order = [again.skeleton.names.index(name) for name in skeleton.names]
     assert again.rate == clip.rate
     assert quaternion.angle(again.rotations[:, order], clip.rotations).max() < 1e-5

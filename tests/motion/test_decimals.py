@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.formats.decimals import read_table
+from motionsplice.motion.formats.decimals import read_table
 
 FORMS = ("{:.6f}", "{:+.3f}", "{:g}", "{:.9g}", "{:.4e}", "{:.15g}")
 

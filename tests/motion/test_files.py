@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import MotionError, RoleError, SettingsError
-from motion.formats import bvh
-from motion.formats.files import read_clip
-from motion.formats.units import UNITS, guess_unit, metres_per_unit
-from motion.kinematics import joint_positions
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import MotionError, RoleError, SettingsError
+from motionsplice.motion.formats import bvh
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.units import UNITS, guess_unit, metres_per_unit
+from motionsplice.motion.kinematics import joint_positions
 from tests.conftest import CLIPS
 
 WALK = CLIPS["walk"].frames(0, 30)
@@ -19,7 +19,7 @@ WALK = CLIPS["walk"].frames(0, 30)
 
 def written(folder: Path, clip: Clip = WALK, unit: float = 1.0) -> Path:
     path = folder / "walk.bvh"
-    path.write_bytes(bvh.dump(clip, unit))
+    path.write_bytes(bvh.dump_bvh(clip, unit))
     return path
 
 
@@ -131,7 +131,7 @@ def test_a_bad_skeleton_file_is_named_rather_than_the_motion(tmp_path: Path) -> 
 
 
 def test_a_rig_with_unknown_names_is_answered_with_a_file_to_fill_in(tmp_path: Path) -> None:
-    text = bvh.dump(WALK).replace(b"LeftLeg", b"Alpha")
+    text = bvh.dump_bvh(WALK).replace(b"LeftLeg", b"Alpha")
     (tmp_path / "odd.bvh").write_bytes(text)
     with pytest.raises(RoleError, match=r"odd\.bvh: no joint was found for left_knee"):
         read_clip(tmp_path / "odd.bvh")

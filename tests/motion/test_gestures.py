@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import SettingsError
-from motion.hand_joints import SIDES, Side, fingers_of, wrist_of
-from motion.kinematics import heading, joint_positions
-from motion.procedural.body import LEFT, RIGHT, SKELETON
-from motion.procedural.gestures import SMALLER, GesturePair, gesture_pair, sample_gestures
-from motion.procedural.hand_rig import (
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.hand_joints import SIDES, Side, fingers_of, wrist_of
+from motionsplice.motion.kinematics import heading, joint_positions
+from motionsplice.motion.procedural.body import LEFT, RIGHT, SKELETON
+from motionsplice.motion.procedural.gestures import SMALLER, GesturePair, gesture_pair, sample_gestures
+from motionsplice.motion.procedural.hand_rig import (
     COUNTED,
     FINGERED,
     FIST,
@@ -26,10 +26,10 @@ from motion.procedural.hand_rig import (
     finger_joints,
     with_fingers,
 )
-from motion.procedural.score import KINDS, least_jerk
-from motion.quaternion import Floats, about, rotate
-from motion.roles import check_shape, find_roles
-from precompute.hand_merge import twist_about
+from motionsplice.motion.procedural.score import KINDS, least_jerk
+from motionsplice.motion.quaternion import Floats, about, rotate
+from motionsplice.motion.roles import check_shape, find_roles
+from motionsplice.precompute.hands.merge import twist_about
 
 ROLES = find_roles(FINGERED)
 SEEDS = st.integers(0, 10_000)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import SkeletonError
-from motion.formats.bvh import dump
-from motion.formats.files import read_clip
-from motion.hand_joints import (
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SkeletonError
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.hand_joints import (
     SIDES,
     bind_turn,
     fingered,
@@ -25,11 +25,11 @@ from motion.hand_joints import (
     match_fingers,
     wrist_of,
 )
-from motion.kinematics import joint_positions
-from motion.procedural.hand_rig import FINGERED, FINGERS
-from motion.quaternion import about, rotate
-from motion.roles import find_roles
-from motion.skeleton import Skeleton
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.procedural.hand_rig import FINGERED, FINGERS
+from motionsplice.motion.quaternion import about, rotate
+from motionsplice.motion.roles import find_roles
+from motionsplice.motion.skeleton import Skeleton
 from tests.conftest import CLIPS, COUNTING
 from tests.rigs import with_arms_turned, with_bones_above
 
@@ -279,7 +279,7 @@ def test_where_nobody_has_fingers_there_are_none_to_give() -> None:
 def test_a_clip_with_fingers_comes_back_from_a_file(tmp_path: Path) -> None:
     truth = COUNTING.truth.frames(100, 140)
     file = tmp_path / "truth.bvh"
-    file.write_bytes(dump(truth))
+    file.write_bytes(dump_bvh(truth))
     reading = read_clip(file)
     rig = reading.clip.skeleton
     assert rig.names == FINGERED.names

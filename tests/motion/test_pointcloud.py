@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.pointcloud import horn_rotation, planar_distance, planar_distances, planar_lag_distances
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.pointcloud import horn_rotation, planar_distance, planar_distances, planar_lag_distances
+from motionsplice.motion.quaternion import Floats
 from tests import naive
 
 seeds = st.integers(0, 2**32 - 1)

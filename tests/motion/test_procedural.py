@@ -3,11 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motion import quaternion
-from motion.errors import SettingsError
-from motion.kinematics import end_positions, joint_positions, world_transforms
-from motion.procedural.body import SKELETON
-from motion.procedural.library import ACTIONS, LOCOMOTIONS, make, sample_clips, truth
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.kinematics import end_positions, joint_positions, world_transforms
+from motionsplice.motion.procedural.body import SKELETON
+from motionsplice.motion.procedural.library import ACTIONS, LOCOMOTIONS, make, sample_clips, truth
 from tests.gauges import RATE, SIDES, ahead, at, bend, knee, lean, period
 
 PAIRS = [(locomotion, action) for locomotion in LOCOMOTIONS for action in (None, *ACTIONS)]

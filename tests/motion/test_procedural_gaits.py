@@ -3,11 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motion import quaternion
-from motion.kinematics import world_transforms
-from motion.procedural.body import ANKLE_HEIGHT, BALL, HEEL, SKELETON
-from motion.procedural.library import LOCOMOTIONS, make
-from motion.procedural.tempo import Change, Tempo
+from motionsplice.motion import quaternion
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.procedural.body import ANKLE_HEIGHT, BALL, HEEL, SKELETON
+from motionsplice.motion.procedural.library import LOCOMOTIONS, make
+from motionsplice.motion.procedural.tempo import Change, Tempo
 from tests.gauges import (
     RATE,
     SIDES,

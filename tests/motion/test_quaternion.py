@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation, Slerp
 
-from motion import quaternion
-from motion.quaternion import Floats
+from motionsplice.motion import quaternion
+from motionsplice.motion.quaternion import Floats
 
 vectors = arrays(np.float64, 3, elements=st.floats(-10.0, 10.0))
 rotations = arrays(np.float64, 4, elements=st.floats(-1.0, 1.0)).filter(lambda q: float(np.linalg.norm(q)) > 0.1)

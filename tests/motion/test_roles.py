@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motion.errors import RoleError, SettingsError
-from motion.formats.fold import Nodes, fold
-from motion.kinematics import joint_positions
-from motion.roles import ENDS, check_shape, common_ancestor, find_roles, limbs_by_name, read_roles_file
-from motion.skeleton import Skeleton
+from motionsplice.motion.errors import RoleError, SettingsError
+from motionsplice.motion.formats.fold import Nodes, fold
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.roles import ENDS, check_shape, common_ancestor, find_roles, limbs_by_name, read_roles_file
+from motionsplice.motion.skeleton import Skeleton
 from tests.conftest import CLIPS
 
 # Each rig as its chains below the joint that is named first.

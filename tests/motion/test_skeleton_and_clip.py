@@ -7,11 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import ClipError
-from motion.kinematics import end_positions, joint_positions, world_transforms
-from motion.skeleton import Skeleton
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import ClipError
+from motionsplice.motion.kinematics import end_positions, joint_positions, world_transforms
+from motionsplice.motion.skeleton import Skeleton
 
 
 def arm(count: int = 3) -> Skeleton:

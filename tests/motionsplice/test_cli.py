@@ -8,13 +8,13 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner, Result
 
-from motion.formats.bvh import dump
-from motion.formats.files import read_clip
-from motion.kinematics import joint_positions
 from motionsplice.cli import app, main
-from precompute.hand_settings import read_hand_settings
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.precompute.hands.settings import read_hand_settings
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
 
 COMMANDS = ("precompute", "inspect", "splice", "hands", "render", "study", "serve", "demo")
 
@@ -145,7 +145,7 @@ def test_errors_are_one_paragraph(
     assert "no such folder" in told("inspect", tmp_path / "absent")
     assert "no such file" in told("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
     unnamed = tmp_path / "unnamed.bvh"
-    unnamed.write_bytes(dump(bank.motion("walk")).replace(b"LeftUpLeg", b"Alpha"))
+    unnamed.write_bytes(dump_bvh(bank.motion("walk")).replace(b"LeftUpLeg", b"Alpha"))
     assert '[roles]\nleft_hip = ""' in told("render", unnamed, "--out", tmp_path / "x.png")
     assert "absent.bvh" in told("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
     assert "End --out in .png or .gif" in told("render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt")

@@ -6,22 +6,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.measures import posture_error, upper_body_errors
-from motion import quaternion
-from motion.clip import Clip
-from motion.errors import ClipError, SkeletonError
-from motion.formats.files import read_clip
-from motion.kinematics import joint_positions
-from motion.quaternion import Floats
-from motion.roles import find_roles
-from precompute.bank_builder import write_bank
-from precompute.baseline import WORKING_RATE, align, find_baseline
-from precompute.posture import measure_torso
-from precompute.prepared import prepare
-from precompute.splice import Posture, align_in_time, splice_exact, splice_naive
-from precompute.torso_offset import MeanStride, torso_offsets
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
+from bench.quality.measures import posture_error, upper_body_errors
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import ClipError, SkeletonError
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import find_roles
+from motionsplice.precompute.alignment.baseline import WORKING_RATE, align, find_baseline
+from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.job.bank_builder import write_bank
+from motionsplice.precompute.preparation.prepared import prepare
+from motionsplice.precompute.preparation.torso_offset import MeanStride, torso_offsets
+from motionsplice.precompute.splice import Posture, align_in_time, splice_exact, splice_naive
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
 from tests.conftest import CLIPS
 from tests.rigs import local_axes, uneven_time, warped, with_local_axes
 

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.rhythm import arm_lag, lag_error
-from motion.clip import Clip
-from motion.formats.bvh import dump
-from motion.formats.files import read_clip
-from motion.kinematics import joint_positions
-from motion.procedural.library import make
-from motion.roles import find_roles
-from precompute.baseline import align, find_baseline
-from precompute.job import precompute
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
+from bench.quality.rhythm import arm_lag, lag_error
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.procedural.library import make
+from motionsplice.motion.roles import find_roles
+from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
 from tests.conftest import CLIPS
 
 WALK = CLIPS["walk"]
@@ -32,10 +32,10 @@ def bank_of(folder: Path, **actions: Clip) -> Bank:
     """A bank of a walk, a curve and actions on the walk."""
     (folder / "clips").mkdir()
     for name, clip in {"walk": WALK, "curve": CURVE, **actions}.items():
-        (folder / "clips" / f"{name}.bvh").write_bytes(dump(clip))
+        (folder / "clips" / f"{name}.bvh").write_bytes(dump_bvh(clip))
     settings = "".join(f'[{name}]\nkind = "action"\nneutral = "walk"\n' for name in actions)
     (folder / "clips" / "clips.toml").write_text(settings)
-    precompute([folder / "clips"], folder / "bank", baseline="walk")
+    build_bank([folder / "clips"], folder / "bank", baseline="walk")
     return Bank.open(folder / "bank")
 
 

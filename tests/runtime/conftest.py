@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import pytest
 
-from runtime.bank import Bank
-from runtime.character import Characters
-from runtime.evaluator import Evaluator
-from runtime.stage import Stage
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.stage import Stage
 from tests.playing import RATE, Setup
 
 

@@ -10,9 +10,9 @@ import msgpack
 import numpy as np
 import pytest
 
-from motion.errors import BankError, UnknownClipError
-from runtime.bank import Bank
-from runtime.manifest import MANIFEST, TABLES, VERSION, content_digest
+from motionsplice.motion.errors import BankError, UnknownClipError
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import MANIFEST, TABLES, VERSION, content_digest
 
 
 @pytest.fixture

@@ -3,12 +3,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motion import quaternion
-from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
-from motion.kinematics import joint_positions
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
-from runtime.requests import POSTURES, Memory, Poses, Requests
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import POSTURES, Memory, Poses, Requests
 
 
 def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:

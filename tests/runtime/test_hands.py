@@ -7,21 +7,21 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from motion import quaternion
-from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
-from motion.hand_joints import SIDES, fingers_of
-from motion.quaternion import Floats
-from motion.roles import Roles, find_roles
-from motion.skeleton import Skeleton
-from precompute.hand_merge import merge_hands
-from precompute.hand_settings import HandSettings
-from precompute.hand_splice import splice_hands
-from runtime import character_state as col
-from runtime.bank import Bank
-from runtime.character import Characters
-from runtime.evaluator import Evaluator
-from runtime.requests import Requests
-from runtime.stage import Stage
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
+from motionsplice.motion.hand_joints import SIDES, fingers_of
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles, find_roles
+from motionsplice.motion.skeleton import Skeleton
+from motionsplice.precompute.hands.merge import merge_hands
+from motionsplice.precompute.hands.settings import HandSettings
+from motionsplice.precompute.hands.splice import splice_hands
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Requests
+from motionsplice.runtime.stage import Stage
 from tests import naive, naive_character, playing
 from tests.conftest import COUNTING
 from tests.playing import RATE, Setup

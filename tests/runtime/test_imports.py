@@ -9,18 +9,19 @@ HEAVY = {"scipy.spatial", "scipy.interpolate", "scipy.optimize", "scipy.sparse",
 
 def test_the_runtime_imports_neither_scipy_nor_the_service() -> None:
     listed = subprocess.run(
-        [sys.executable, "-c", "import runtime.evaluator, sys; print('\\n'.join(sys.modules))"],
+        [sys.executable, "-c", "import motionsplice.runtime.evaluator, sys; print('\\n'.join(sys.modules))"],
         capture_output=True,
         text=True,
         check=True,
     )
     modules = set(listed.stdout.split())
-    assert "runtime.kernels" in modules
+    assert "motionsplice.runtime.kernels.evaluate" in modules
     assert not modules & (FOREIGN | HEAVY)  # Numba itself asks SciPy for its version
 
 
 def test_importing_the_runtime_compiles_nothing() -> None:
-    code = "from runtime.kernels import evaluate; from runtime.world_kernels import world_positions as world\n"
-    code += "print(evaluate.signatures, world.signatures)"
+    code = "from motionsplice.runtime.kernels.evaluate import evaluate\n"
+    code += "from motionsplice.runtime.kernels.world import world_positions\n"
+    code += "print(evaluate.signatures, world_positions.signatures)"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["[]", "[]"]

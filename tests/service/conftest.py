@@ -7,9 +7,9 @@ from contextlib import contextmanager
 import pytest
 from fastapi.testclient import TestClient
 
-from runtime.bank import Bank
-from service.app import create_app
-from service.settings import Settings
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.app import create_app
+from motionsplice.service.settings import Settings
 from tests.service.running import Running, running
 
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import uvicorn
 
-from service.edge.config import EdgeConfig
-from service.server import listen
-from service.settings import Settings
+from motionsplice.service.edge.config import EdgeConfig
+from motionsplice.service.server import listen
+from motionsplice.service.settings import Settings
 
 PATIENCE = 30.0  # seconds: far more than anything takes
 COMPILING = 600.0  # but for kernels that are compiled for the first time

@@ -7,10 +7,10 @@ from fastapi.testclient import TestClient
 from pydantic import SecretStr
 from websockets.exceptions import InvalidStatus
 
-from motion.errors import SettingsError
-from runtime.bank import Bank
-from service.app import create_app
-from service.settings import Settings
+from motionsplice.motion.errors import SettingsError
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.app import create_app
+from motionsplice.service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import running
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from motion.formats.bvh import parse
-from runtime.bank import Bank
-from runtime.character import Characters
-from runtime.evaluator import Evaluator
-from runtime.requests import Memory
-from runtime.stage import Stage
+from motionsplice.motion.formats.bvh import parse
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Memory
+from motionsplice.runtime.stage import Stage
 from tests.service.characters.player import Player
 from tests.service.messages import arrays, unpacked
 from tests.service.running import Running

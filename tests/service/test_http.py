@@ -13,18 +13,18 @@ import pytest
 from fastapi.openapi.models import OpenAPI
 from fastapi.testclient import TestClient
 
-from motion.errors import SettingsError
-from motion.formats.bvh import parse
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
-from runtime.requests import Memory, Posture
-from service.answers.frames import Frames
-from service.answers.stream import STREAM, Clock, messages
-from service.app import create_app
-from service.models import BankInfo
-from service.serving import Edition
-from service.settings import Settings
-from service.wire.encoding import Encoding
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.formats.bvh import parse
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Memory, Posture
+from motionsplice.service.answers.frames import Frames
+from motionsplice.service.answers.stream import STREAM, Clock, messages
+from motionsplice.service.app import create_app
+from motionsplice.service.models import BankInfo
+from motionsplice.service.serving import Edition
+from motionsplice.service.settings import Settings
+from motionsplice.service.wire.encoding import Encoding
 from tests.service.messages import arrays, unpacked
 
 

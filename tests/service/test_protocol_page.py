@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from service.answers.batch import COLUMNS
-from service.characters.commands import KEYS, NEEDED
-from service.problems import PROBLEMS
+from motionsplice.service.answers.batch import COLUMNS
+from motionsplice.service.characters.commands import KEYS, NEEDED
+from motionsplice.service.problems import PROBLEMS
 from tests.service.running import Running
 
 PAGE = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text()

@@ -17,10 +17,10 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from motion.errors import SettingsError
-from runtime.bank import Bank
-from service.server import listen
-from service.settings import Settings
+from motionsplice.motion.errors import SettingsError
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.server import listen
+from motionsplice.service.settings import Settings
 from tests.service.running import PATIENCE, eventually
 
 ROOT = Path(__file__).parents[2]

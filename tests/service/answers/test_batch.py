@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
-from runtime.requests import METHODS, POSTURES
-from service.answers.batch import Batch
-from service.problems import LimitError, RequestError
+from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import METHODS, POSTURES
+from motionsplice.service.answers.batch import Batch
+from motionsplice.service.problems import LimitError, RequestError
 
 MOST = 50
 KINDS = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8", "start": "<f8"}

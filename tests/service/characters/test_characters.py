@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from runtime.bank import Bank
-from runtime.character import Characters
-from runtime.evaluator import Evaluator
-from runtime.stage import Stage
-from service.settings import Settings
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.stage import Stage
+from motionsplice.service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
 

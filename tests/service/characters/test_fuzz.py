@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
 from websockets.exceptions import ConnectionClosed
 
-from runtime.bank import Bank
-from service.characters.commands import NEEDED
-from service.settings import Settings
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.characters.commands import NEEDED
+from motionsplice.service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
 
@@ -161,7 +161,7 @@ def failures(caplog: pytest.LogCaptureFixture) -> Iterator[list[str]]:
     """What the service logged as its own failure."""
     told: list[str] = []
     yield told
-    told += [one.getMessage() for one in caplog.records if one.name.startswith(("service", "uvicorn", "asyncio"))
+    told += [one.getMessage() for one in caplog.records if one.name.startswith(("motionsplice", "uvicorn", "asyncio"))
              and one.levelno >= logging.ERROR]  # fmt: skip
     assert not told
 

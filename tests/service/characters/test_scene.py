@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from runtime import character_state as col
-from runtime.bank import Bank
-from service.characters import scene
-from service.characters.commands import checked, parse
-from service.characters.scene import Scene
-from service.serving import Edition
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import state as col
+from motionsplice.service.characters import scene
+from motionsplice.service.characters.commands import checked, parse
+from motionsplice.service.characters.scene import Scene
+from motionsplice.service.serving import Edition
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from contextlib import suppress
 
 import pytest
 
-from runtime.bank import Bank
-from service.settings import Settings
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.settings import Settings
 from tests.service.running import Running, eventually, received, running
 
 GET = b"GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n"

@@ -6,8 +6,8 @@ from contextlib import suppress
 
 import pytest
 
-from runtime.bank import Bank
-from service.settings import Settings
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, received, running
 

@@ -13,11 +13,11 @@ from pathlib import Path
 import orjson
 import pytest
 
-from motion.formats.bvh import dump
-from motion.procedural.library import make
-from runtime.bank import Bank
-from service.exchange import job as jobs
-from service.exchange.job import LOCK, MOST_TRIES, Job, JobInfo
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import make
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.exchange import job as jobs
+from motionsplice.service.exchange.job import LOCK, MOST_TRIES, Job, JobInfo
 from tests.service.running import PATIENCE
 
 
@@ -26,7 +26,7 @@ def folder(clip_folder: Path, bank: Bank, tmp_path: Path) -> Path:
     """A folder of clips, one of them new, beside the bank that is made from the others."""
     shutil.copytree(clip_folder, tmp_path / "clips")
     shutil.copytree(bank.path, tmp_path / "bank")
-    (tmp_path / "clips" / "jog.bvh").write_bytes(dump(make("run", seed=20, seconds=3.0)))
+    (tmp_path / "clips" / "jog.bvh").write_bytes(dump_bvh(make("run", seed=20, seconds=3.0)))
     return tmp_path / "clips"
 
 

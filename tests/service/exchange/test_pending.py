@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from motion.formats.bvh import dump
-from runtime.bank import Bank
-from service.exchange.pending import Folder
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.exchange.pending import Folder
 from tests.conftest import COUNTING
 
 
@@ -27,7 +27,7 @@ def test_hands_that_lie_on_bodies_are_in_the_bank(clips: Path, hands_bank: Bank)
 
 
 def test_hands_that_have_changed_are_work_to_do(clips: Path, hands_bank: Bank) -> None:
-    (clips / "other_hands.bvh").write_bytes(dump(COUNTING.hands))
+    (clips / "other_hands.bvh").write_bytes(dump_bvh(COUNTING.hands))
     assert list(Folder(clips, hands_bank.path).pending()) == ["other_hands"]
 
 

@@ -16,15 +16,15 @@ import pytest
 from fastapi.testclient import TestClient
 from pydantic import SecretStr
 
-from motion.clip_settings import ClipSettings, read_clip_settings
-from motion.formats.bvh import dump
-from motion.procedural.library import make
-from runtime.bank import Bank
-from service.app import create_app
-from service.exchange.pending import Folder
-from service.exchange.uploads import checked_name
-from service.problems import RequestError
-from service.settings import Settings
+from motionsplice.motion.clip_settings import ClipSettings, read_clip_settings
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import make
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.app import create_app
+from motionsplice.service.exchange.pending import Folder
+from motionsplice.service.exchange.uploads import checked_name
+from motionsplice.service.problems import RequestError
+from motionsplice.service.settings import Settings
 from tests.service.running import Running, eventually, running
 
 TOKEN = "open sesame"
@@ -71,7 +71,7 @@ def visible(folder: Path) -> list[Path]:
 def test_an_uploaded_clip_is_worked_in_and_served(service: Running, folder: Path) -> None:
     old = service.config.front.shared.serving.bank.digest
     eventually(lambda: state(service)["state"] == "idle")
-    jog = dump(make("run", seed=20, seconds=3.0))
+    jog = dump_bvh(make("run", seed=20, seconds=3.0))
     status, told = ask(service, "clips?name=jog.bvh&tags=fast,%20new", jog)
     assert (status, told["clips"]) == (202, ["jog"])
     assert told["state"] in ("waiting", "running")
@@ -123,7 +123,7 @@ def test_a_body_cut_short_leaves_nothing(service: Running, folder: Path) -> None
 
 def test_two_uploads_at_once_lose_nothing_of_each_other(service: Running, folder: Path) -> None:
     names = ["one", "two", "three"]
-    clip = dump(make("walk", "wave", seed=30, seconds=2.5))
+    clip = dump_bvh(make("walk", "wave", seed=30, seconds=2.5))
     threads = [
         threading.Thread(target=ask, args=(service, f"clips?name={name}.bvh&kind=action&tags={name}", clip))
         for name in names
@@ -151,7 +151,7 @@ def test_a_clip_that_fails_is_told_and_not_tried_for_ever(service: Running, fold
 
 
 def test_a_job_that_was_killed_is_done_by_the_next_service(folder: Path) -> None:
-    (folder / "jog.bvh").write_bytes(dump(make("run", seed=20, seconds=3.0)))
+    (folder / "jog.bvh").write_bytes(dump_bvh(make("run", seed=20, seconds=3.0)))
     settings = Settings(token=SecretStr(TOKEN), clips=folder)
     path = folder.parent / "bank"
     with running(path, settings) as service:
@@ -172,7 +172,7 @@ def test_progress_comes_as_events(service: Running, folder: Path) -> None:
     with urllib.request.urlopen(request, timeout=60) as events:
         assert events.headers["content-type"].startswith("text/event-stream")
         told: list[dict[str, Any]] = []
-        (folder / "jog.bvh").write_bytes(dump(make("run", seed=20, seconds=3.0)))
+        (folder / "jog.bvh").write_bytes(dump_bvh(make("run", seed=20, seconds=3.0)))
         while not (told and told[-1]["state"] == "idle" and any(one["state"] == "running" for one in told)):
             line = events.readline()
             if line.startswith(b"data: "):
@@ -190,7 +190,7 @@ def test_without_a_token_or_a_folder_no_clips_are_taken(bank: Bank, folder: Path
 
 
 def test_a_refused_upload_changes_nothing(service: Running, folder: Path) -> None:
-    clip = dump(make("run", seed=20, seconds=3.0))
+    clip = dump_bvh(make("run", seed=20, seconds=3.0))
     (folder / "Run.BVH").write_bytes(clip)
     head, foot, rest = clip.partition(b"JOINT LeftToeBase\n")
     another_rig = head + b"JOINT Skate\n{\nOFFSET 0 -0.1 0\nCHANNELS 0\n}\n" + foot + rest
@@ -200,7 +200,7 @@ def test_a_refused_upload_changes_nothing(service: Running, folder: Path) -> Non
         ("name=16.asf&kind=action", b"x", "are a clip's"),
         ("name=16.asf", b"no skeleton", "16.asf"),
         ("name=Run.bvh", clip, "there is a clip Run.BVH already"),
-        ("name=jog.bvh", dump(make("run", seed=20, seconds=0.2)), "it lasts 0.2"),
+        ("name=jog.bvh", dump_bvh(make("run", seed=20, seconds=0.2)), "it lasts 0.2"),
         ("name=jog.bvh", another_rig, "the rigs have different topologies"),
     ):
         status, told = ask(service, f"clips?{query}", body)

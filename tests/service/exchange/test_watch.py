@@ -10,16 +10,16 @@ from pathlib import Path
 import pytest
 
 from bench.service.banks import put
-from motion.formats.bvh import dump
-from motion.procedural.library import make
-from precompute.job import precompute
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
-from runtime.manifest import MANIFEST
-from service.exchange import watch as watching
-from service.metrics import Metrics
-from service.serving import Edition, Serving
-from service.settings import Settings
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import make
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.format.manifest import MANIFEST
+from motionsplice.service.exchange import watch as watching
+from motionsplice.service.metrics import Metrics
+from motionsplice.service.serving import Edition, Serving
+from motionsplice.service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import PATIENCE, Running, eventually, running
 
@@ -29,9 +29,9 @@ def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """A bank with a longer run and without the side-step."""
     clips = tmp_path_factory.mktemp("other") / "clips"
     shutil.copytree(clip_folder, clips)
-    (clips / "run.bvh").write_bytes(dump(make("run", seed=12, seconds=4.0)))
+    (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=12, seconds=4.0)))
     (clips / "side_step.bvh").unlink()
-    precompute([clips], clips.parent / "bank", baseline="walk", jobs=1)
+    build_bank([clips], clips.parent / "bank", baseline="walk", jobs=1)
     return Bank.open(clips.parent / "bank")
 
 

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from motion.quaternion import Floats
-from runtime.bank import Bank
-from runtime.evaluator import Evaluator
-from service.wire.axes import AXES, Axes
-from service.wire.encode_kernels import convert, shorten
-from service.wire.encoding import INT16_ERROR, Encoding
+from motionsplice.motion.quaternion import Floats
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.service.wire.axes import AXES, Axes
+from motionsplice.service.wire.encode_kernels import convert, shorten
+from motionsplice.service.wire.encoding import INT16_ERROR, Encoding
 
 seeds = st.integers(0, 2**32 - 1)
 every = pytest.mark.parametrize("axes", AXES.values(), ids=AXES.keys())

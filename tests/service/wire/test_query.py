@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.problems import RequestError
-from service.wire.query import REQUIRED, Query, choice, integer, number, text
+from motionsplice.service.problems import RequestError
+from motionsplice.service.wire.query import REQUIRED, Query, choice, integer, number, text
 
 QUERY = Query(
     text("name", "the name", REQUIRED),

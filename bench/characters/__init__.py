@@ -1,0 +1,1 @@
+"""What characters are like from one second to the next."""

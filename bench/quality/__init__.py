@@ -1,0 +1,1 @@
+"""How near splices come to the truth."""

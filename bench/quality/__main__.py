@@ -1,0 +1,158 @@
+"""How near splices come to the truth: `python -m bench.quality [CLIPS] [--out FOLDER]`.
+
+Over a folder of clips and a file of pairs; or without a folder over the built-in motions: all actions on all
+locomotions and the thesis's examples (Heck's thesis, 4.4). Prints a table, and writes scores.json and index.html.
+`bench/quality/scores.py` says what each number is.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from bench.clips import bank_of
+from bench.quality.claims import CLAIMS, Performance
+from bench.quality.measures import upper_body_errors
+from bench.quality.pair_list import Pair, grid_pairs, read_pairs, truth_of
+from bench.quality.report import Cell, claim_row, clip_table, means_table, pair_table, picture, write_report
+from bench.quality.scores import Form, PairScore, Spliced, score_clip, score_pair, splice_pair
+from bench.quality.targets import BUILT_IN, OURS, REAL, targets
+from motionsplice.cli import run
+from motionsplice.commands.motion import Posture
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+
+FORMS = (Form("naive"), Form("exact"), Form("splice"))
+PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))
+SHOWN_RATE = 30.0  # frames per second of the strips that show errors over time
+WORST_SHOWN = 4  # pairs of a grid that are drawn
+OPEN = 2  # pictures that need no click
+
+console = Console(width=230)
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """One pair, its truth if it is known, its splices and their scores."""
+
+    pair: Pair
+    truth: Clip | None
+    splices: list[Spliced]
+    score: PairScore
+
+
+def main(
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in motions if not given")] = None,
+    pairs: Annotated[Path | None, typer.Option(help="CSV: locomotion, action, truth or empty, example, claim")] = None,
+    baseline: Annotated[str | None, typer.Option(help="Baseline clip; else the most typical stride")] = None,
+    posture: Annotated[
+        list[Posture] | None, typer.Option(help="Also judge the bank's splice with this posture")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for scores.json and index.html")] = None,
+) -> None:
+    """Prints how near splices come to the truth."""
+    forms = [*FORMS, *(Form("splice", form.value) for form in posture or [])]
+    kind, bounds = ("real", REAL) if clips else ("built-in", BUILT_IN)
+    with tempfile.TemporaryDirectory() as folder:
+        bank = bank_of(clips, baseline, Path(folder))
+        evaluator = Evaluator(bank)
+        grid = [] if clips else [judge(evaluator, pair, forms) for pair in grid_pairs()]
+        listed = [judge(evaluator, pair, forms) for pair in read_pairs(pairs or (PAIRS if clips else EXAMPLES))]
+        scores = [one.score for one in grid or listed]
+        clip_scores = [score_clip(bank, clip.name) for clip in bank.clips]
+        reached = targets(scores, clip_scores, bounds)
+        claims = [claim_row(one.pair, claimed(bank, one)) for one in listed if one.pair.claim]
+        parts = ("action", "locomotion") if grid else ()
+        means = [(f"Mean error over the naive splice's, by {part}", *means_table(scores, part)) for part in parts]
+        show("Pairs", *pair_table(scores))
+        for mean in means:
+            show(*mean)
+        show("Clips", *clip_table(clip_scores))
+        for row in claims:
+            console.print(f"{row.example} ({row.pair}): {row.says}: {', '.join(row.values)}", highlight=False)
+        told = [[Cell(one.what), Cell(one.found, "good" if one.met else "bad"), Cell(one.wanted)] for one in reached]
+        show("Targets", ["what", "found", "wanted"], told)
+        if out is None:
+            return
+        worst = sorted(grid, key=lambda one: one.score.of(OURS).ratio or 0.0)[: -WORST_SHOWN - 1 : -1]
+        drawn = [*listed, *worst]
+        plain = {
+            "pairs": [asdict(one.score) for one in (*grid, *listed)],
+            "clips": [asdict(one) for one in clip_scores],
+        }
+        out.mkdir(parents=True, exist_ok=True)
+        (out / "scores.json").write_text(json.dumps(plain | {"targets": [asdict(one) for one in reached]}, indent=1))
+        write_report(
+            out / "index.html",
+            title=f"Splices of {kind} motion against the truth",
+            subtitle=f"bank {bank.digest}, baseline {bank.baseline.clip}, {len(bank.clips)} clips",
+            pairs=scores,
+            clips=clip_scores,
+            found=reached,
+            errors={one.score.name: errors_over_time(bank, one) for one in drawn if one.truth is not None},
+            rate=SHOWN_RATE,
+            claims=claims,
+            claim_columns=[*(form.label for form in forms), "truth, else locomotion", "the action itself"],
+            pictures=[
+                picture(bank, one.score, one.pair.example, one.truth, one.splices, shown=number < OPEN)
+                for number, one in enumerate(drawn)
+            ],
+            grid=bool(grid),
+            means=means,
+        )
+        console.print(f"{out / 'index.html'}")
+
+
+def judge(evaluator: Evaluator, pair: Pair, forms: Sequence[Form]) -> Judged:
+    """Splices one pair in every form, and scores that."""
+    truth = truth_of(pair, evaluator.bank)
+    splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in forms]
+    return Judged(pair, truth, splices, score_pair(evaluator, pair.locomotion, pair.action, truth, splices))
+
+
+def claimed(bank: Bank, judged: Judged) -> dict[str, float]:
+    """The number of a pair's claim for each splice, the truth (else the locomotion itself) and the action itself."""
+    pair = judged.pair
+    phase, measure = bank.phase(pair.locomotion), CLAIMS[pair.claim].measure
+    action = Performance(bank.motion(pair.action), bank.phase(pair.action), bank.roles)
+    shown = {one.form.label: one.clip for one in judged.splices}
+    shown["truth"] = judged.truth or bank.motion(pair.locomotion)
+    values = {
+        label: measure(Performance(clip, phase[: clip.frame_count], bank.roles), action)
+        for label, clip in shown.items()
+    }
+    return {**values, "action": measure(action, action)}
+
+
+def errors_over_time(bank: Bank, judged: Judged) -> dict[str, Floats]:
+    """Each splice's error [F], cm, mean over joints, at SHOWN_RATE; nothing without a truth."""
+    if judged.truth is None:
+        return {}
+    truth = judged.truth.resampled(SHOWN_RATE)
+    clips = {one.form.label: one.clip.resampled(SHOWN_RATE) for one in judged.splices}
+    return {label: 100.0 * upper_body_errors(clip, truth, bank.roles).mean(axis=1) for label, clip in clips.items()}
+
+
+def show(title: str, columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> None:
+    """Prints a table."""
+    colours = {"good": "green", "fair": "yellow", "bad": "red", "": ""}
+    table = Table(title=title)
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="right" if number else "left", no_wrap=True)
+    for row in rows:
+        table.add_row(*(f"[{colours[cell.grade]}]{cell.text}[/]" if cell.grade else cell.text for cell in row))
+    console.print(table)
+
+
+if __name__ == "__main__":
+    run(lambda: typer.run(main))

@@ -1,0 +1,72 @@
+"""Which pairs are judged, and against what truth: a CSV, or every built-in action on every built-in locomotion."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.quality.claims import CLAIMS
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError, did_you_mean
+from motionsplice.motion.procedural.library import ACTIONS, LOCOMOTIONS, truth
+from motionsplice.motion.roles import find_roles
+from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.runtime.bank import Bank
+
+COLUMNS = ("locomotion", "action", "truth", "example", "claim")
+
+
+@dataclass(frozen=True)
+class Pair:
+    """truth is a clip of the bank, or LOCOMOTION+ACTION of the built-in motions, or empty: unknown.
+
+    example is a title for the report, and claim the key of what is claimed of it (`bench.quality.claims.CLAIMS`).
+    """
+
+    locomotion: str
+    action: str
+    truth: str = ""
+    example: str = ""
+    claim: str = ""
+
+
+def read_pairs(file: Path) -> list[Pair]:
+    """The pairs of a CSV with the columns locomotion and action, and perhaps truth, example and claim.
+
+    Raises SettingsError, naming file and line.
+    """
+    try:
+        with file.open(newline="", encoding="utf-8") as lines:
+            rows = list(csv.DictReader(lines))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise SettingsError(f"it cannot be read: {error}", file=str(file)) from None
+    pairs = []
+    for line, row in enumerate(rows, 2):
+        if unknown := [str(column) for column in row if column not in COLUMNS]:
+            mend = f"The columns are {', '.join(COLUMNS)}"
+            raise SettingsError(f"there is no column {unknown[0]!r}", file=str(file), place=f"line {line}", mend=mend)
+        if not (row.get("locomotion") and row.get("action")):
+            raise SettingsError("a pair needs a locomotion and an action", file=str(file), place=f"line {line}")
+        pair = Pair(**{column: value.strip() for column, value in row.items() if value})
+        if pair.claim and pair.claim not in CLAIMS:
+            mend = did_you_mean(pair.claim, CLAIMS)
+            raise SettingsError(f"there is no claim {pair.claim!r}", file=str(file), place=f"line {line}", mend=mend)
+        pairs.append(pair)
+    return pairs
+
+
+def grid_pairs() -> list[Pair]:
+    """Every built-in action on every built-in locomotion, with its generated truth."""
+    return [Pair(locomotion, action, f"{locomotion}+{action}") for locomotion in LOCOMOTIONS for action in ACTIONS]
+
+
+def truth_of(pair: Pair, bank: Bank) -> Clip | None:
+    """The truth of a pair on the bank's skeleton. Raises UnknownClipError, or SettingsError for unknown built-ins."""
+    if not pair.truth:
+        return None
+    locomotion, _, action = pair.truth.partition("+")
+    if locomotion in LOCOMOTIONS and action in ACTIONS:
+        generated = truth(locomotion, action)
+        return onto_skeleton(generated, find_roles(generated.skeleton), bank.skeleton, bank.roles)
+    return bank.motion(pair.truth)

@@ -1,0 +1,191 @@
+"""The quality report: one HTML page that needs nothing beside it."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader
+
+from bench.quality import charts
+from bench.quality.claims import CLAIMS
+from bench.quality.pair_list import Pair
+from bench.quality.scores import ClipScore, PairScore, Spliced
+from bench.quality.targets import OURS, Target
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.pictures.sheets import contact_sheet
+from motionsplice.runtime.bank import Bank
+
+PAIR_NOTE = (
+    "ratio: the mean error over the naive splice's. floor: how much the truth differs from itself a stride later, "
+    "spliced likewise. oracle: of a splice that picks each frame knowing the truth. lag: degrees of a stride by which "
+    "the arms are out of step, against the truth's (else the locomotion's own). jitter, excursion: the neck over the "
+    "root against the larger source's. legs: how far the legs are apart at aligned frames."
+)
+CLIP_NOTE = (
+    "concentration: how much alike the phases are at the moments when the left knee passes the right one going forward "
+    "(1: all agree); strides found between the first and last of these passes. shoulders: what an action's do beyond "
+    "its gait, which postures other than relative lose."
+)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What a table says at one place, and how good that is: good, fair, bad or empty."""
+
+    text: str
+    grade: str = ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A pair's two pictures, PNG as base64, and whether they are shown from the start."""
+
+    title: str
+    strip: str
+    chart: str
+    open: bool
+
+
+@dataclass(frozen=True)
+class ClaimRow:
+    """A claim of the thesis of one example: its number by method, for the truth and for the action itself."""
+
+    example: str
+    pair: str
+    says: str
+    values: tuple[str, ...]
+
+
+def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]]:
+    """Columns and rows of the table of pairs."""
+    methods = [one.method for one in scores[0].methods]
+    columns = ["locomotion <- action", *(f"{name}\ncm mean / p95" for name in methods)]
+    columns += [*(f"{name}\nratio" for name in methods[1:]), "oracle\ncm", "floor\ncm"]
+    columns += [*(f"{name}\n{what}" for what in ("posture °",) for name in methods[1:])]
+    columns += [*(f"{name}\n{what}" for what in ("lag °", "jitter", "excursion") for name in (methods[0], OURS))]
+    columns += [f"{OURS}\nspeed", f"{OURS}\nlegs cm", f"{OURS}\nwithin halves °"]
+    rows = []
+    for one in scores:
+        ours, naive = one.of(OURS), one.methods[0]
+        row = [Cell(one.name)]
+        row += [Cell("" if m.error is None else f"{m.error:.1f} / {m.worst_error:.1f}") for m in one.methods]
+        row += [_graded(m.ratio, 0.45, 0.7) for m in one.methods[1:]]
+        row += [_graded(one.oracle), _graded(one.floor)]
+        row += [_graded(m.posture, 1.5, 3.0) for m in one.methods[1:]]
+        row += [
+            _graded(naive.lag),
+            _graded(ours.lag, 15.0, 30.0),
+            _graded(naive.jitter),
+            _graded(ours.jitter, 1.1, 1.5),
+        ]
+        row += [_graded(naive.excursion), _graded(ours.excursion, 1.2, 1.6)]
+        low, high = ours.slopes or (0.0, 0.0)
+        row += [Cell(f"{low:.2f} to {high:.2f}", "" if ours.monotone else "bad"), _graded(ours.mismatch)]
+        rows.append([*row, Cell("" if ours.change is None else f"{ours.change:.1e}")])
+    return columns, rows
+
+
+def means_table(scores: Sequence[PairScore], part: str) -> tuple[list[str], list[list[Cell]]]:
+    """Each method's mean ratio to the naive splice over the pairs of a locomotion or action (`part`), and over all."""
+    names = list(dict.fromkeys(getattr(one, part) for one in scores))
+    rows = []
+    for method in (one.method for one in scores[0].methods[1:]):
+        ratios = {name: [one.of(method).ratio or 0.0 for one in scores if getattr(one, part) == name] for name in names}
+        means = [sum(values) / len(values) for values in ratios.values()]
+        every = [value for values in ratios.values() for value in values]
+        rows.append([Cell(method), *(_graded(mean, 0.45, 0.7) for mean in (*means, sum(every) / len(every)))])
+    return ["method", *names, "all"], rows
+
+
+def clip_table(scores: Sequence[ClipScore]) -> tuple[list[str], list[list[Cell]]]:
+    """Columns and rows of the table of clips."""
+    columns = ["clip", "kind", "strides", "knee passes", "strides between", "concentration", "shoulders °"]
+    rows = []
+    for one in scores:
+        kept = one.concentration
+        grade = "" if kept is None else "good" if kept >= 0.95 else "fair" if kept >= 0.9 else "bad"
+        numbers = (f"{one.strides:.1f}", str(one.passes), f"{one.strides_between:.2f}")
+        row = [Cell(one.clip), Cell(one.kind), *map(Cell, numbers)]
+        rows.append([*row, Cell("" if kept is None else f"{kept:.3f}", grade), _graded(one.shoulder_motion)])
+    return columns, rows
+
+
+def claim_row(pair: Pair, values: Mapping[str, float]) -> ClaimRow:
+    """A claim's numbers by column, as the report shows them."""
+    claim = CLAIMS[pair.claim]
+    shown = tuple(f"{value:.1f}" if abs(value) >= 10.0 else f"{value:.2f}" for value in values.values())
+    says = f"{claim.says}, {claim.unit}" if claim.unit else claim.says
+    return ClaimRow(pair.example, f"{pair.locomotion} <- {pair.action}", says, shown)
+
+
+def picture(
+    bank: Bank, score: PairScore, example: str, truth: Clip | None, splices: Sequence[Spliced], *, shown: bool
+) -> Picture:
+    """A pair's stick figures (papers, Figures 4 and 4.7) and its charts."""
+    rows = [(one.form.label, one.clip, bank.roles) for one in splices if one.form.how != "exact"]
+    if truth is not None:
+        rows.append(("truth", truth, bank.roles))
+    end = min(4.0, min(clip.duration for _, clip, _ in rows))
+    file = io.BytesIO()
+    contact_sheet(rows, columns=12, end=end, ghost=truth).save(file, format="png")
+    chart = charts.pair_chart(bank, score.locomotion, score.action, truth, splices)
+    title = f"{example}: {score.name}" if example else score.name
+    return Picture(title, _base64(file.getvalue()), _base64(chart), shown)
+
+
+def write_report(
+    file: Path,
+    *,
+    title: str,
+    subtitle: str,
+    pairs: Sequence[PairScore],
+    clips: Sequence[ClipScore],
+    found: Sequence[Target],
+    errors: Mapping[str, Mapping[str, Floats]],
+    rate: float,
+    claims: Sequence[ClaimRow],
+    claim_columns: Sequence[str],
+    pictures: Sequence[Picture],
+    grid: bool,
+    means: Sequence[tuple[str, list[str], list[list[Cell]]]],
+) -> None:
+    """Writes the page."""
+    page = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True)
+    pair_columns, pair_rows = pair_table(pairs)
+    clip_columns, clip_rows = clip_table(clips)
+    text = page.get_template("report.html.j2").render(
+        title=title,
+        subtitle=subtitle,
+        targets=found,
+        overview=_base64(charts.overview(errors, rate)) if errors else "",
+        grid=_base64(charts.ratio_grid(pairs, OURS)) if grid else "",
+        means=means,
+        pair_columns=pair_columns,
+        pair_rows=pair_rows,
+        pair_note=PAIR_NOTE,
+        claims=claims,
+        claim_columns=claim_columns,
+        clip_columns=clip_columns,
+        clip_rows=clip_rows,
+        clip_note=CLIP_NOTE,
+        pictures=pictures,
+    )
+    file.write_text(text, encoding="utf-8")
+
+
+def _graded(value: float | None, good: float | None = None, fair: float | None = None) -> Cell:
+    """A number, green up to `good`, yellow up to `fair`, red above."""
+    if value is None:
+        return Cell("")
+    if good is None or fair is None:
+        return Cell(f"{value:.2f}")
+    return Cell(f"{value:.2f}", "good" if value <= good else "fair" if value <= fair else "bad")
+
+
+def _base64(data: bytes) -> str:
+    return base64.b64encode(data).decode("ascii")

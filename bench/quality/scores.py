@@ -1,0 +1,199 @@
+"""The scores of pairs and clips: every number of the quality report, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.quality.measures import (
+    change_within_halves,
+    mismatch,
+    neck_excursion,
+    neck_jitter,
+    promised_posture,
+    upper_body_errors,
+)
+from bench.quality.oracle import oracle_error, stride_to_stride
+from bench.quality.rhythm import concentration, knee_passes, lag_error
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.body.posture import measure_torso, posture_angle
+from motionsplice.precompute.splice import sampled_offsets, splice_exact
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Posture
+
+WRAP = -0.5  # action frames: a step back that is longer goes back by whole strides
+
+
+@dataclass(frozen=True)
+class Form:
+    """A way to splice: how it is computed ("naive", "exact" or "splice", which is the bank's), and the posture."""
+
+    how: str
+    posture: Posture = "relative"
+
+    @property
+    def label(self) -> str:
+        return self.how if self.how == "naive" or self.posture == "relative" else f"{self.how} {self.posture}"
+
+
+@dataclass(frozen=True)
+class MethodScore:
+    """One way of splicing one pair; None where a number has no meaning.
+
+    error, worst_error: mean and 95th percentile over joints and frames, cm; ratio: to the naive splice over the same
+    frames. posture: off what the form promises; lag: the arms against the legs and the truth's (else the locomotion's)
+    arms; both in degrees, lag of a stride. jitter, excursion: the neck over the root against the larger source's.
+    slopes: least and greatest speed of the action's time against its own; mismatch: of the legs at aligned frames, cm.
+    change: the largest turn within either half against its source, degrees.
+    """
+
+    method: str
+    seconds: float
+    error: float | None
+    worst_error: float | None
+    ratio: float | None
+    posture: float | None
+    lag: float | None
+    jitter: float
+    excursion: float
+    monotone: bool | None
+    slopes: tuple[float, float] | None
+    mismatch: float | None
+    change: float | None
+
+
+@dataclass(frozen=True)
+class PairScore:
+    """One pair. floor: how much the truth differs from itself a stride later, cm; oracle: of one who knows it, cm."""
+
+    locomotion: str
+    action: str
+    truth: str
+    oracle: float | None
+    floor: float | None
+    methods: tuple[MethodScore, ...]
+
+    @property
+    def name(self) -> str:
+        return f"{self.locomotion} <- {self.action}"
+
+    def of(self, method: str) -> MethodScore:
+        return next(one for one in self.methods if one.method == method)
+
+
+@dataclass(frozen=True)
+class ClipScore:
+    """One clip: strides found, knee passes counted and strides between the first and the last of them, and how much
+    alike the phases at the passes are; degrees that its shoulders move beyond its neutral's gait, for an action.
+    """
+
+    clip: str
+    kind: str
+    strides: float
+    passes: int
+    strides_between: float
+    concentration: float | None
+    shoulder_motion: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Spliced:
+    """One splice of a pair, with the action's frame under each of its own; None for the naive one."""
+
+    form: Form
+    clip: Clip
+    action_frames: Floats | None
+
+
+def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) -> Spliced:
+    """Splices a pair in one way. Raises MotionError."""
+    bank = evaluator.bank
+    if form.how == "naive":
+        return Spliced(form, evaluator.clip(locomotion, action, method="naive"), None)
+    if form.how == "splice":
+        frames = evaluator.action_frames(locomotion, evaluator.frame_times(locomotion), action)
+        return Spliced(form, evaluator.clip(locomotion, action, posture=form.posture), frames)
+    assert form.posture != "running"
+    clips = bank.motion(locomotion), bank.motion(action)
+    offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
+    exact = splice_exact(*clips, bank.roles, posture=form.posture, torso_offsets=offsets)
+    return Spliced(form, exact.clip, exact.action_frames)
+
+
+def score_pair(
+    evaluator: Evaluator, locomotion: str, action: str, truth: Clip | None, splices: Sequence[Spliced]
+) -> PairScore:
+    """Scores the splices of one pair, the naive one among them, against its truth if there is one."""
+    bank, roles = evaluator.bank, evaluator.bank.roles
+    clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
+    phase, naive = bank.phase(locomotion), next(one.clip for one in splices if one.form.how == "naive")
+    rough = [max(measure(clip, roles) for clip in (clip_l, clip_u)) for measure in (neck_jitter, neck_excursion)]
+    scores = []
+    for one in splices:
+        kept, frames = clip_l.frames(0, one.clip.frame_count), one.action_frames
+        error = worst = ratio = posture = slopes = apart = change = None
+        if truth is not None:
+            errors = upper_body_errors(one.clip, truth, roles)
+            error, worst = 100.0 * errors.mean(), 100.0 * np.percentile(errors, 95)
+            ratio = errors.mean() / upper_body_errors(naive.frames(0, one.clip.frame_count), truth, roles).mean()
+        if frames is not None:
+            shown = bank.motion(action, seam=one.form.how == "splice")
+            turns = quaternion.multiply(
+                sampled_offsets(bank.torso(action, seam=True).offsets, frames),
+                quaternion.conjugate(bank.torso(locomotion).offsets[: len(frames)]),
+            )
+            promised = promised_posture(kept, clip_u, turns, one.form.posture, roles)
+            posture = np.degrees(posture_angle(measure_torso(one.clip, roles).posture, promised))
+            steps = np.diff(frames)
+            steps = steps[steps > WRAP] * clip_l.rate / clip_u.rate
+            slopes = (float(steps.min()), float(steps.max()))
+            apart = 100.0 * float(np.sqrt(np.mean(mismatch(kept, shown, frames, roles) ** 2)))
+            change = float(np.degrees(change_within_halves(one.clip, kept, shown.sampled(frames)[1], roles)))
+        lag = np.degrees(lag_error(one.clip, truth or clip_l, phase[: one.clip.frame_count], roles))
+        scores.append(
+            MethodScore(
+                method=one.form.label,
+                seconds=one.clip.duration,
+                error=_known(error),
+                worst_error=_known(worst),
+                ratio=_known(ratio),
+                posture=_known(posture),
+                lag=_known(lag),
+                jitter=float(neck_jitter(one.clip, roles) / rough[0]),
+                excursion=neck_excursion(one.clip, roles) / rough[1],
+                monotone=None if slopes is None else bool(slopes[0] > 0.0),
+                slopes=slopes,
+                mismatch=apart,
+                change=change,
+            )
+        )
+    oracle = floor = None
+    if truth is not None:
+        offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
+        oracle = 100.0 * oracle_error(clip_l, clip_u, truth, offsets, roles)
+        floor = _known(100.0 * stride_to_stride(truth, phase[: truth.frame_count], roles))
+    return PairScore(locomotion, action, truth.name if truth else "", oracle, floor, tuple(scores))
+
+
+def score_clip(bank: Bank, name: str) -> ClipScore:
+    """Scores the phase of one clip by its knees."""
+    entry, phase = bank.clip(name), bank.phase(name)
+    passes = knee_passes(bank.motion(name), bank.roles)
+    return ClipScore(
+        clip=name,
+        kind=entry.kind,
+        strides=entry.cycles,
+        passes=len(passes),
+        strides_between=float(phase[passes[-1]] - phase[passes[0]]) if len(passes) else 0.0,
+        concentration=_known(concentration(phase[passes])),
+        shoulder_motion=float(np.degrees(entry.shoulder_motion)) if entry.kind == "action" else None,
+    )
+
+
+def _known(value: float | None) -> float | None:
+    return None if value is None or np.isnan(value) else float(value)

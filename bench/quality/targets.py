@@ -1,0 +1,97 @@
+"""What is wanted of the scores, and whether it is met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.quality.scores import ClipScore, MethodScore, PairScore
+
+OURS, REFERENCE = "splice", "exact"
+LEAST_CONCENTRATION = 0.93
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What the scores of one kind of motion are held to; None where nothing is wanted.
+
+    The arms' timing is judged on `walking` locomotions, if they are named: on stairs and sideways, knees keep another
+    time than the built-in arms do.
+    """
+
+    mean_ratio: float
+    worst_ratio: float | None = None
+    oracle: float | None = None
+    floor: float | None = None
+    walking: frozenset[str] | None = None
+
+
+REAL = Bounds(mean_ratio=0.45, worst_ratio=0.7, oracle=1.6, floor=1.5)
+BUILT_IN = Bounds(mean_ratio=0.35, walking=frozenset({"walk", "slow_walk", "curve", "turn_180", "step_up"}))
+
+
+@dataclass(frozen=True)
+class Target:
+    """A number found, the bound it is held to, and whether that is met; `found` names the worst where there is one."""
+
+    what: str
+    found: str
+    wanted: str
+    met: bool
+
+
+def targets(pairs: Sequence[PairScore], clips: Sequence[ClipScore], bounds: Bounds) -> list[Target]:
+    """All targets that the scores say something of."""
+    found: list[Target | None] = []
+    judged = [one for one in pairs if one.truth]
+    if judged:
+        ratios = {name: _mean([one.of(name).ratio for one in judged]) for name in (OURS, REFERENCE)}
+        error, oracle = _mean([one.of(OURS).error for one in judged]), _mean([one.oracle for one in judged])
+        known = [one for one in judged if one.floor is not None]
+        floor = _mean([one.of(OURS).error for one in known]) / _mean([one.floor for one in known])
+        found = [
+            _at_most("error over the naive splice's, mean of all pairs", ratios[OURS], bounds.mean_ratio),
+            _worst(judged, "error over the naive splice's, worst pair", lambda one: one.ratio, bounds.worst_ratio),
+            _at_most("error over that of the papers' whole-clip splice", ratios[OURS] / ratios[REFERENCE], 1.1),
+            _at_most("error over that of an oracle that knows the truth", error / oracle, bounds.oracle),
+            _at_most("error over what the truth's own strides differ by", floor, bounds.floor),
+        ]
+    walking = [one for one in judged if bounds.walking is None or one.locomotion in bounds.walking]
+    found += [
+        _worst(walking, "arms out of step with the legs, worst walk, degrees of a stride", lambda one: one.lag, 15.0),
+        _worst(pairs, "neck's jitter over the larger source's, worst pair", lambda one: one.jitter, 1.1),
+        _worst(pairs, "posture off what its form promises, worst pair, degrees", lambda one: one.posture, 1.5),
+        _worst(pairs, "turn within either half, worst pair, degrees", lambda one: one.change, 0.05),
+        _least_concentration(clips),
+    ]
+    return [one for one in found if one is not None]
+
+
+def _worst(
+    pairs: Sequence[PairScore], what: str, measure: Callable[[MethodScore], float | None], most: float | None
+) -> Target | None:
+    known = [(value, one.name) for one in pairs if (value := measure(one.of(OURS))) is not None]
+    if not known or most is None:
+        return None
+    value, name = max(known)
+    return Target(what, f"{value:.3g} ({name})", f"<= {most:g}", bool(value <= most))
+
+
+def _at_most(what: str, value: float, most: float | None) -> Target | None:
+    return None if most is None else Target(what, f"{value:.2f}", f"<= {most:g}", bool(value <= most))
+
+
+def _least_concentration(clips: Sequence[ClipScore]) -> Target | None:
+    walks = [one for one in clips if one.kind == "locomotion"]
+    known = [(one.concentration, one.clip) for one in walks if one.concentration is not None]
+    if not known:
+        return None
+    value, name = min(known)
+    met = value >= LEAST_CONCENTRATION
+    return Target("phase concentration, worst locomotion", f"{value:.3f} ({name})", f">= {LEAST_CONCENTRATION}", met)
+
+
+def _mean(values: Sequence[float | None]) -> float:
+    return float(np.mean([value for value in values if value is not None]))

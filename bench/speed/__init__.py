@@ -1,0 +1,1 @@
+"""Time and memory per character and frame, and of the offline job."""

@@ -1,0 +1,206 @@
+"""How long the offline job takes: `python -m bench.speed.precompute [CLIPS] [--jobs N] [--rounds 3] [--out FILE.json]`.
+
+Without CLIPS, on generated ones (31 joints at 120 frames per second): of 10 s, 1 min and 10 min, and 10, 100 and 1,000
+of 4 s. With CLIPS, on a folder of files. Each run is a process of its own, whose memory is measured; its kernels are
+warm before its clock starts. Disk writes are included, and files that were just written are read from memory.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from bench.speed.generated_clips import generated, write_generated
+from motionsplice.cli import run
+from motionsplice.motion.errors import MotionError
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.job.bank_builder import write_bank
+from motionsplice.precompute.job.job import CACHE, build_bank
+from motionsplice.precompute.job.workers import end_with_parent
+from motionsplice.precompute.preparation.prepared import prepare
+from motionsplice.runtime.bank import Bank
+
+LENGTHS = (10.0, 60.0, 600.0)  # seconds
+COUNTS = (10, 100, 1000)
+SHORT = 4.0  # seconds
+MEGABYTE = 1e6
+
+
+@dataclass(frozen=True)
+class Timing:
+    """One run: seconds of motion, seconds it took, and the most memory, bytes, of its process and of a worker."""
+
+    what: str
+    motion: float
+    seconds: float
+    memory: float = 0.0
+    worker_memory: float = 0.0
+
+    @property
+    def times_real_time(self) -> float:
+        return self.motion / self.seconds
+
+    @property
+    def seconds_per_minute(self) -> float:
+        return 60.0 * self.seconds / self.motion
+
+
+def main(
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; generated ones if not given")] = None,
+    baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes of the runs that use several")] = 2,
+    rounds: Annotated[int, typer.Option(min=2, help="Of the generated clips only the lengths are repeated")] = 3,
+    out: Annotated[Path | None, typer.Option(help="JSON file of all timings")] = None,
+) -> None:
+    """Prints times and memory, and how time grows with the length and the number of clips."""
+    console, timings = Console(width=120), []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if clips is not None:
+            timings = _folder_runs(clips, baseline, folder / "bank", jobs, rounds)
+        else:
+            lengths = [timing for _ in range(rounds) for timing in in_process(time_lengths)]
+            console.print(_table(lengths, "one clip, one core"))
+            for what in dict.fromkeys(timing.what.split(",")[0] for timing in lengths):
+                console.print(_growth(what, [one for one in lengths if one.what.startswith(what)]))
+            counts = []
+            for count in COUNTS:
+                in_process(write_generated, folder / str(count), count, SHORT)
+                counts += _folder_runs(folder / str(count), None, folder / "bank", jobs, 1, f"{count} clips, ")
+                shutil.rmtree(folder / str(count))
+            console.print(_table(counts, f"clips of {SHORT:g} s, from files to a bank"))
+            cold = [one for one in counts if one.what.endswith("cold, 1 process")]
+            console.print(_growth("cold, 1 process", cold))
+            timings = lengths + counts
+        if clips is not None:
+            console.print(_table(timings, str(clips)))
+    if out is not None:
+        out.write_text(json.dumps([asdict(timing) for timing in timings], indent=1))
+
+
+def in_process(function: Callable[..., Any], *arguments: Any) -> Any:
+    """The function's result in a process of its own, so that its memory is its own."""
+    with ProcessPoolExecutor(1, get_context("spawn"), end_with_parent) as pool:
+        return pool.submit(function, *arguments).result()
+
+
+def time_lengths() -> list[Timing]:
+    """Clips of each length: read from BVH text; aligned as an action; and written as a bank with their neutral."""
+    base = generated("walk", LENGTHS[0], seed=1)
+    with tempfile.TemporaryDirectory() as name:
+        file, bank = Path(name) / "action.bvh", Path(name) / "bank"
+        file.write_bytes(dump_bvh(base))
+        reading = read_clip(file, unit="m")
+        skeleton, roles = reading.clip.skeleton, reading.roles
+        ring = find_baseline(reading.clip, roles)
+        neutral = prepare(replace(reading.clip, name="neutral"), roles, skeleton, roles, ring)
+        neutral = replace(neutral, neutral="neutral")
+        timings = []
+        for seconds in (LENGTHS[0], *LENGTHS):
+            file.write_bytes(dump_bvh(generated("walk", seconds, seed=2)))
+            began = time.perf_counter()
+            reading = read_clip(file, unit="m")
+            read = time.perf_counter()
+            made = prepare(reading.clip, roles, skeleton, roles, ring)
+            aligned = time.perf_counter()
+            write_bank(bank, skeleton, roles, ring, [neutral, replace(made, kind="action", neutral="neutral")])
+            written = time.perf_counter()
+            shutil.rmtree(bank)
+            for what, taken in {
+                "clip to aligned": aligned - read,
+                "clip to tables": written - read,
+                "BVH file to tables": written - began,
+            }.items():
+                timings.append(Timing(f"{what}, {seconds:g} s", seconds, taken, _peak(resource.RUSAGE_SELF)))
+    return timings[3:]  # the first ones were for the kernels
+
+
+def time_job(clips: Path, bank: Path, baseline: str | None, jobs: int) -> tuple[float, float, float]:
+    """Seconds that the job took, and the peak memory, bytes, of its process and of the largest worker."""
+    with tempfile.TemporaryDirectory() as name:
+        write_generated(Path(name) / "clips", 1, SHORT)
+        build_bank([Path(name) / "clips"], Path(name) / "bank")  # for the kernels
+    began = time.perf_counter()
+    try:
+        build_bank([clips], bank, baseline=baseline, jobs=jobs)
+    except MotionError as error:
+        sys.exit(str(error))
+    return time.perf_counter() - began, _peak(resource.RUSAGE_SELF), _peak(resource.RUSAGE_CHILDREN)
+
+
+def _folder_runs(
+    clips: Path, baseline: str | None, bank: Path, jobs: int, rounds: int, label: str = ""
+) -> list[Timing]:
+    """Cold with one process and with several; then once more, nothing changed; then with one clip changed."""
+    timings = []
+    copies = bank.with_name("copies")
+    shutil.copytree(clips, copies)
+    for _ in range(rounds):
+        taken = {}
+        for processes in dict.fromkeys((jobs, 1)):
+            shutil.rmtree(bank, ignore_errors=True)
+            many = f"{processes} process{'es' * (processes > 1)}"
+            taken[f"cold, {many}"] = in_process(time_job, copies, bank, baseline, processes)
+        taken["nothing changed"] = in_process(time_job, copies, bank, baseline, 1)
+        changed = Bank.open(bank).clips[-1].name
+        file = next(file for file in sorted(copies.iterdir()) if file.stem == changed and file.suffix != ".asf")
+        file.write_bytes(file.read_bytes() + b"\n")
+        taken["one clip changed"] = in_process(time_job, copies, bank, baseline, 1)
+        motion = sum(clip.duration for clip in Bank.open(bank).clips)
+        timings += [Timing(label + what, motion, *measured) for what, measured in taken.items()]
+    shutil.rmtree(bank / CACHE)
+    shutil.rmtree(copies)
+    return timings
+
+
+def _peak(who: int) -> float:
+    return 1024.0 * resource.getrusage(who).ru_maxrss
+
+
+def _table(timings: list[Timing], title: str) -> Table:
+    table = Table(title=title)
+    columns = ("", "motion s", "median s", "slowest s", "s per minute", "times real time", "peak MB", "worker MB")
+    for column in columns:
+        table.add_column(column, justify="right" if table.columns else "left")
+    for what in dict.fromkeys(timing.what for timing in timings):
+        rounds = sorted((one for one in timings if one.what == what), key=lambda one: one.seconds)
+        middle = rounds[len(rounds) // 2]
+        table.add_row(
+            what,
+            f"{middle.motion:.0f}",
+            f"{middle.seconds:.3f}",
+            f"{rounds[-1].seconds:.3f}",
+            f"{middle.seconds_per_minute:.3f}",
+            f"{middle.times_real_time:.0f}",
+            f"{max(one.memory for one in rounds) / MEGABYTE:.0f}",
+            f"{max(one.worker_memory for one in rounds) / MEGABYTE:.0f}",
+        )
+    return table
+
+
+def _growth(what: str, timings: list[Timing]) -> str:
+    """The power of the motion's length with which time grows, and its standard error: 1 is linear."""
+    x, y = (np.log([getattr(one, field) for one in timings]) for field in ("motion", "seconds"))
+    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
+    return f"{what}: time grows with the motion's length to the power {slope:.2f} ± {np.sqrt(covariance[0, 0]):.2f}"
+
+
+if __name__ == "__main__":
+    run(lambda: typer.run(main))

@@ -1,0 +1,37 @@
+from .motion.clip import Clip as Clip
+from .motion.clip_settings import ClipSettings as ClipSettings
+from .motion.errors import BankError as BankError
+from .motion.errors import BaselineError as BaselineError
+from .motion.errors import ClipError as ClipError
+from .motion.errors import FormatError as FormatError
+from .motion.errors import MotionError as MotionError
+from .motion.errors import RoleError as RoleError
+from .motion.errors import SettingsError as SettingsError
+from .motion.errors import SkeletonError as SkeletonError
+from .motion.errors import TimeRangeError as TimeRangeError
+from .motion.errors import UnknownClipError as UnknownClipError
+from .motion.formats.bvh import dump_bvh as dump_bvh
+from .motion.formats.files import Reading as Reading
+from .motion.formats.files import read_clip as read_clip
+from .motion.roles import Roles as Roles
+from .motion.roles import find_roles as find_roles
+from .motion.skeleton import Skeleton as Skeleton
+from .precompute.hands.banded_warp import FramePair as FramePair
+from .precompute.hands.settings import HandSettings as HandSettings
+from .precompute.hands.settings import HandsOnBody as HandsOnBody
+from .precompute.hands.splice import splice_hands as splice_hands
+from .precompute.job.job import Outcome as Outcome
+from .precompute.job.job import build_bank as build_bank
+from .precompute.splice import splice_exact as splice_exact
+from .precompute.splice import splice_naive as splice_naive
+from .runtime.bank import Bank as Bank
+from .runtime.character import Characters as Characters
+from .runtime.characters.state import EVENT_NAMES as EVENT_NAMES
+from .runtime.evaluator import Evaluator as Evaluator
+from .runtime.format.contacts import Contact as Contact
+from .runtime.requests import Memory as Memory
+from .runtime.requests import Poses as Poses
+from .runtime.requests import Requests as Requests
+from .runtime.stage import Stage as Stage
+
+__version__: str

@@ -1,0 +1,1 @@
+"""The commands of `motionsplice`, one module a group. Imported by `cli`."""

@@ -1,0 +1,203 @@
+"""`motionsplice precompute` and `motionsplice inspect`: building a bank, and looking into it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from motionsplice.commands.progress_file import ProgressFile
+from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
+from motionsplice.motion.errors import MotionError
+from motionsplice.motion.roles import read_roles_file
+from motionsplice.precompute.hands.settings import HandsOnBody
+from motionsplice.precompute.job.job import Outcome, build_bank
+from motionsplice.runtime.bank import Bank
+
+AUTOMATIC = "auto"
+
+console = Console(emoji=False)
+
+
+def register(app: typer.Typer) -> None:
+    app.command("precompute", epilog="Example: [bold]motionsplice precompute clips/ --out bank --baseline walk[/bold]")(
+        precompute_command
+    )
+    app.command("inspect", epilog="Example: [bold]motionsplice inspect bank[/bold]")(inspect_command)
+
+
+def precompute_command(
+    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), or folders of them.")],
+    out: Annotated[Path, typer.Option(help="The bank to write.")],
+    baseline: Annotated[
+        str, typer.Option(help="The clip whose stride all are aligned to; auto: the most typical stride.")
+    ] = AUTOMATIC,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; else one per core.")] = None,
+    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    hands: Annotated[
+        list[str] | None, typer.Option(help="BODY:HANDS, clips of which the second gives the first one's hands.")
+    ] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    progress: Annotated[Path | None, typer.Option(help="File that tells how far it is, as JSON, for programs.")] = None,
+) -> None:
+    """Align clips to a baseline locomotion, and write a bank.
+
+    A clips.toml beside the clips may say of each its kind ("locomotion" or "action"), neutral, tags, skip_frames and
+    unit; a hands.toml, which hands are laid on which bodies, and how. A clip that fails is named with its reason, the
+    others finish, and the exit status is 1.
+    """
+    file = ProgressFile(progress) if progress is not None else None
+    try:
+        outcome = run(
+            clips,
+            out,
+            baseline=None if baseline == AUTOMATIC else baseline,
+            jobs=jobs,
+            settings=ClipSettings(skip_frames=skip_frames, unit=unit),
+            roles_file=roles,
+            hands=[HandsOnBody.parse(one) for one in hands or ()],
+            file=file,
+        )
+    except MotionError as problem:
+        if file is not None:
+            file.give_up(str(problem))
+        raise
+    if file is not None:
+        file.finish(outcome)
+    tell_work(outcome, out)
+    if not outcome.unchanged:
+        show_bank(Bank.open(out))
+    for name, error in outcome.failed.items():
+        console.print(f"[red]{escape(name)} failed:[/red] {escape(str(error))}", highlight=False, soft_wrap=True)
+    if outcome.failed:
+        raise typer.Exit(1)
+
+
+def run(
+    clips: list[Path],
+    out: Path,
+    *,
+    baseline: str | None = None,
+    jobs: int | None = None,
+    settings: ClipSettings = DEFAULT_SETTINGS,
+    roles_file: Path | None = None,
+    hands: Sequence[HandsOnBody] = (),
+    file: ProgressFile | None = None,
+) -> Outcome:
+    """The offline job behind a progress bar."""
+    columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console) as bar:
+        tasks: dict[str, TaskID] = {}
+
+        def show(stage: str, done: int, total: int) -> None:
+            if stage not in tasks:  # what has nothing to do has no bar
+                tasks[stage] = bar.add_task(stage)
+            bar.update(tasks[stage], completed=done, total=total)
+            if file is not None:
+                file.show(stage, done, total)
+
+        return build_bank(
+            clips,
+            out,
+            baseline=baseline,
+            jobs=jobs or os.cpu_count() or 1,
+            settings=settings,
+            roles=read_roles_file(roles_file) if roles_file else {},
+            hands=hands,
+            progress=show,
+        )
+
+
+def tell_work(outcome: Outcome, out: Path) -> None:
+    """Prints how much there was to do."""
+    count = f"{len(outcome.clips)} clip{'s' * (len(outcome.clips) != 1)}"
+    if outcome.unchanged:
+        said = f"{out}: nothing to do, none of its {count} changed"
+    else:
+        said = f"{count}, {outcome.kept} unchanged"
+    failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
+    console.print(said + failed, highlight=False, soft_wrap=True)
+
+
+def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank.")]) -> None:
+    """Show what is in a bank: its clips, and how well each is aligned to the baseline."""
+    show_bank(Bank.open(bank))
+
+
+def show_bank(bank: Bank) -> None:
+    """Prints a bank's clips as a table, and what was noted while they were read."""
+    stride = bank.baseline.end - bank.baseline.start
+    console.print(
+        f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, baseline {bank.baseline.clip!r} "
+        f"(a stride of {stride:.2f} s from {bank.baseline.start:.2f} s)",
+        highlight=False,
+        soft_wrap=True,
+    )
+    table = Table(
+        caption="mean, worst: root and knees against the baseline's at the same phase, cm; "
+        "shoulders: an action's, beyond its neutral's gait, degrees"
+    )
+    for column in ("clip", "neutral"):
+        table.add_column(column, overflow="fold")
+    for column in ("seconds", "rate", "cycles", "mean", "worst", "shoulders"):
+        table.add_column(column, justify="right", no_wrap=True)
+    for clip in bank.clips:
+        mean = f"{100 * clip.mean_mismatch:.1f}"
+        table.add_row(
+            " ".join((escape(clip.name), *(f"[cyan]#{escape(tag)}[/cyan]" for tag in clip.tags))),
+            escape(bank.neutral(clip.name)) if clip.kind == "action" else "",
+            f"{clip.duration:.2f}",
+            f"{clip.rate:.5g}",
+            f"{clip.cycles:.2f}",
+            f"[yellow]{mean}[/yellow]" if clip.warnings else mean,
+            f"{100 * clip.worst_mismatch:.1f}",
+            f"{np.degrees(clip.shoulder_motion):.1f}" if clip.kind == "action" else "",
+        )
+    console.print(table)
+    if bank.hands:
+        console.print(hands_table(bank))
+    warnings = [(clip.name, clip.warnings) for clip in bank.clips] + [(one.name, one.warnings) for one in bank.hands]
+    for style, said in (("yellow", warnings), ("dim", [(clip.name, clip.notes) for clip in bank.clips])):
+        names: dict[str, list[str]] = {}
+        for name, sentences in said:
+            for sentence in sentences:
+                names.setdefault(sentence, []).append(name)
+        for sentence, clips in names.items():
+            console.print(
+                f"[{style}]{escape(', '.join(clips))}: {escape(sentence)}[/{style}]", highlight=False, soft_wrap=True
+            )
+
+
+def hands_table(bank: Bank) -> Table:
+    """Which hands lie on which clips, and how far they go from the body's own time."""
+    table = Table(
+        caption="mismatch: how much phases of gestures differ, as a part of how much those of any two frames do; "
+        "ahead: by how much the hands' own time runs ahead of the body's, least and most, seconds"
+    )
+    for column in ("hands", "on", "hand", "wrist", "pairs"):
+        table.add_column(column, overflow="fold")
+    for column in ("mismatch", "ahead"):
+        table.add_column(column, justify="right", no_wrap=True)
+    for one in bank.hands:
+        frames, rate = bank.hand_frames(one.name, one.body), bank.clip(one.body).rate
+        taken = {"left": [0], "right": [1]}.get(one.hand, [0, 1])
+        ahead = frames[:, taken] / one.rate - np.arange(len(frames))[:, None] / rate
+        table.add_row(
+            escape(one.name),
+            escape(one.body),
+            one.hand,
+            "yes" if one.wrist else "",
+            " ".join(one.pairs),
+            f"[yellow]{one.mismatch:.2f}[/yellow]" if one.warnings else f"{one.mismatch:.2f}",
+            f"{ahead.min():.2f} to {ahead.max():.2f}",
+        )
+    return table

@@ -1,0 +1,64 @@
+"""`motionsplice demo`: the whole path on the built-in motions."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from motionsplice.commands import bank as command_bank
+from motionsplice.commands import hands as command_hands
+from motionsplice.commands import serve as command_serve
+from motionsplice.commands.motion import Method, Posture, spliced
+from motionsplice.commands.sample_folder import write_sample_clips, write_sample_gestures
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import truth
+from motionsplice.pictures.sheets import animation, contact_sheet
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.settings import Settings
+
+LOCOMOTION, ACTION = "curve", "carry_cup"
+BODY, HANDS = "count_steps", "count_steps_hands"
+SHOWN = (0.5, 3.0)  # seconds on the contact sheet
+
+console = Console(emoji=False)
+
+
+def register(app: typer.Typer) -> None:
+    app.command("demo", epilog="Example: [bold]motionsplice demo demo[/bold]")(demo_command)
+
+
+def demo_command(
+    folder: Annotated[Path, typer.Argument(help="Where to put clips, bank and results.")] = Path("demo"),
+) -> None:
+    """Write the built-in motions, build a bank of them, splice one, lay hands on another, draw both, and serve."""
+    clips, bank_folder, gestures = folder / "clips", folder / "bank", folder / "gestures"
+    write_sample_clips(clips)
+    write_sample_gestures(gestures)
+    command_bank.tell_work(command_bank.run([clips], bank_folder, baseline="walk"), bank_folder)
+    bank = Bank.open(bank_folder)
+    command_bank.show_bank(bank)
+    splice = spliced(bank, LOCOMOTION, ACTION, Method.SPLICE, Posture.RELATIVE, 0.0)
+    naive = spliced(bank, LOCOMOTION, ACTION, Method.NAIVE, Posture.RELATIVE, 0.0)
+    motion = folder / f"{LOCOMOTION}+{ACTION}.bvh"
+    motion.write_bytes(dump_bvh(splice))
+    real = truth(LOCOMOTION, ACTION)
+    rows = [("naive splice", naive, bank.roles), ("motionsplice", splice, bank.roles), ("truth", real, bank.roles)]
+    sheet, film = motion.with_suffix(".png"), motion.with_suffix(".gif")
+    contact_sheet(rows, start=SHOWN[0], end=SHOWN[1], ghost=real).save(sheet)
+    film.write_bytes(animation(rows, end=4.0, ghost=real))
+    console.print(f"\n{ACTION!r} spliced onto {LOCOMOTION!r}, as never captured:")
+    for what, file in (("motion", motion), ("picture", sheet), ("animation", film), ("bank", bank_folder)):
+        console.print(f"  {what:9} {file}", highlight=False)
+    hands, counting = (gestures / f"{name}.bvh" for name in (HANDS, BODY))
+    merged = folder / f"{BODY}+hands.bvh"
+    console.print(f"\n{HANDS!r}, captured apart, laid on {BODY!r}:")
+    command_hands.hands_command(counting, hands, merged, hand="right", picture=merged.with_suffix(".png"))
+    settings = Settings()
+    if sys.stdout.isatty():
+        command_serve.start(bank_folder, settings)
+    else:
+        console.print(f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/docs")

@@ -1,0 +1,126 @@
+"""`motionsplice hands`: hands that were captured apart, laid on the body of another clip."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated, get_args
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import Reading, read_clip
+from motionsplice.motion.roles import read_roles_file
+from motionsplice.pictures.hand_charts import draw_alignment
+from motionsplice.precompute.hands.align import BANDS
+from motionsplice.precompute.hands.banded_warp import FramePair
+from motionsplice.precompute.hands.phases import PhaseKind, count_phases, phases
+from motionsplice.precompute.hands.settings import HandChoice, HandSettings, Turn
+from motionsplice.precompute.hands.splice import HandSplice, splice_hands
+
+KINDS: tuple[PhaseKind, ...] = get_args(PhaseKind)
+
+console = Console(emoji=False)
+
+
+def register(app: typer.Typer) -> None:
+    app.command(
+        "hands",
+        epilog="Example: [bold]motionsplice hands walk.bvh signs.bvh --out walk+signs.bvh --pair 300:288~5[/bold]",
+    )(hands_command)
+
+
+def hands_command(
+    body: Annotated[Path, typer.Argument(help="The motion whose body is kept (.bvh, .amc).")],
+    hands: Annotated[
+        Path, typer.Argument(help="The motion whose fingers are taken: the same gestures, captured apart.")
+    ],
+    out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
+    pair: Annotated[
+        list[str] | None,
+        typer.Option(help="BODY:HANDS, frames that go together; BODY:HANDS~N give or take N frames of the hands."),
+    ] = None,
+    band: Annotated[
+        str, typer.Option(help="How far either pass may stray, as parts of the body's frames.")
+    ] = f"{BANDS[0]},{BANDS[1]}",
+    hand: Annotated[HandChoice, typer.Option(help="Both are aligned together; each, in its own time.")] = "both",
+    turn: Annotated[
+        Turn, typer.Option(help="Hands are turned as suits a window of frames, or as trunks are.")
+    ] = "window",
+    wrist: Annotated[bool, typer.Option("--wrist", help="Take wrists and the twist of forearms too.")] = False,
+    picture: Annotated[Path | None, typer.Option(help="A .png of costs, bands and paths, and of the curves.")] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of both that are not motion.")] = 0,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+) -> None:
+    """Align hands to a body that was captured apart, and write the body with their fingers.
+
+    Phases of gestures are aligned first, frames within them second; pairs of frames bend both. Frames count from 0.
+    """
+    settings = HandSettings(hand, wrist, turn, _bands(band), tuple(FramePair.parse(one) for one in pair or ()))
+    if picture is not None and picture.suffix.lower() != ".png":
+        raise SettingsError(f"a picture cannot be written as {picture.suffix!r}", mend="End --picture in .png")
+    given = read_roles_file(roles) if roles else {}
+    ours, theirs = (read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in (body, hands))
+    begin = time.perf_counter()
+    spliced = splice_hands(ours.clip, ours.roles, theirs.clip, theirs.roles, settings)
+    seconds = time.perf_counter() - begin
+    for clip, warnings in ((ours.clip, ours.warnings), (theirs.clip, (*theirs.warnings, *spliced.warnings))):
+        for sentence in warnings:
+            console.print(f"[yellow]{escape(f'{clip.name}: {sentence}')}[/yellow]", soft_wrap=True)
+    console.print(phase_table(spliced, ours, theirs))
+    for line in _how_it_went(spliced, theirs, settings):
+        console.print(f"  {line}", highlight=False)
+    out.write_bytes(dump_bvh(spliced.clip))
+    count = f"{spliced.clip.frame_count} frames at {spliced.clip.rate:g} per second"
+    console.print(f"{out}: {count}, aligned and merged in {seconds:.2f} s", highlight=False, soft_wrap=True)
+    if picture is not None:
+        draw_alignment(spliced, settings, theirs.clip.rate, picture)
+        console.print(f"{picture}", soft_wrap=True)
+
+
+def phase_table(spliced: HandSplice, body: Reading, hands: Reading) -> Table:
+    """How many phases of each kind either performer's hands go through (the paper's table 2)."""
+    table = Table(caption="phases of gestures, counted in both motions")
+    table.add_column("hand", no_wrap=True)
+    table.add_column("of", overflow="fold", min_width=8)
+    for column in ("seconds", *(f"{kind}s" for kind in KINDS)):
+        table.add_column(column, justify="right", no_wrap=True)
+    rate = spliced.clip.rate
+    for aligned in spliced.aligned:
+        for side in aligned.body:
+            for clip, moves in ((body.clip, aligned.body[side]), (hands.clip, aligned.hands[side])):
+                counts = count_phases(phases(moves, rate))
+                told = (str(counts.get(kind, 0)) for kind in KINDS)
+                table.add_row(side, escape(clip.name), f"{clip.duration:.2f}", *told)
+            table.add_section()
+    return table
+
+
+def _how_it_went(spliced: HandSplice, hands: Reading, settings: HandSettings) -> list[str]:
+    """A line for each alignment, and one for each pair."""
+    lines = []
+    rate, own = spliced.clip.rate, hands.clip.rate
+    for aligned in spliced.aligned:
+        frames = spliced.frames[next(iter(aligned.body))]
+        ahead = frames / own - np.arange(len(frames)) / rate
+        slow, fast = np.percentile(np.diff(frames) * rate / own, [5.0, 95.0]) if len(frames) > 1 else (1.0, 1.0)
+        lines.append(
+            f"{' and '.join(aligned.body)}: hands run {ahead.min():+.2f} to {ahead.max():+.2f} s ahead of the body, "
+            f"at {slow:.1f} to {fast:.1f} times their own pace; mismatch {aligned.alignment.mismatch:.2f}"
+        )
+        lines += [f"pair {one}: frame {frames[one.body]:.1f} of the hands" for one in settings.pairs]
+    return lines
+
+
+def _bands(text: str) -> tuple[float, float]:
+    try:
+        first, second = (float(part) for part in text.split(","))
+    except ValueError:
+        raise SettingsError(f"--band {text!r} is no two numbers", mend="Write parts of 1, such as 0.3,0.1") from None
+    return first, second

@@ -1,0 +1,145 @@
+"""`motionsplice splice` and `motionsplice render`: motions out of a bank, and pictures of motions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.hand_joints import Side
+from motionsplice.motion.roles import read_roles_file
+from motionsplice.pictures.sheets import animation, contact_sheet
+from motionsplice.precompute import splice as whole_clip
+from motionsplice.runtime import requests
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+
+console = Console(emoji=False)
+
+
+class Method(StrEnum):
+    """How the upper body comes onto the lower."""
+
+    SPLICE = "splice"
+    NAIVE = "naive"
+    EXACT = "exact"
+    NONE = "none"
+
+
+class Posture(StrEnum):
+    """What becomes of the action's posture."""
+
+    RELATIVE = "relative"
+    ABSOLUTE = "absolute"
+    RUNNING = "running"
+    OFF = "off"
+
+
+RUN_TIME_METHODS: Mapping[Method, requests.Method] = {
+    Method.SPLICE: "splice",
+    Method.NAIVE: "naive",
+    Method.NONE: "none",
+}
+WHOLE_CLIP_POSTURES: Mapping[Posture, whole_clip.Posture] = {
+    Posture.RELATIVE: "relative",
+    Posture.ABSOLUTE: "absolute",
+    Posture.OFF: "off",
+}
+
+
+def register(app: typer.Typer) -> None:
+    app.command(
+        "splice",
+        epilog="Example: [bold]motionsplice splice bank --locomotion curve --action carry_box --out box.bvh[/bold]",
+    )(splice_command)
+    app.command("render", epilog="Example: [bold]motionsplice render walk.bvh box.bvh --out sheet.png[/bold]")(
+        render_command
+    )
+
+
+def splice_command(
+    bank: Annotated[Path, typer.Argument(help="A bank.")],
+    locomotion: Annotated[str, typer.Option(help="The clip that gives the root and the lower body.")],
+    action: Annotated[str, typer.Option(help="The clip that gives the upper body.")],
+    out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
+    method: Annotated[
+        Method, typer.Option(help="The bank's splice, plain DOF replacement, the papers' whole-clip splice, or none.")
+    ] = Method.SPLICE,
+    posture: Annotated[
+        Posture,
+        typer.Option(
+            help="What the action does beyond its gait, its own mean posture (the papers), the same by a running mean, "
+            "or the locomotion's."
+        ),
+    ] = Posture.RELATIVE,
+    start: Annotated[float, typer.Option(help="Seconds into the action before which it does not begin.")] = 0.0,
+    hands: Annotated[str | None, typer.Option(help="The hands, which must be aligned to the action.")] = None,
+) -> None:
+    """Splice an action's upper body onto a locomotion, and write the motion as BVH."""
+    opened = Bank.open(bank)
+    clip, whole = spliced(opened, locomotion, action, method, posture, start, hands), opened.clip(locomotion)
+    out.write_bytes(dump_bvh(clip))
+    part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
+    console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
+
+
+def spliced(
+    bank: Bank,
+    locomotion: str,
+    action: str,
+    method: Method,
+    posture: Posture,
+    start: float,
+    hands: str | None = None,
+) -> Clip:
+    """A whole splice by any method. Raises MotionError."""
+    if method is not Method.EXACT:
+        form = RUN_TIME_METHODS[method]
+        return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
+    if hands is not None:
+        raise SettingsError("the exact splice lays no hands", mend="Leave out --hands, or use --method splice")
+    if start != 0.0:
+        raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
+    if posture not in WHOLE_CLIP_POSTURES:
+        raise SettingsError("the exact splice knows its whole posture", mend="Choose --posture absolute")
+    clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
+    offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
+    return whole_clip.splice_exact(
+        clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], torso_offsets=offsets
+    ).clip
+
+
+def render_command(
+    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), one row each.")],
+    out: Annotated[Path, typer.Option(help="A .png contact sheet, or a .gif that plays them side by side.")],
+    ghost: Annotated[Path | None, typer.Option(help="A motion of the same rig, in grey behind each row.")] = None,
+    columns: Annotated[int, typer.Option(min=1, max=60, help="Moments on a contact sheet.")] = 10,
+    start: Annotated[float, typer.Option(min=0.0, help="Seconds from which to draw.")] = 0.0,
+    end: Annotated[float | None, typer.Option(min=0.0, help="Seconds up to which to draw; else all.")] = None,
+    view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
+    hand: Annotated[Side | None, typer.Option(help="Draw this hand alone, close up.")] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+) -> None:
+    """Draw one or several motions as stick figures, or one hand of each, for judging by eye."""
+    kind = out.suffix.lower()
+    if kind not in (".png", ".gif"):
+        raise SettingsError(f"a picture cannot be written as {kind!r}", mend="End --out in .png or .gif")
+    given = read_roles_file(roles) if roles else {}
+    readings = [read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
+    rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
+    behind = read_clip(ghost, skip_frames=skip_frames, unit=unit, roles=given).clip if ghost else None
+    if kind == ".png":
+        contact_sheet(rows, columns=columns, start=start, end=end, view=view, ghost=behind, hand=hand).save(out)
+    else:
+        out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind, hand=hand))
+    console.print(f"{out}")

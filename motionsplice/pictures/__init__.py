@@ -1,0 +1,1 @@
+"""Sheets, films and charts. Imported by the commands and by benchmarks."""

@@ -1,0 +1,91 @@
+"""A camera that goes along with a character: what it sees of a motion at given times."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.kinematics import hips_heading, joint_positions
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.pictures.hand_figure import HandFigure
+from motionsplice.pictures.stick_figure import StickFigure
+
+Figure = StickFigure | HandFigure
+
+# Degrees from the character's front towards its right, and degrees above the floor.
+VIEWS = {"side": (90.0, 6.0), "front": (0.0, 6.0), "three-quarter": (45.0, 10.0)}
+TRACKING_RATE = 30.0
+SMOOTHING = 0.5
+MARK_SPACING = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Where the camera stands at each of n times, seen from the floor under the character.
+
+    axes:   [n, 3, 3] rows are the directions to the right, up and towards the viewer, in the world.
+    ground: height in metres of the floor, which the feet touch.
+    """
+
+    axes: Floats
+    ground: float
+
+    @classmethod
+    def beside(cls, clip: Clip, roles: Roles, times: Floats, view: str) -> Camera:
+        """The camera that keeps to one side of a character at `times` [n] seconds; `view` is one of VIEWS.
+
+        It turns with the heading of the hips, smoothed over about a second, so that a curve is seen from the
+        side as a straight walk is.
+        """
+        tracked = clip.resampled(min(TRACKING_RATE, clip.rate))
+        positions = joint_positions(tracked)
+        headings = np.unwrap(hips_heading(positions, roles))
+        headings = gaussian_filter1d(headings, SMOOTHING * tracked.rate, mode="nearest")
+        clock = np.arange(tracked.frame_count) / tracked.rate
+        first, last = np.searchsorted(clock, [times[0], times[-1]])
+        first = min(first, tracked.frame_count - 1)
+        feet = positions[:, clip.skeleton.subtree(roles.left_ankle) + clip.skeleton.subtree(roles.right_ankle)]
+        around, above = np.radians(VIEWS[view])
+        yaw = np.interp(times, clock, headings) - around
+        x, z, still = np.sin(yaw), np.cos(yaw), np.zeros(len(times))
+        right = np.stack([z, still, -x], axis=-1)
+        towards = np.stack([x * np.cos(above), still + np.sin(above), z * np.cos(above)], axis=-1)
+        return cls(
+            np.stack([right, np.cross(towards, right), towards], axis=1), float(feet[first : last + 1, :, 1].min())
+        )
+
+    def sees(self, points: Floats, middles: Floats) -> Floats:
+        """Points [n, P, 3] in the world, with what is in the middle [n, 3] -> [n, P, 3] right, up and towards."""
+        return np.asarray((points - middles[:, None]) @ np.swapaxes(self.axes, 1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """One motion as a camera sees it, in metres; the origin is what the figure has in the middle.
+
+    points: [n, P, 3] the figure's points: to the right, up, and towards the viewer.
+    floor:  [n, M, 3] likewise, marks on the floor that stand still in the world.
+    held:   [n] whether the motion had ended by then, so that its last frame is shown.
+    """
+
+    figure: Figure
+    points: Floats
+    floor: Floats
+    held: tuple[bool, ...]
+
+    @classmethod
+    def of(cls, clip: Clip, figure: Figure, times: Floats, camera: Camera, *, reach: int = 3) -> Take:
+        """What `camera` sees of `clip` at `times` [n] seconds, with floor marks for `reach` steps around."""
+        roots, rotations = clip.sampled(times * clip.rate)
+        steps = MARK_SPACING * np.arange(-reach, reach + 1)
+        around = np.stack(np.meshgrid(steps, [0.0], steps), axis=-1).reshape(-1, 3)
+        marks = np.round(roots / MARK_SPACING)[:, None] * MARK_SPACING + around
+        marks[..., 1] = camera.ground
+        held = tuple(bool(time > clip.duration + 1e-6) for time in times)
+        points = figure.points(roots, rotations)
+        middles = figure.middles(points, camera.ground)
+        return cls(figure, camera.sees(points, middles), camera.sees(marks, middles), held)

@@ -1,0 +1,23 @@
+"""How a clip's legs move, in a few numbers: its mean lower cloud by phase."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.precompute.alignment.baseline import facing, facing_joints
+from motionsplice.precompute.body.joint_paths import joint_paths
+
+PHASE_BINS = 12
+
+
+def mean_gait(clip: Clip, phase: Floats, roles: Roles) -> Floats:
+    """Mean lower cloud by phase [PHASE_BINS, 3, 3], metres; NaN where the clip, at `phase` [F], never is."""
+    clouds = facing(joint_paths(clip, facing_joints(roles)))
+    bins = (np.mod(phase, 1.0) * PHASE_BINS).astype(np.int64) % PHASE_BINS
+    counts = np.bincount(bins, minlength=PHASE_BINS)
+    sums = np.zeros((PHASE_BINS, 3, 3))
+    np.add.at(sums, bins, clouds)
+    return np.where(counts[:, None, None] > 0, sums / np.maximum(counts, 1)[:, None, None], np.nan)

@@ -1,0 +1,109 @@
+"""A strictly increasing cubic B-spline through a time alignment, in time linear in its length.
+
+Heck et al. 2006, 3.1: "we fit a strictly increasing, endpoint interpolating B-spline to the optimal path". The spline's
+ends are its first and last coefficients; they are fitted like all others, for a path's ends are whole frames.
+A B-spline rises strictly where its coefficients do, so the fit is a least-squares problem whose
+coefficients must each lie a little above the one before: a quadratic programme with banded matrices.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import BSpline
+from scipy.linalg import solveh_banded
+from scipy.sparse import csr_array, diags_array
+
+from motionsplice.motion.quaternion import Floats
+
+DEGREE = 3
+LEAST_SLOPE = 0.25  # of the mean slope: as little as the path through the grid may rise
+MOST_STEPS = 60
+
+
+def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: float = 0.0) -> BSpline[np.float64]:
+    """The least-squares spline through (x, y) [n] on clamped knots that rises everywhere between its ends.
+
+    x is increasing (not strictly: a path may climb straight up), in frames or seconds; y is in frames or cycles. One
+    knot per `knot_spacing` of x. The slope from end to end must be positive, so x[-1] above x[0] and y[-1] above y[0]:
+    the curve rises by at least LEAST_SLOPE of it everywhere, and the fit starts from the line with this slope.
+    `stiffness` weighs the square of the coefficients' second differences against that of the misfit, so that a spline
+    with close knots neither trembles nor cuts corners (a P-spline, Eilers and Marx 1996).
+    """
+    x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
+    intervals = max(1, round(float(x[-1] - x[0]) / knot_spacing))
+    breaks = np.linspace(x[0], x[-1], intervals + 1)
+    knots = np.concatenate([[x[0]] * DEGREE, breaks, [x[-1]] * DEGREE])
+    design = BSpline.design_matrix(x, knots, DEGREE).tocsr()
+    count = intervals + DEGREE
+    bend = diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(count - 2, count))
+    normal = csr_array(design.T @ design + stiffness * len(x) / count * (bend.T @ bend))
+    bands = np.zeros((DEGREE + 1, count))
+    for offset in range(DEGREE + 1):
+        bands[offset, : count - offset] = normal.diagonal(offset)
+    steps = _greville_steps(knots, count)
+    line = y[0] + np.concatenate([[0.0], np.cumsum(steps)]) * (y[-1] - y[0]) / (x[-1] - x[0])
+    floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * steps
+    coefficients = _increasing_least_squares(bands, design.T @ y, line, floor)
+    return BSpline(knots, coefficients, DEGREE)
+
+
+def _greville_steps(knots: Floats, count: int) -> Floats:
+    """Distances between the abscissae of neighbouring coefficients [count - 1]: a line has slope = step ratio."""
+    abscissae = np.mean([knots[first : first + count] for first in range(1, DEGREE + 1)], axis=0)
+    return cast(Floats, np.diff(abscissae))
+
+
+def _increasing_least_squares(bands: Floats, right: Floats, inside: Floats, floor: Floats) -> Floats:
+    """min 1/2 c'Hc - r'c with diff(c) >= floor, by a primal-dual interior point from `inside`.
+
+    H is given by its bands [4, n] (lower form). Each step solves one banded system, so a step is linear in n, and
+    the number of steps hardly depends on n.
+    """
+    c = inside
+    scale = float(bands[0].mean())
+    bands, right = bands / scale, right / scale
+    bands[0] += 1e-9  # a stretch without samples keeps its coefficients where they are
+    slack = np.diff(c) - floor
+    unit = float(slack.mean())
+    dual = np.full_like(slack, unit)
+    for _ in range(MOST_STEPS):
+        gap = float(slack @ dual) / len(slack)
+        gradient = _banded_product(bands, c) - right
+        gradient[:-1] += dual
+        gradient[1:] -= dual
+        if gap < 1e-10 * unit**2 and np.abs(gradient).max() < 1e-7 * unit:
+            break
+        weight = dual / slack
+        pull = 0.1 * gap / slack - dual
+        system, target = bands.copy(), -gradient
+        system[0, :-1] += weight
+        system[0, 1:] += weight
+        system[1, :-1] -= weight
+        target[:-1] -= pull
+        target[1:] += pull
+        move = solveh_banded(system, target, lower=True)
+        slack_move = np.diff(move)
+        dual_move = pull - weight * slack_move
+        reach = min(_reach(slack, slack_move), _reach(dual, dual_move))
+        c = c + reach * move
+        slack = np.diff(c) - floor
+        dual = dual + reach * dual_move
+    return c
+
+
+def _reach(values: Floats, move: Floats) -> float:
+    """How much of `move` keeps `values` positive, at most all of it."""
+    shrinking = move < 0.0
+    return min(1.0, 0.99 * float(np.min(-values[shrinking] / move[shrinking], initial=np.inf)))
+
+
+def _banded_product(bands: Floats, c: Floats) -> Floats:
+    product: Floats = bands[0] * c
+    for offset in range(1, DEGREE + 1):
+        band = bands[offset, : len(c) - offset]
+        product[:-offset] += band * c[offset:]
+        product[offset:] += band * c[:-offset]
+    return product

@@ -1,0 +1,67 @@
+"""Aligning a clip to one cycle, as a ring of phase cells: linear in the clip's length.
+
+The bank's form of time alignment (Heck's thesis, 4.3: align each motion to a baseline locomotion). The
+baseline is one stride; time may pass any cell of the ring, so a clip of any length winds round it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from motionsplice.motion.quaternion import Floats
+
+MOST_ADVANCE = 4  # cells per frame
+MOST_ZERO_STEPS = 3  # frames in a row that stay in their cell
+
+
+def wind(distances: Floats) -> NDArray[np.int64]:
+    """The cheapest way round the ring: for each frame its cell [frames], counted on through every lap.
+
+    distances [frames, cells] are squared metres to each cell of the ring, at one working rate. Start and end
+    are free; 0 to MOST_ADVANCE cells pass per frame, and a passed cell costs its share.
+    """
+    passes = np.ascontiguousarray(distances)
+    return walk_ring(passes, MOST_ADVANCE, MOST_ZERO_STEPS)
+
+
+@njit(cache=True, nogil=True)
+def walk_ring(distances: Floats, most_advance: int, most_zero: int) -> NDArray[np.int64]:
+    """The dynamic programme behind `wind`, over states (cell, zero steps in a row)."""
+    frames, cells = distances.shape
+    cost = np.full((cells, most_zero + 1), np.inf)
+    cost[:, 0] = distances[0]
+    following = np.empty_like(cost)
+    advance = np.zeros((frames, cells), np.int8)  # of state (cell, 0): how far it came,
+    zeros = np.zeros((frames, cells), np.int8)  # and after how many zero steps
+    for frame in range(1, frames):
+        for cell in range(cells):
+            following[cell, 0] = np.inf
+            passed = 0.0
+            for step in range(1, most_advance + 1):
+                passed += distances[frame, (cell - step + 1) % cells]
+                source = (cell - step) % cells
+                for run in range(most_zero + 1):
+                    total = cost[source, run] + passed / step
+                    if total < following[cell, 0]:
+                        following[cell, 0] = total
+                        advance[frame, cell] = step
+                        zeros[frame, cell] = run
+            for run in range(1, most_zero + 1):
+                following[cell, run] = cost[cell, run - 1] + distances[frame, cell]
+        cost, following = following, cost
+    best = int(np.argmin(cost))
+    cell, run = best // (most_zero + 1), best % (most_zero + 1)
+    wound = np.empty(frames, np.int64)
+    position = 0
+    for frame in range(frames - 1, -1, -1):
+        wound[frame] = position
+        if run > 0:
+            run -= 1
+        elif frame > 0:
+            step = int(advance[frame, cell])
+            run = int(zeros[frame, cell])
+            cell = (cell - step) % cells
+            position -= step
+    return wound - wound[0] + cell

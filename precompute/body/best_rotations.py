@@ -1,0 +1,43 @@
+"""Horn's rotation for every frame of a clip, by the kernel that splices are evaluated with."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from motionsplice.motion.pointcloud import horn_rotation
+from motionsplice.motion.quaternion import Floats
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.posture import LEAST_GAP
+from motionsplice.runtime.kernels.rotations import horn
+
+
+def best_rotations(targets: Floats, sources: Floats) -> Floats:
+    """The rotations [n, 4] about the origin that lay each of `sources` [n, p, 3] on its target [n, p, 3].
+
+    It is what `motion.pointcloud.horn_rotation` gives; so are those that are hardly better than another rotation.
+    """
+    correlations = (np.swapaxes(targets, 1, 2) @ sources).reshape(-1, 9)
+    bounds = 0.5 * (1.0 + 1e-12) * (np.sum(targets**2, axis=(1, 2)) + np.sum(sources**2, axis=(1, 2)))
+    rotations, gaps = np.empty((len(targets), 4)), np.empty(len(targets))
+    fit_blocks(correlations, bounds, rotations, gaps)
+    unclear = gaps < LEAST_GAP
+    rotations[unclear] = horn_rotation(targets[unclear], sources[unclear])
+    return rotations
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fit_blocks(correlations: Floats, bounds: Floats, rotations: Floats, gaps: Floats) -> None:
+    """Fills rotations [n, 4] and gaps [n] of correlations [n, 9] with bounds [n]."""
+    block = np.zeros(arrays.BLOCK_ROWS * arrays.BLOCK)
+    for first in range(0, len(bounds), arrays.BLOCK):
+        count = min(arrays.BLOCK, len(bounds) - first)
+        for k in range(count):
+            for i in range(9):
+                block[(arrays.CORRELATION + i) * arrays.BLOCK + k] = correlations[first + k, i]
+            block[arrays.BOUND * arrays.BLOCK + k] = bounds[first + k]
+        horn(block)
+        for k in range(count):
+            for i in range(4):
+                rotations[first + k, i] = block[(arrays.ALIGNED + i) * arrays.BLOCK + k]
+            gaps[first + k] = block[arrays.GAP * arrays.BLOCK + k]

@@ -1,0 +1,52 @@
+"""When the feet stand: by how low and how slow ankles and toes are."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_closing, binary_opening, minimum_filter1d, uniform_filter1d
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.joint_paths import joint_paths
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
+
+SLOW = 0.55  # leg lengths a second that a standing joint may move, for what captured feet roll, slide and quiver
+SLOW_OF_FAST = 0.15  # or so much of its own fastest: a run's feet hardly rest
+LOW = 0.09  # of the leg, above where the joint was lowest within STEP
+STEP = 0.5  # seconds: less than a foot takes from stair to stair
+SMOOTHED, SHORTEST = 0.05, 0.06  # seconds: of speeds; of a contact, or a gap in one
+
+
+def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
+    """Which feet stand at each frame [F]: LEFT_FOOT, RIGHT_FOOT, both or 0."""
+    leg, standing = roles.leg_length(clip.skeleton), np.zeros(clip.frame_count, np.uint8)
+    for bit, joints in zip((LEFT_FOOT, RIGHT_FOOT), roles.feet, strict=True):
+        standing |= bit * _stands(joint_paths(clip, joints), clip.rate, leg).astype(np.uint8)
+    return standing
+
+
+def left_strike(clip: Clip, roles: Roles, first: float, last: float) -> float | None:
+    """When the left foot comes down between two moments of a clip, seconds; None if it does not."""
+    stands = (foot_contacts(clip, roles) & LEFT_FOOT).astype(np.int8)
+    downs = (np.flatnonzero(np.diff(stands) > 0) + 0.5) / clip.rate
+    return next((float(down) for down in downs if first <= down < last), None)
+
+
+def _stands(paths: Floats, rate: float, leg: float) -> NDArray[np.bool_]:
+    """Whether any joint of a foot [F, n, 3] stands."""
+    speed = np.linalg.norm(np.gradient(paths, 1.0 / rate, axis=0), axis=-1)
+    speed = uniform_filter1d(speed, _frames(SMOOTHED, rate), axis=0, mode="nearest")
+    height = paths[..., 1] - minimum_filter1d(paths[..., 1], _frames(STEP, rate), axis=0, mode="nearest")
+    slow = np.maximum(SLOW * leg, SLOW_OF_FAST * np.percentile(speed, 95.0, axis=0))
+    found = np.any((speed < slow) & (height < LOW * leg), axis=1)
+    brief = np.ones(_frames(SHORTEST, rate), np.bool_)
+    edges = (len(brief), len(brief))
+    padded = np.pad(found, edges, mode="edge")
+    return np.asarray(binary_opening(binary_closing(padded, brief), brief)[edges[0] : len(padded) - edges[1]])
+
+
+def _frames(seconds: float, rate: float) -> int:
+    """An odd number of frames."""
+    return 2 * max(round(0.5 * seconds * rate), 1) + 1

@@ -1,0 +1,75 @@
+"""Where a few joints of a clip are in the world: forward kinematics of those and what they hang on, nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+
+
+def joint_paths(clip: Clip, joints: Sequence[int]) -> Floats:
+    """World positions [F, n, 3] of n joints of a clip, metres."""
+    return joint_transforms(clip, joints)[0]
+
+
+def joint_transforms(clip: Clip, joints: Sequence[int]) -> tuple[Floats, Floats]:
+    """World positions [F, n, 3] in metres and world rotations [F, n, 4] of n joints of a clip.
+
+    It is what `motion.kinematics.world_transforms` gives for all joints.
+    """
+    needed = np.array(sorted({above for joint in joints for above in clip.skeleton.chain(joint)}))
+    places = {int(joint): place for place, joint in enumerate(needed)}
+    parents = np.array([places.get(int(clip.skeleton.parents[joint]), -1) for joint in needed])
+    wanted = np.array([places[joint] for joint in joints])
+    positions, world = np.empty((clip.frame_count, len(joints), 3)), np.empty((clip.frame_count, len(joints), 4))
+    follow_joints(
+        needed, parents, clip.skeleton.offsets[needed], wanted, clip.root_positions, clip.rotations, positions, world
+    )
+    return positions, world
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def follow_joints(
+    needed: NDArray[np.int64],
+    parents: NDArray[np.int64],
+    offsets: Floats,
+    wanted: NDArray[np.int64],
+    root_positions: Floats,
+    rotations: Floats,
+    positions: Floats,
+    world: Floats,
+) -> None:
+    """Fills positions [F, n, 3] and world [F, n, 4] of the joints needed[wanted [n]].
+
+    needed [m] are joints, the root first and parents before children; parents [m] are places in it.
+    """
+    at, turn = np.empty((len(needed), 3)), np.empty((len(needed), 4))
+    for frame in range(len(root_positions)):
+        for i in range(3):
+            at[0, i] = root_positions[frame, i]
+        for i in range(4):
+            turn[0, i] = rotations[frame, 0, i]
+        for place in range(1, len(needed)):
+            above, joint = parents[place], needed[place]
+            ax, ay, az, aw = turn[above, 0], turn[above, 1], turn[above, 2], turn[above, 3]
+            vx, vy, vz = offsets[place, 0], offsets[place, 1], offsets[place, 2]
+            tx, ty, tz = 2.0 * (ay * vz - az * vy), 2.0 * (az * vx - ax * vz), 2.0 * (ax * vy - ay * vx)
+            at[place, 0] = at[above, 0] + (vx + aw * tx + ay * tz - az * ty)
+            at[place, 1] = at[above, 1] + (vy + aw * ty + az * tx - ax * tz)
+            at[place, 2] = at[above, 2] + (vz + aw * tz + ax * ty - ay * tx)
+            bx, by = rotations[frame, joint, 0], rotations[frame, joint, 1]
+            bz, bw = rotations[frame, joint, 2], rotations[frame, joint, 3]
+            turn[place, 0] = aw * bx + ax * bw + ay * bz - az * by
+            turn[place, 1] = aw * by - ax * bz + ay * bw + az * bx
+            turn[place, 2] = aw * bz + ax * by - ay * bx + az * bw
+            turn[place, 3] = aw * bw - ax * bx - ay * by - az * bz
+        for number in range(len(wanted)):
+            for i in range(3):
+                positions[frame, number, i] = at[wanted[number], i]
+            for i in range(4):
+                world[frame, number, i] = turn[wanted[number], i]

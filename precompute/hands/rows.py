@@ -1,0 +1,69 @@
+"""Hands on the body of a clip as a bank holds them: rows beside the clip's own, of all that hands may drive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.formats.files import Reading
+from motionsplice.motion.hand_joints import SIDES
+from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.hands.settings import HandSettings
+from motionsplice.precompute.hands.splice import splice_hands
+from motionsplice.precompute.job.entries import Rig
+from motionsplice.precompute.preparation.prepared import PreparedClip
+from motionsplice.precompute.preparation.seam import bent_onto
+from motionsplice.runtime.format.rows import Layout
+
+
+@dataclass(frozen=True, eq=False)
+class LaidHands:
+    """Hands on a body: rows [n, columns], as many as its own, and frames [n, 2]: which frame of the hands, which have
+    `rate` a second, the left and the right one show there; by how much they differ, and what to warn of."""
+
+    name: str
+    body: str
+    rate: float
+    settings: HandSettings
+    rows: NDArray[np.float32]
+    frames: Floats
+    mismatch: float
+    warnings: tuple[str, ...]
+    source: str = ""
+
+
+def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading, settings: HandSettings) -> LaidHands:
+    """Aligns the hands of a clip that was read to a clip of a bank with this rig, and lays them on its rows.
+
+    Joints that the hands do not drive keep the clip's own numbers. Raises MotionError.
+    """
+    roots, rotations = layout.motion(prepared.fetch("lower"), prepared.fetch("upper"))
+    whole = Clip(prepared.name, rig.skeleton, prepared.rate, roots, rotations)
+    count = prepared.frame_count
+    body, roles, hands, hand_roles = whole.frames(0, count), rig.roles, reading.clip, reading.roles
+    spliced = splice_hands(body, roles, hands, hand_roles, settings)
+    merged = spliced.clip
+    frames = np.stack([spliced.frames.get(side, np.zeros(count)) for side in SIDES], axis=1)
+    laid = whole.rotations.copy()
+    laid[:count] = merged.rotations
+    if prepared.strides:
+        after = _counterparts(prepared)
+        joints = list(layout.hands.joints)
+        laid[count:, joints] = bent_onto(merged.rotations[-2:, joints], merged.sampled(after)[1][:, joints])
+        frames = np.concatenate(
+            [frames, np.stack([np.interp(after[2:], np.arange(count), one) for one in frames.T], axis=1)]
+        )
+    rows = layout.pack_hands(quaternion.one_hemisphere(laid))
+    warnings = (*reading.warnings, *spliced.warnings)
+    return LaidHands(hands.name, prepared.name, hands.rate, settings, rows, frames, spliced.mismatch, warnings)
+
+
+def _counterparts(prepared: PreparedClip) -> Floats:
+    """The real-valued frames [2 + n] whose motion the clip's last two frames, and then those of its seam, carry on."""
+    own = prepared.phase[: prepared.frame_count]
+    last = float(np.interp(own[-1] - prepared.strides, own, np.arange(len(own))))
+    return last + np.arange(-1.0, len(prepared.phase) - len(own) + 1.0)

@@ -1,0 +1,137 @@
+"""The work on hands, which any process can do: reading a clip of hands, and laying it on the body of another clip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import chain
+
+from motionsplice.motion.errors import SettingsError, did_you_mean
+from motionsplice.motion.formats.files import Reading
+from motionsplice.motion.hand_joints import fingered, has_fingers
+from motionsplice.precompute.hands.rows import LaidHands, lay_hands
+from motionsplice.precompute.hands.settings import FILE_NAME, HandSettings, HandsOnBody, read_hand_settings
+from motionsplice.precompute.job.cache import Arrays, Cache, Said, key_of
+from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, kept, read
+from motionsplice.precompute.job.entries import FoundStride, Rig, pack_reading, unpack_reading
+from motionsplice.precompute.job.sources import Source
+from motionsplice.runtime.format.rows import Layout
+
+
+def all_hands(given: Sequence[HandsOnBody], sources: Sequence[Source]) -> list[HandsOnBody]:
+    """Those given, and those of each `hands.toml` beside a source, which says more. Raises SettingsError."""
+    files = {source.file.parent / FILE_NAME for source in sources}
+    said = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if file.is_file()))
+    found = {(one.body, one.hands): one for one in (*given, *said)}
+    names = {source.name for source in sources}
+    hands = {one.hands for one in found.values()}
+    for one in found.values():
+        for name, what in ((one.body, "body"), (one.hands, "hands")):
+            if name not in names:
+                problem = f"there is no clip {name!r}, the {what} of {one.label}"
+                raise SettingsError(problem, mend=did_you_mean(name, names))
+        if one.body in hands:
+            problem = f"{one.body!r} is a clip of hands, and cannot be the body of {one.label}"
+            raise SettingsError(problem, mend="Copy the clip under another name")
+    return [found[key] for key in sorted(found)]
+
+
+@dataclass(frozen=True)
+class HandsTask:
+    """Hands that are to be laid on a body."""
+
+    label: str
+    body: Identified
+    hands: Identified
+    settings: HandSettings
+
+    @property
+    def size(self) -> int:
+        return self.body.size + self.hands.size
+
+
+def tasks_of(laying: Sequence[HandsOnBody], bodies: Clips, hands: Clips) -> dict[str, HandsTask]:
+    """By what the outcome calls them; without those whose body or hands have failed."""
+    return {
+        one.label: HandsTask(one.label, bodies[one.body], hands[one.hands], one.settings)
+        for one in laying
+        if one.body in bodies and one.hands in hands
+    }
+
+
+@dataclass(frozen=True)
+class HandsReading:
+    """The reading of a clip of hands, which is kept as long as the bank needs it."""
+
+    cache: Cache
+
+    def key(self, one: Identified) -> str:
+        return key_of("hands", one.reading_key)
+
+    def run(self, one: Identified) -> None:
+        """Raises MotionError if the clip cannot be read."""
+        self.cache.store(self.key(one), *pack_reading(read(one)))
+
+    def load(self, one: Identified) -> Reading | None:
+        name = one.source.name
+        return self.cache.load(self.key(one), lambda said, arrays: unpack_reading(name, said, arrays))
+
+
+def with_fingers(stride: FoundStride, readings: HandsReading, hands: Clips) -> FoundStride:
+    """The stride on a rig that has fingers, if any has: those of the first clip of hands, if it has none of its own."""
+    rig = stride.rig
+    if has_fingers(rig.skeleton, rig.roles):
+        return stride
+    for one in hands.values():
+        reading = kept(readings, one)
+        if has_fingers(reading.clip.skeleton, reading.roles):
+            still, roles = fingered(rig.still(), rig.roles, reading.clip.skeleton, reading.roles)
+            return replace(stride, rig=Rig(still.skeleton, roles))
+    return stride
+
+
+@dataclass(frozen=True, eq=False)
+class HandsLaying:
+    """The laying of hands on the bodies of prepared clips."""
+
+    bodies: Preparation
+    readings: HandsReading
+
+    @property
+    def cache(self) -> Cache:
+        return self.bodies.cache
+
+    def key(self, task: HandsTask) -> str:
+        said = asdict(task.settings)
+        return key_of(
+            "hands on a body", self.bodies.key(task.body), self.readings.key(task.hands), sorted(said.items())
+        )
+
+    def run(self, task: HandsTask) -> None:
+        """Raises MotionError if the hands do not fit the body."""
+        reading, rig = kept(self.readings, task.hands), self.bodies.rig
+        layout = Layout.of(rig.skeleton, rig.roles)
+        laid = lay_hands(kept(self.bodies, task.body), layout, rig, reading, task.settings)
+        said = {"rate": laid.rate, "mismatch": laid.mismatch, "warnings": laid.warnings}
+        self.cache.store(self.key(task), said, {"rows": laid.rows, "frames": laid.frames})
+
+    def load(self, task: HandsTask) -> LaidHands | None:
+        def unpack(said: Said, arrays: Arrays) -> LaidHands:
+            return LaidHands(
+                name=task.hands.source.name,
+                body=task.body.source.name,
+                rate=said["rate"],
+                settings=task.settings,
+                rows=arrays["rows"],
+                frames=arrays["frames"],
+                mismatch=said["mismatch"],
+                warnings=tuple(said["warnings"]),
+                source=task.hands.file_digest,
+            )
+
+        return self.cache.load(self.key(task), unpack)
+
+
+def recipe_of(laying: HandsLaying, tasks: Mapping[str, HandsTask]) -> list[tuple[str, str]]:
+    """All that a bank depends on because of hands."""
+    return [(laying.key(task), task.hands.file_digest) for task in tasks.values()]

@@ -1,0 +1,1 @@
+"""A clip made ready for a bank: aligned, looped, measured. Imports `alignment` and `body`."""

@@ -1,0 +1,74 @@
+"""The way a clip goes: where its root would be without the sway and twist of single steps.
+
+Place and heading are means over a stride about each frame. What is left of the root, seen from there, is the step
+itself, which can be mixed with another clip's and shown in place. Where a loop ends the step is what it is where the
+loop goes on, so that going back does not show.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.kinematics import heading
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.joint_paths import joint_paths
+from motionsplice.precompute.preparation.seam import LEVEL
+
+IN_PLACE = 0.5  # of the leg: a clip without a gait that stays within stands
+SOLE = 0.03  # of the leg, from the ground up to the lowest joint of a standing foot
+
+
+def root_path(clip: Clip, phase: Floats, strides: int, roles: Roles, gait: bool) -> Floats:
+    """The way [rows, 4] of a clip with its seam: x, height of the ground and z, metres; heading, radians about Y.
+
+    phase [rows] in cycles; after its last row a clip goes on `strides` before (0: nowhere). gait: whether its phase
+    means anything.
+    """
+    hips = joint_paths(clip, (roles.left_hip, roles.right_hip))
+    root = np.column_stack([clip.root_positions, np.unwrap(heading(hips[:, 0] - hips[:, 1]))])
+    if not gait and np.ptp(root[:, [0, 2]], axis=0).max() < IN_PLACE * roles.leg_length(clip.skeleton):
+        return np.tile(root.mean(axis=0) * [1.0, 0.0, 1.0, 1.0], (len(root), 1))
+    rows = np.arange(len(root))
+    reach = min(round(0.5 * (len(root) - 1) / (phase[-1] - phase[0])), len(root) - 1)  # half a stride
+    ahead = 2.0 * root[-1] - root[-2 : -2 - reach : -1]
+    if strides:
+        back = float(np.interp(phase[-1] - strides, phase, rows))
+        ahead = _carried(_at(root, back + np.arange(reach + 1.0)), root[-1])[1:]
+    padded = np.concatenate([2.0 * root[0] - root[reach:0:-1], root, ahead])
+    path = uniform_filter1d(padded, 2 * reach + 1, axis=0)[reach : reach + len(root)]
+    path[:, 1] = _ground(clip, roles, path[:, 1])
+    if strides:
+        ramp = np.clip(phase - (phase[-1] - 1.0), 0.0, 1.0)
+        path += (ramp**2 * (3.0 - 2.0 * ramp))[:, None] * (_step_kept(_at(path, [back])[0], root, back) - path[-1])
+    return path
+
+
+def _at(rows: Floats, at: Floats | list[float]) -> Floats:
+    """Rows [n, 4] at real-valued places [m]."""
+    return np.stack([np.interp(at, np.arange(len(rows)), column) for column in rows.T], axis=-1)
+
+
+def _carried(way: Floats, start: Floats) -> Floats:
+    """A way [n, 4] turned and moved over the floor so that it begins at `start`."""
+    turn = start[3] - way[0, 3]
+    apart = way - way[0]
+    x = np.cos(turn) * apart[:, 0] + np.sin(turn) * apart[:, 2]
+    z = np.cos(turn) * apart[:, 2] - np.sin(turn) * apart[:, 0]
+    return np.asarray(start + np.stack([x, apart[:, 1], z, apart[:, 3]], axis=-1))
+
+
+def _step_kept(path: Floats, root: Floats, back: float) -> Floats:
+    """Where the path must be at the last row for the root to be there as it is at row `back`, where path [4] is."""
+    return np.asarray(_carried(np.stack([_at(root, [back])[0], path]), root[-1])[1])
+
+
+def _ground(clip: Clip, roles: Roles, height: Floats) -> Floats:
+    """The ground's height [rows] under the root's, smoothed."""
+    leg = roles.leg_length(clip.skeleton)
+    if np.ptp(height) < LEVEL * leg:
+        return np.zeros_like(height)
+    lowest = joint_paths(clip, (*roles.feet[0], *roles.feet[1]))[..., 1].min(axis=1)
+    return np.asarray(height - np.median(height - lowest) - SOLE * leg)

@@ -1,0 +1,99 @@
+"""Going on past a clip's end: frames that lead from its last one back to a whole number of strides before.
+
+Every clip with a gait can be repeated by whole strides, but no two strides are quite alike. So a few frames are added:
+those that followed the last one's counterpart, bent so that they continue the clip's end in pose and velocity, and
+straightened within the seam. The clip's own frames stay as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.kinematics import heading
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.joint_paths import joint_paths
+
+SEAM = 0.3  # seconds
+WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
+LEVEL = 0.17  # of the leg: what a loop rises by less is not climbed, lest it add up over many loops
+WIDEST_TURN = 1.2  # radians, of any one joint
+ABOUT_AS_GOOD = 1.25  # of the least gap: of such loops the longest is taken
+
+
+@dataclass(frozen=True, eq=False)
+class Seamed:
+    """A clip's own frames and then the seam's [rows], their phase [rows], and the strides to go back at its end.
+
+    Without a usable loop there is no seam, and strides is 0.
+    """
+
+    clip: Clip
+    phase: Floats
+    strides: int
+
+
+def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
+    """Adds a seam to a clip whose `phase` [F] is known; root motion goes on in the direction of the last frame."""
+    last, count = clip.frame_count - 1, max(2, round(SEAM * clip.rate))
+    strides = np.arange(1, int(phase[-1] - phase[0]) + 1)
+    counterparts = np.interp(phase[-1] - strides, phase, np.arange(last + 1))
+    usable = (counterparts >= 1.0) & (counterparts <= last - count)
+    strides, counterparts = strides[usable], counterparts[usable]
+    turns = quaternion.angle(clip.sampled(counterparts)[1][:, 1:], clip.rotations[last, 1:])
+    gaps = np.where(turns.max(axis=1, initial=0.0) <= WIDEST_TURN, np.sqrt(np.mean(turns**2, axis=1)), np.inf)
+    if gaps.min(initial=np.inf) > WIDEST_GAP:
+        return Seamed(clip, phase, 0)
+    longest = np.flatnonzero(gaps <= ABOUT_AS_GOOD * gaps.min())[-1]
+    back, counterpart = int(strides[longest]), float(counterparts[longest])
+    after = counterpart + np.arange(1.0, count + 1.0)
+    positions, rotations = _carried_on(clip, counterpart, after, roles)
+    longer = replace(
+        clip,
+        root_positions=np.concatenate([clip.root_positions, positions]),
+        rotations=np.concatenate([clip.rotations, rotations]),
+    )
+    return Seamed(longer, np.concatenate([phase, np.interp(after, np.arange(last + 1), phase) + back]), back)
+
+
+def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> tuple[Floats, Floats]:
+    """Root positions and rotations of the frames `after` the counterpart, moved to the clip's end and bent onto it."""
+    positions, rotations = clip.sampled(np.concatenate([[counterpart - 1.0, counterpart], after]))
+    ends = clip.frames(clip.frame_count - 2, clip.frame_count)
+    turn = quaternion.about([0.0, 1.0, 0.0], _heading(ends, roles) - _heading(_one(clip, counterpart), roles))
+    rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
+    positions = quaternion.rotate(turn, positions - positions[1]) + ends.root_positions[1]
+    climbed = ends.root_positions[1, 1] - clip.sampled([counterpart])[0][0, 1]
+    if abs(climbed) < LEVEL * roles.leg_length(clip.skeleton):
+        positions[:, 1] -= climbed
+    rise = (ends.root_positions - positions[:2])[:, 1]
+    positions[2:, 1] += _settled(rise, len(after))
+    return positions[2:], bent_onto(ends.rotations, rotations)
+
+
+def bent_onto(ends: Floats, rotations: Floats) -> Floats:
+    """Rotations [n, J, 4] that go on from the two in `ends` [2, J, 4]: those after the first two of [2 + n, J, 4]."""
+    bend = quaternion.log(quaternion.multiply(quaternion.conjugate(rotations[:2]), ends))
+    return quaternion.multiply(rotations[2:], quaternion.exp(_settled(bend, len(rotations) - 2)))
+
+
+def _settled(offset: Floats, count: int) -> Floats:
+    """An offset known at two frames in a row [2, ...], let go to zero smoothly over the next `count` frames."""
+    velocity = offset[1] - offset[0]
+    t = (np.arange(1.0, count + 1.0) / count).reshape((-1, *[1] * (offset.ndim - 1)))
+    return (2.0 * t**3 - 3.0 * t**2 + 1.0) * offset[1] + (t**3 - 2.0 * t**2 + t) * count * velocity
+
+
+def _one(clip: Clip, frame: float) -> Clip:
+    positions, rotations = clip.sampled([frame])
+    return replace(clip, root_positions=positions, rotations=rotations)
+
+
+def _heading(clip: Clip, roles: Roles) -> float:
+    """The direction of the hips in a clip's last frame, radians about Y."""
+    left, right = joint_paths(clip, (roles.left_hip, roles.right_hip))[-1]
+    return float(heading(left - right))

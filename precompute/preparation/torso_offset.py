@@ -1,0 +1,69 @@
+"""What an action does to its torso beyond its gait, moment by moment: what posture `relative` carries over.
+
+The papers keep an action's mean posture (Heck et al. 2006, 3.3) and lose all else that its shoulders do on purpose:
+their section 5 names it a limitation. With the same gait captured without the action, the *neutral*, it is known what
+the gait alone does at each phase of the stride; the rest is the action's own (docs/method.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.body.best_rotations import best_rotations
+
+HARMONICS = 4  # of the stride: what a gait repeats; more would learn one take's own wobble
+SMOOTHING = 0.1  # seconds: what the phases' own unsteadiness adds is faster than shoulders move
+STEADYING = 1e-5  # keeps what a clip of less than a stride leaves open at zero
+
+
+@dataclass(frozen=True, eq=False)
+class MeanStride:
+    """The mean torso cloud of a gait by phase: coefficients [1 + 2 HARMONICS, P, 3] of its Fourier series, metres."""
+
+    coefficients: Floats
+
+    @classmethod
+    def of(cls, clouds: Floats, phase: Floats) -> MeanStride:
+        """Fitted to the torso clouds [F, P, 3] in the posture frame of a clip at `phase` [F], in cycles.
+
+        Every part of the stride counts alike, however fast it passes.
+        """
+        weight = np.sqrt(np.gradient(phase) / np.mean(np.gradient(phase)))[:, None]
+        waves = _waves(phase) * weight
+        normal = waves.T @ waves + STEADYING * len(phase) * np.diag([0.0] + [1.0] * (2 * HARMONICS))
+        found = np.linalg.solve(normal, waves.T @ (clouds.reshape(len(clouds), -1) * weight))
+        return cls(found.reshape(-1, *clouds.shape[1:]))
+
+    def at(self, phase: Floats) -> Floats:
+        """The cloud [F, P, 3] at `phase` [F]."""
+        return np.tensordot(_waves(phase), self.coefficients, axes=1)
+
+
+def torso_offsets(clouds: Floats, phase: Floats, rate: float, neutral: MeanStride) -> Floats:
+    """The turns [F, 4], in the posture frame, from the neutral's torso at the same phase to the clip's own.
+
+    clouds [F, P, 3] metres are the clip's in the posture frame; phase [F] in cycles of the neutral's ring; rate in
+    frames per second. Neighbours lie in one hemisphere.
+    """
+    turns = quaternion.one_hemisphere(best_rotations(clouds, neutral.at(phase)))
+    return quaternion.normalise(gaussian_filter1d(turns, SMOOTHING * rate, axis=0, mode="nearest"))
+
+
+def shoulder_motion(offsets: Floats) -> float:
+    """Radians, root-mean-square, by which torso offsets [F, 4] move about their mean.
+
+    It is what alignment takes from an action unless its posture is `relative`.
+    """
+    centre = np.linalg.eigh(offsets.T @ offsets)[1][:, -1]
+    return float(np.sqrt(np.mean(quaternion.angle(offsets, centre) ** 2)))
+
+
+def _waves(phase: Floats) -> Floats:
+    """1, cosines and sines of the first harmonics [F, 1 + 2 HARMONICS]."""
+    angles = 2.0 * np.pi * np.multiply.outer(phase, np.arange(1, HARMONICS + 1))
+    return np.concatenate([np.ones((len(phase), 1)), np.cos(angles), np.sin(angles)], axis=1)

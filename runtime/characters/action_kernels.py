@@ -1,0 +1,77 @@
+"""The clocks of actions: with the gaits', or their own."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.transition_kernels import UNKNOWN, action, is_own_clock, leave_action, locomotion
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import BankArrays
+from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE
+from motionsplice.runtime.kernels.phase import frame_of, own_step
+from motionsplice.runtime.simd.compiled import Array, inlined, kernel
+
+CATCH_UP = 0.3  # of the locomotion's speed, by which an action out of step is faster or slower until it is in step
+
+
+@inlined
+def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float) -> None:
+    """The phases and frames of all actions: with the gaits, or by their own clock as far as there are none."""
+    count = int(s[c + col.ACTIONS])
+    if count > 0:
+        gaits, phase = 0.0, UNKNOWN
+        for number in range(int(s[c + col.LOCOMOTIONS])):
+            slot = locomotion(c, number)
+            if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
+                gaits, phase = gaits + s[slot + col.SHARE], s[slot + col.PHASE]
+        for number in range(count):
+            slot = action(c, number)
+            if s[slot + col.KIND] == SPLICE:
+                advance_splice(bank, s, slot, seconds * s[c + col.SPEED], passed, min(gaits, 1.0), phase)
+            elif s[slot + col.KIND] == NAIVE:
+                clip = int(s[slot + col.CLIP])
+                s[slot + col.FRAME] += seconds * s[c + col.SPEED] * bank.clips[clip, arrays.RATE]
+        end_actions(bank, s, c, count, seconds)
+
+
+@inlined
+def advance_splice(
+    bank: BankArrays, s: Array, slot: int, ahead: float, passed: float, gaits: float, phase: float
+) -> None:
+    clip, frame, reached = int(s[slot + col.CLIP]), s[slot + col.FRAME], s[slot + col.PHASE]
+    own = own_step(bank, clip, frame, reached, ahead)
+    if gaits == 0.0 or is_own_clock(s, slot, frame):
+        reached += own
+    else:
+        astray = reached - phase + passed
+        astray -= np.round(astray)
+        reached += gaits * (passed - min(max(astray, -CATCH_UP * passed), CATCH_UP * passed)) + (1.0 - gaits) * own
+    end, loop = bank.clips[clip, arrays.LAST_PHASE], bank.clips[clip, arrays.LOOP]
+    if s[slot + col.LOOP] > 0.0 and loop > 0.0 and reached > end:
+        reached -= loop * np.ceil((reached - end) / loop)
+    s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, clip, reached)
+
+
+@kernel
+def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
+    """Has the newest action faded out in time before it ends, or begun again over itself."""
+    slot = action(c, count - 1)
+    clip, kind = int(s[slot + col.CLIP]), s[slot + col.KIND]
+    if kind == col.OWN or s[slot + col.LEAVING] > 0.0 or count == col.MOST_ACTIONS:
+        return
+    goes_on = s[slot + col.LOOP] > 0.0
+    if goes_on and (kind == NAIVE or bank.clips[clip, arrays.LOOP] > 0.0):
+        return
+    left = (bank.clips[clip, arrays.FRAME_COUNT] - 1.0 - s[slot + col.FRAME]) / bank.clips[clip, arrays.RATE]
+    fading = s[slot + col.FADING_OUT]
+    if left > max(fading * s[c + col.SPEED], seconds * s[c + col.SPEED]):
+        return
+    if not goes_on:
+        leave_action(s, c, slot, fading)
+    elif s[c + col.WHEN] == col.NEVER:
+        for column in range(col.ACTION_COLUMNS):
+            s[c + col.NEXT_ACTION + column] = s[slot + column]
+        s[c + col.NEXT_ACTION + col.PHASE] = bank.clips[clip, arrays.FIRST_PHASE]
+        s[c + col.NEXT_ACTION + col.FRAME] = 0.0
+        s[c + col.NEXT_ACTION + col.LASTING], s[c + col.WHEN] = fading, col.NOW

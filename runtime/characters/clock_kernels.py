@@ -1,0 +1,238 @@
+"""A character's clock: phases, fades, root motion and events, from one frame to the next."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action_kernels import advance_actions
+from motionsplice.runtime.characters.transition_kernels import (
+    action,
+    begin_waiting,
+    drop_actions,
+    drop_hands,
+    feet_of,
+    hands,
+    keep_way,
+    leading,
+    locomotion,
+    seen,
+    share_locomotions,
+    way,
+)
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import BankArrays, Ground
+from motionsplice.runtime.kernels.phase import frame_after_last, frame_of, own_step, phase_of
+from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
+
+SMOOTHING = 0.05  # seconds: each of two time constants with which weights follow what they are set to
+AGAIN = 0.3  # seconds of the fade into itself of a clip that has no two strides alike
+
+
+@kernel
+def begin(bank: BankArrays, ground: Ground, states: Array, rows: Array) -> None:
+    """Begins what characters [n] wait for, as far as that need not wait."""
+    for row in rows:
+        begin_waiting(bank, ground, states, row * col.COLUMNS, 0.0, ZERO)
+
+
+@kernel
+def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
+    """Makes phases and ways those of a bank, for characters that come from another one."""
+    for c in range(0, len(s), col.COLUMNS):
+        for number in range(int(s[c + col.LOCOMOTIONS])):
+            settle_slot(bank, s, locomotion(c, number))
+            keep_way(bank, ground, s, locomotion(c, number))
+        for number in range(int(s[c + col.ACTIONS])):
+            settle_slot(bank, s, action(c, number))
+        if s[c + col.WHEN] > col.NEVER:  # what has begun stays there, and its clip is one of the other bank's
+            settle_slot(bank, s, c + col.NEXT_ACTION)
+
+
+@kernel
+def settle_slot(bank: BankArrays, s: Array, slot: int) -> None:
+    clip = int(s[slot + col.CLIP])
+    s[slot + col.FRAME] = min(s[slot + col.FRAME], bank.clips[clip, arrays.ROW_COUNT] - 1.0)
+    s[slot + col.PHASE] = phase_of(bank, clip, s[slot + col.FRAME])
+
+
+@kernel
+def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
+    """Moves characters on in time; returns all bits of events that happened to any of them."""
+    happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
+    for c in range(0, len(s), col.COLUMNS):
+        s[c + col.EVENTS] = 0.0
+        fade(s, c, seconds, follow)
+        passed = advance_locomotions(bank, ground, s, c, seconds)
+        advance_actions(bank, s, c, seconds, passed)
+        downs = step(bank, ground, s, c, passed)
+        if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
+            begin_waiting(bank, ground, s, c, passed, downs)
+        happened |= int(s[c + col.EVENTS])
+    return happened
+
+
+@inlined
+def fade(s: Array, c: int, seconds: float, follow: float) -> None:
+    """All fades and weights of a character, `follow` of the way to what they are set to."""
+    count = int(s[c + col.LOCOMOTIONS])
+    if count > 1:
+        for number in range(count):
+            fade_slot(s, locomotion(c, number), seconds, follow)
+        share_locomotions(s, c)
+    for number in range(int(s[c + col.ACTIONS])):
+        fade_slot(s, action(c, number), seconds, follow)
+    if s[c + col.ACTIONS] > 1.0 or (s[c + col.ACTIONS] > 0.0 and s[c + col.FIRST_ACTION + col.KIND] == col.OWN):
+        drop_actions(s, c)
+    if s[c + col.HANDS] > 0.0:
+        fade_hands(s, c, seconds, follow)
+
+
+@kernel
+def fade_hands(s: Array, c: int, seconds: float, follow: float) -> None:
+    for number in range(int(s[c + col.HANDS])):
+        fade_slot(s, hands(c, number), seconds, follow)
+    drop_hands(s, c)
+
+
+@inlined
+def fade_slot(s: Array, slot: int, seconds: float, follow: float) -> None:
+    s[slot + col.ELAPSED] += seconds
+    s[slot + col.LAGGING] += follow * (s[slot + col.GOAL] - s[slot + col.LAGGING])
+    s[slot + col.WEIGHT] += follow * (s[slot + col.LAGGING] - s[slot + col.WEIGHT])
+
+
+@inlined
+def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float) -> float:
+    """Phases, frames and root motion; returns how many cycles the gaits went on, 0 if there is none."""
+    count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
+    passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
+    x = y = z = turn = 0.0
+    for number in range(count):
+        slot = locomotion(c, number)
+        clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
+        rate, phase = bank.clips[clip, arrays.RATE], s[slot + col.PHASE]
+        loop, last = end_of(bank, s, slot)
+        if count > 1 and bank.clips[clip, arrays.GAIT] > 0.0:
+            reached = phase + passed
+            end = bank.clips[clip, arrays.LAST_PHASE]
+            rounds = np.ceil((reached - end) / loop) if loop > 0.0 and reached > end else 0.0
+            reached -= rounds * loop
+            after = min(frame_of(bank, clip, reached), last)
+        else:
+            after, rounds = before + ahead * rate, 0.0
+            if after > last and loop > 0.0:
+                lasting = last - frame_after_last(bank, clip)
+                rounds = np.ceil((after - last) / lasting)
+                after -= rounds * lasting
+            after = min(after, last)
+            reached = phase_of(bank, clip, after)
+            if count == 1 and bank.clips[clip, arrays.GAIT] > 0.0:
+                passed = reached - phase + rounds * loop
+        s[slot + col.PHASE], s[slot + col.FRAME] = reached, after
+        if loop == 0.0:
+            end_locomotion(s, c, number, before, after, last, rate)
+        dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
+        share = s[slot + col.SHARE]
+        x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
+    dx, dz = seen(-s[c + col.SIN], s[c + col.COS], x, z)
+    s[c + col.PLACE] += dx
+    s[c + col.PLACE + 1] += y
+    s[c + col.PLACE + 2] += dz
+    if turn != 0.0:
+        s[c + col.HEADING] += turn
+        s[c + col.SIN], s[c + col.COS] = math.sin(0.5 * s[c + col.HEADING]), math.cos(0.5 * s[c + col.HEADING])
+    s[c + col.DELTA], s[c + col.DELTA + 1], s[c + col.DELTA + 2], s[c + col.DELTA + 3] = x, y, z, turn
+    return passed
+
+
+@inlined
+def end_of(bank: BankArrays, s: Array, slot: int) -> tuple[float, float]:
+    """The strides by which a slot's clip is led back at its end, 0 where it is held there; and the last frame."""
+    clip = int(s[slot + col.CLIP])
+    if s[slot + col.LOOP] == 0.0 or bank.clips[clip, arrays.LOOP] == 0.0:
+        return 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
+    return bank.clips[clip, arrays.LOOP], bank.clips[clip, arrays.ROW_COUNT] - 1.0
+
+
+@inlined
+def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
+    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured, but
+    for those that are held at their end.
+
+    It is their times a cycle that are mixed, as in Kovar and Gleicher's registration curves (2003, section 4): a clip
+    whose phase hardly moves for a moment is then not hurried through it by the others.
+    """
+    gaits = times = 0.0
+    for number in range(count):
+        slot = locomotion(c, number)
+        clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
+        loop, last = end_of(bank, s, slot)
+        if bank.clips[clip, arrays.GAIT] > 0.0 and (loop > 0.0 or frame < last):
+            gaits += s[slot + col.SHARE]
+            times += s[slot + col.SHARE] / own_step(bank, clip, frame, s[slot + col.PHASE], ahead)
+    return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
+
+
+@kernel
+def end_locomotion(s: Array, c: int, number: int, before: float, after: float, last: float, rate: float) -> None:
+    """What becomes of a clip that does not go on by itself: it is held, or its group begins again over itself."""
+    slot = locomotion(c, number)
+    if s[slot + col.LOOP] == 0.0:
+        if before < last and after >= last:
+            s[c + col.EVENTS] = int(s[c + col.EVENTS]) | col.LOCOMOTION_ENDED
+        return
+    head = number
+    while s[locomotion(c, head) + col.HEAD] == 0.0:
+        head -= 1
+    size = int(s[locomotion(c, head) + col.HEAD])
+    newest = head + size == int(s[c + col.LOCOMOTIONS])
+    if newest and s[c + col.NEXT_COUNT] == 0.0 and last - after <= AGAIN * rate * s[c + col.SPEED]:
+        for one in range(size):
+            s[c + col.NEXT_CLIPS + one] = s[locomotion(c, head + one) + col.CLIP]
+            s[c + col.NEXT_WEIGHTS + one] = s[locomotion(c, head + one) + col.GOAL]
+        s[c + col.NEXT_COUNT], s[c + col.NEXT_TIME], s[c + col.NEXT_LOOP] = size, 0.0, 1.0
+        s[c + col.NEXT_LASTING], s[c + col.NEXT_CURVE] = AGAIN, col.SMOOTH
+
+
+@inlined
+def travelled(
+    bank: BankArrays, ground: Ground, s: Array, slot: int, rounds: float
+) -> tuple[float, float, float, float]:
+    """The way from the frame whose way a slot keeps to its new frame, `rounds` of its loop later, as seen from where it
+    began; keeps the new one."""
+    x0, y0, z0, h0 = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2], s[slot + col.WAY + 3]
+    sin, cos = s[slot + col.WAY_SIN], s[slot + col.WAY_COS]
+    x = y = z = turn = 0.0
+    if rounds > 0.0:
+        clip = int(s[slot + col.CLIP])
+        x1, y1, z1, h1 = way(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
+        x, z = seen(sin, cos, x1 - x0, z1 - z0)
+        y, turn = y1 - y0, h1 - h0
+        x0, y0, z0, h0 = way(bank, ground, clip, frame_after_last(bank, clip))
+        for _ in range(int(rounds) - 1):
+            dx, dz = seen(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
+            x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
+        sin, cos = math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn))
+    keep_way(bank, ground, s, slot)
+    dx, dz = seen(sin, cos, s[slot + col.WAY] - x0, s[slot + col.WAY + 2] - z0)
+    return x + dx, y + s[slot + col.WAY + 1] - y0, z + dz, turn + s[slot + col.WAY + 3] - h0
+
+
+@inlined
+def step(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float) -> int:
+    """Tells of strides and of feet that come down and go up, by the locomotion that gives most; returns the downs."""
+    slot = leading(s, c)
+    phase, now = s[slot + col.PHASE], feet_of(bank, ground, s, slot)
+    before, events = int(s[c + col.STANDING]), int(s[c + col.EVENTS])
+    downs, ups = now & ~before, before & ~now
+    events |= col.LEFT_DOWN if downs & LEFT_FOOT else 0
+    events |= col.RIGHT_DOWN if downs & RIGHT_FOOT else 0
+    events |= col.LEFT_UP if ups & LEFT_FOOT else 0
+    events |= col.RIGHT_UP if ups & RIGHT_FOOT else 0
+    events |= col.STRIDE if np.floor(phase) > np.floor(phase - passed) else 0
+    s[c + col.STANDING], s[c + col.EVENTS] = now, events
+    return downs

@@ -1,0 +1,66 @@
+"""Mixing by weight: rotations in lanes, and clouds.
+
+What is mixed is added to a sum, one source after
+the other, each with a weight for every lane; rotations by the shorter way round, so that only their direction counts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.runtime.format.rows import CLOUD, SIZE
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import BankArrays, Mixing
+from motionsplice.runtime.kernels.posture import between_rows, mixed
+from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real, inlined
+from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread, store
+
+FOUR = np.uint64(4)  # numbers of a rotation
+
+
+@inlined
+def weigh_lanes(weights: Array, width: Index, weight: Real) -> None:
+    """The same weight for all lanes."""
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        store(weights, 0, lane, spread(weight))
+
+
+@inlined
+def add_lanes(lanes: Array, first: Index, width: Index, mixing: Mixing, new: bool) -> None:
+    """Adds rotations, each with a weight of its own, to the sum, by the shorter way round."""
+    weights, total = mixing.lane_weights, mixing.sum
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        x, y, z, w = separate(lanes, first + FOUR * lane)
+        weight = load(weights, 0, lane)
+        if new:
+            x, y, z, w = weight * x, weight * y, weight * z, weight * w
+        else:
+            sx, sy, sz, sw = load(total, 0, lane), load(total, 1, lane), load(total, 2, lane), load(total, 3, lane)
+            weight = signed(weight, (sx * x + sy * y) + (sz * z + sw * w))
+            x, y, z, w = sx + weight * x, sy + weight * y, sz + weight * z, sw + weight * w
+        store(total, 0, lane, x)
+        store(total, 1, lane, y)
+        store(total, 2, lane, z)
+        store(total, 3, lane, w)
+
+
+@inlined
+def normalise_lanes(total: Array, first: Index, width: Index, out: Array) -> None:
+    """The rotations of a sum into lanes."""
+    one, least = spread(np.float32(1.0)), spread(np.float32(1e-30))
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        x, y, z, w = load(total, 0, lane), load(total, 1, lane), load(total, 2, lane), load(total, 3, lane)
+        scale = one / root(least + ((x * x + y * y) + (z * z + w * w)))
+        interleave(out, first + FOUR * lane, x * scale, y * scale, z * scale, w * scale)
+
+
+@inlined
+def add_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, total: Array, new: bool) -> None:
+    """Adds the cloud of a row of `lower`, and its size, to a row of the same form."""
+    size = weight * between_rows(bank.lower, row, np.uint64(SIZE), t)
+    total[0, SIZE] = size if new else total[0, SIZE] + size
+    for column in range(
+        np.uint64(CLOUD), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH], np.uint64(LANES)
+    ):
+        value = spread(weight) * mixed(bank.lower, row, column, t)
+        store(total, 0, column, value if new else value + load(total, 0, column))

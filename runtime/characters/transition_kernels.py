@@ -1,0 +1,279 @@
+"""What a character goes over into: slots that begin in step, are faded in over those below them, and are dropped.
+
+What is commanded waits in the row until its
+moment has come, be that at once, so that all transitions are begun by `begin_waiting`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import BankArrays, Ground
+from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE
+from motionsplice.runtime.kernels.phase import frame_of, phase_of, row_of
+from motionsplice.runtime.kernels.rotations import ONE
+from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
+
+UNKNOWN = np.inf  # a phase that nothing says
+
+
+@inlined
+def locomotion(c: int, number: int) -> int:
+    """Where a slot of locomotion begins, of the character whose row begins at c."""
+    return c + col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS
+
+
+@inlined
+def action(c: int, number: int) -> int:
+    """Where a slot of action begins."""
+    return c + col.FIRST_ACTION + number * col.ACTION_COLUMNS
+
+
+@inlined
+def hands(c: int, number: int) -> int:
+    """Where a slot of hands begins."""
+    return c + col.FIRST_HANDS + number * col.HANDS_COLUMNS
+
+
+@inlined
+def faded(elapsed: float, lasting: float, curve: float) -> float:
+    """How far something is faded in, from 0 to 1."""
+    if elapsed >= lasting:
+        return 1.0
+    t = elapsed / lasting
+    if curve == col.SMOOTH:
+        return t * t * (3.0 - 2.0 * t)
+    if curve == col.EASE_IN:
+        return t * t
+    if curve == col.EASE_OUT:
+        return t * (2.0 - t)
+    return t
+
+
+@inlined
+def seen(sin: float, cos: float, x: float, z: float) -> tuple[float, float]:
+    """A vector as seen after a turn about Y by twice the angle of sin and cos."""
+    cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
+    return cosine * x - sine * z, cosine * z + sine * x
+
+
+@inlined
+def way(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[float, float, float, float]:
+    """A clip's path at a frame."""
+    row, t = row_of(bank, clip, frame)
+    x, y, z, h = ground.paths[row, 0], ground.paths[row, 1], ground.paths[row, 2], ground.paths[row, 3]
+    after = row + ONE
+    return (
+        x + t * (ground.paths[after, 0] - x),
+        y + t * (ground.paths[after, 1] - y),
+        z + t * (ground.paths[after, 2] - z),
+        h + t * (ground.paths[after, 3] - h),
+    )
+
+
+@inlined
+def keep_way(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
+    """Keeps in a slot where its clip's path is at its frame."""
+    x, y, z, h = way(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+    s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2], s[slot + col.WAY + 3] = x, y, z, h
+    s[slot + col.WAY_SIN], s[slot + col.WAY_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
+
+
+@kernel
+def reference(bank: BankArrays, s: Array, c: int) -> float:
+    """The phase that what begins has to be in step with: the newest gait's, or else the newest spliced action's."""
+    for number in range(int(s[c + col.LOCOMOTIONS]) - 1, -1, -1):
+        slot = locomotion(c, number)
+        if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
+            return s[slot + col.PHASE]
+    for number in range(int(s[c + col.ACTIONS]) - 1, -1, -1):
+        slot = action(c, number)
+        if s[slot + col.KIND] == SPLICE:
+            return s[slot + col.PHASE]
+    return UNKNOWN
+
+
+@kernel
+def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
+    """The first phase of a clip from `start` on that is a whole number of cycles from `phase`; `start` if none is."""
+    if phase == UNKNOWN:
+        return start
+    found = phase + np.ceil(start - phase - IN_STEP)
+    while found > bank.clips[clip, arrays.LAST_PHASE] and found - 1.0 >= bank.clips[clip, arrays.FIRST_PHASE]:
+        found -= 1.0
+    return found if found <= bank.clips[clip, arrays.LAST_PHASE] else start
+
+
+@kernel
+def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float, downs: int) -> None:
+    """Begins what waits, if its moment has come and there is room: the phase has just advanced by `passed` cycles, and
+    the feet whose bits are in `downs` have come down."""
+    if s[c + col.NEXT_COUNT] > 0.0:
+        if s[c + col.NEXT_LASTING] <= 0.0:
+            begin_locomotion(bank, ground, s, c, ZERO)
+        elif s[c + col.LOCOMOTIONS] + s[c + col.NEXT_COUNT] <= col.MOST_LOCOMOTIONS:
+            begin_locomotion(bank, ground, s, c, int(s[c + col.LOCOMOTIONS]))
+    if s[c + col.WHEN] > col.NEVER and s[c + col.ACTIONS] < col.MOST_ACTIONS and is_time(bank, s, c, passed, downs):
+        begin_action(bank, s, c)
+    if s[c + col.HANDS_WAIT] > 0.0 and s[c + col.HANDS] < col.MOST_HANDS:
+        begin_hands(s, c)
+
+
+@kernel
+def begin_hands(s: Array, c: int) -> None:
+    """Begins the hands that wait, in a slot above all others."""
+    slot = hands(c, int(s[c + col.HANDS]))
+    for column in range(col.HANDS_COLUMNS):
+        s[slot + column] = s[c + col.NEXT_HANDS + column]
+    s[c + col.HANDS] += 1.0
+    s[c + col.HANDS_WAIT] = 0.0
+    drop_hands(s, c)
+
+
+@kernel
+def drop_hands(s: Array, c: int) -> None:
+    """Drops hands that those above them have covered, and what covers them once no hands are worn."""
+    top = hands(c, int(s[c + col.HANDS]) - 1)
+    if s[top + col.ELAPSED] >= s[top + col.LASTING]:
+        for column in range(col.HANDS_COLUMNS):
+            s[c + col.FIRST_HANDS + column] = s[top + column]
+        s[c + col.HANDS] = 0.0 if s[c + col.FIRST_HANDS + col.CLIP] == col.BARE else 1.0
+
+
+@kernel
+def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: int) -> None:
+    """Begins the group that waits, in the slots from `first` on."""
+    count, phase = int(s[c + col.NEXT_COUNT]), reference(bank, s, c)
+    for number in range(count):
+        slot, clip = locomotion(c, first + number), int(s[c + col.NEXT_CLIPS + number])
+        start = phase_of(bank, clip, s[c + col.NEXT_TIME] * bank.clips[clip, arrays.RATE])
+        gait = bank.clips[clip, arrays.GAIT] > 0.0
+        begun = in_step(bank, clip, start, phase) if gait else start
+        if gait and phase == UNKNOWN:
+            phase = begun  # those of a group are in step with its first gait, if there is nothing else
+        s[slot + col.CLIP], s[slot + col.PHASE], s[slot + col.FRAME] = clip, begun, frame_of(bank, clip, begun)
+        weight = s[c + col.NEXT_WEIGHTS + number]
+        s[slot + col.WEIGHT], s[slot + col.LAGGING], s[slot + col.GOAL] = weight, weight, weight
+        s[slot + col.ELAPSED], s[slot + col.LASTING] = 0.0, s[c + col.NEXT_LASTING]
+        s[slot + col.CURVE], s[slot + col.LOOP] = s[c + col.NEXT_CURVE], s[c + col.NEXT_LOOP]
+        s[slot + col.HEAD] = count if number == 0 else 0.0
+        keep_way(bank, ground, s, slot)
+    is_new = s[c + col.LOCOMOTIONS] == 0.0
+    s[c + col.LOCOMOTIONS], s[c + col.NEXT_COUNT] = first + count, 0.0
+    share_locomotions(s, c)
+    if is_new:  # what stands from the beginning does not come down
+        s[c + col.STANDING] = feet_of(bank, ground, s, leading(s, c))
+
+
+@inlined
+def leading(s: Array, c: int) -> int:
+    """The slot of the locomotion that gives most."""
+    most = locomotion(c, 0)
+    for number in range(1, int(s[c + col.LOCOMOTIONS])):
+        if s[locomotion(c, number) + col.SHARE] > s[most + col.SHARE]:
+            most = locomotion(c, number)
+    return most
+
+
+@inlined
+def feet_of(bank: BankArrays, ground: Ground, s: Array, slot: int) -> int:
+    """The bits of the feet that stand in what a slot shows."""
+    row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+    return int(ground.contacts[row])
+
+
+@kernel
+def is_time(bank: BankArrays, s: Array, c: int, passed: float, downs: int) -> bool:
+    """Whether the action that waits is to begin."""
+    when, phase = s[c + col.WHEN], reference(bank, s, c)
+    if when == col.NOW or phase == UNKNOWN:
+        return True
+    if when == col.IN_PHASE:
+        start = s[c + col.NEXT_ACTION + col.PHASE]
+        return np.floor(phase - start + IN_STEP) > np.floor(phase - passed - start + IN_STEP)
+    left, right = downs & LEFT_FOOT > 0, downs & RIGHT_FOOT > 0
+    return left if when == col.ON_LEFT else right if when == col.ON_RIGHT else left or right
+
+
+@kernel
+def begin_action(bank: BankArrays, s: Array, c: int) -> None:
+    """Begins the action that waits, in a slot above all others."""
+    slot, waiting = action(c, int(s[c + col.ACTIONS])), c + col.NEXT_ACTION
+    for column in range(col.ACTION_COLUMNS):
+        s[slot + column] = s[waiting + column]
+    clip, start, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE], reference(bank, s, c)
+    if s[slot + col.KIND] == SPLICE and not is_own_clock(s, slot, s[slot + col.FRAME]):
+        s[slot + col.PHASE] = in_step(bank, clip, start, phase)
+        if s[c + col.WHEN] == col.IN_PHASE and phase != UNKNOWN:
+            nearest = phase + np.round(start - phase)
+            s[slot + col.PHASE] = max(nearest, bank.clips[clip, arrays.FIRST_PHASE])
+        s[slot + col.FRAME] = frame_of(bank, clip, s[slot + col.PHASE])
+    s[slot + col.ELAPSED] = 0.0
+    if s[slot + col.KIND] != col.OWN:
+        s[c + col.EVENTS], s[c + col.BEGAN] = int(s[c + col.EVENTS]) | col.ACTION_BEGAN, clip
+    s[c + col.ACTIONS] += 1.0
+    s[c + col.WHEN] = col.NEVER
+    drop_actions(s, c)
+
+
+@inlined
+def is_own_clock(s: Array, slot: int, frame: float) -> bool:
+    """Whether an action goes by its own clock at a frame."""
+    return s[slot + col.OWN_FROM] <= frame < s[slot + col.OWN_TO]
+
+
+@kernel
+def share_locomotions(s: Array, c: int) -> None:
+    """How much each locomotion gives, after those that groups above them have covered are dropped."""
+    count, rest = int(s[c + col.LOCOMOTIONS]), 1.0
+    first = count
+    while first > 0 and rest > 0.0:
+        first -= 1
+        head = locomotion(c, first)
+        if s[head + col.HEAD] > 0.0:
+            risen = faded(s[head + col.ELAPSED], s[head + col.LASTING], s[head + col.CURVE]) if first > 0 else 1.0
+            for number in range(first, first + int(s[head + col.HEAD])):
+                slot = locomotion(c, number)
+                s[slot + col.SHARE] = rest * risen * s[slot + col.WEIGHT]
+            rest *= 1.0 - risen
+    if first > 0:
+        kept = (count - first) * col.LOCOMOTION_COLUMNS
+        for column in range(kept):
+            s[c + col.FIRST_LOCOMOTION + column] = s[locomotion(c, first) + column]
+        s[c + col.LOCOMOTIONS] = count - first
+
+
+@kernel
+def drop_actions(s: Array, c: int) -> None:
+    """Drops actions that those above them have covered, and tells of those that had come to their end."""
+    count, covered = int(s[c + col.ACTIONS]), 0
+    for number in range(count - 1, -1, -1):
+        slot = action(c, number)
+        mask, whole = int(s[slot + col.MASK]), s[slot + col.ELAPSED] >= s[slot + col.LASTING]
+        hidden = mask & ~covered == 0
+        if whole:
+            covered |= mask
+        if hidden or (whole and number == 0 and s[slot + col.KIND] == col.OWN):
+            if s[slot + col.LEAVING] > 0.0:
+                s[c + col.EVENTS], s[c + col.ENDED] = int(s[c + col.EVENTS]) | col.ACTION_ENDED, s[slot + col.CLIP]
+            for column in range(slot, action(c, count - 1)):
+                s[column] = s[column + col.ACTION_COLUMNS]
+            count -= 1
+    s[c + col.ACTIONS] = count
+
+
+@kernel
+def leave_action(s: Array, c: int, slot: int, lasting: float) -> None:
+    """Has the newest action, which comes to its end, faded out by the locomotion's own upper body above it."""
+    s[slot + col.LEAVING] = 1.0
+    own = slot + col.ACTION_COLUMNS
+    for column in range(col.ACTION_COLUMNS):
+        s[own + column] = 0.0
+    s[own + col.KIND], s[own + col.MASK] = col.OWN, s[slot + col.MASK]
+    s[own + col.LASTING], s[own + col.CURVE] = lasting, s[slot + col.CURVE]
+    s[c + col.ACTIONS] += 1.0

@@ -1,0 +1,143 @@
+"""Turning what a pose has of several actions: its pelvis, and limbs that an action owns without the trunk."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.transition_kernels import action
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import BLOCK, SPLICED, BankArrays, Limbs, Mixing
+from motionsplice.runtime.kernels.lookup import SPLICE
+from motionsplice.runtime.kernels.posture import RUNNING
+from motionsplice.runtime.kernels.rotations import TINY, product
+from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+
+
+@inlined
+def turn_pelvis(
+    bank: BankArrays, s: Array, c: int, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
+) -> None:
+    """The pelvis of a pose, which is the locomotion's, by the shares of the actions; and what they remember."""
+    column, count, own = bank.rig[arrays.PELVIS_COLUMN], int(s[c + col.ACTIONS]), 1.0
+    for number in range(count):
+        own -= mixing.shares[k + number, 0]
+    ax, ay = rotations[character, column], rotations[character, column + np.uint64(1)]
+    az, aw = rotations[character, column + np.uint64(2)], rotations[character, column + np.uint64(3)]
+    own = max(own, 0.0) if own > 1e-9 else 0.0
+    x, y, z, w = own * ax, own * ay, own * az, own * aw
+    for number in range(count):
+        lane, slot, share = k + number, action(c, number), mixing.shares[k + number, 0]
+        kind = s[slot + col.KIND]
+        if kind == SPLICE:
+            keep_memory(s, slot, lane, mixing)
+            bx, by = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
+            bz, bw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
+        else:
+            bx, by, bz, bw = mixing.kept[lane, 0], mixing.kept[lane, 1], mixing.kept[lane, 2], mixing.kept[lane, 3]
+        if kind != col.OWN and share > 0.0:
+            signed = share if x * bx + y * by + z * bz + w * bw >= 0.0 else -share
+            x, y, z, w = x + signed * bx, y + signed * by, z + signed * bz, w + signed * bw
+    scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+    rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
+    rotations[character, column + np.uint64(2)], rotations[character, column + np.uint64(3)] = z * scale, w * scale
+
+
+@inlined
+def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
+    """Gives a slot back what the evaluator remembers of its splice."""
+    for column in range(arrays.MEAN_POSTURE):
+        s[slot + col.REMEMBERED + column] = mixing.memory[lane, column]
+    if mixing.requests[lane]["posture"] == RUNNING:
+        for column in range(arrays.MEAN_POSTURE, arrays.MEMORY_COLUMNS):
+            s[slot + col.REMEMBERED + column] = mixing.memory[lane, column]
+
+
+@kernel
+def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
+    """How each limb's attachment is turned against the pelvis in an action's own upper half."""
+    for part in range(1, col.PARTS):
+        x, y, z, w = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(1.0)
+        for number in range(limbs.lengths[part]):
+            at = above + np.uint64(4 * limbs.chains[part, number])
+            x, y, z, w = product(
+                x, y, z, w, lanes[at], lanes[at + np.uint64(1)], lanes[at + np.uint64(2)], lanes[at + np.uint64(3)]
+            )
+        to = 4 * part
+        mixing.kept[k, to], mixing.kept[k, to + 1], mixing.kept[k, to + 2], mixing.kept[k, to + 3] = x, y, z, w
+
+
+@kernel
+def turn_limbs(
+    bank: BankArrays,
+    limbs: Limbs,
+    s: Array,
+    c: int,
+    k: int,
+    block: Array,
+    mixing: Mixing,
+    character: int,
+    rotations: Array,
+) -> None:
+    """Turns the attachments of limbs that an action owns without the trunk, so that they are to the pelvis as they
+    would be if it owned all: Heck's three steps at another joint (their section 5)."""
+    pelvis = bank.rig[arrays.PELVIS_COLUMN]
+    for part in range(1, col.PARTS):
+        length, rest = limbs.lengths[part], 1.0  # the share of what is in the pose already
+        for number in range(int(s[c + col.ACTIONS])):
+            rest -= mixing.shares[k + number, part] if is_apart(s, action(c, number)) else 0.0
+        rest = max(rest, 0.0)
+        for number in range(int(s[c + col.ACTIONS])):
+            lane, slot = k + number, action(c, number)
+            share = mixing.shares[lane, part]
+            if length > 0 and share > 0.0 and is_apart(s, slot):
+                x, y, z, w = quaternion_at(rotations, character, pelvis)
+                for joint in range(length - 1):
+                    qx, qy, qz, qw = quaternion_at(rotations, character, limbs.columns[part, joint])
+                    x, y, z, w = product(x, y, z, w, qx, qy, qz, qw)
+                px, py = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
+                pz, pw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
+                at = 4 * part
+                tx, ty, tz, tw = product(
+                    px,
+                    py,
+                    pz,
+                    pw,
+                    mixing.kept[lane, at],
+                    mixing.kept[lane, at + 1],
+                    mixing.kept[lane, at + 2],
+                    mixing.kept[lane, at + 3],
+                )
+                x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
+                column = limbs.columns[part, length - 1]
+                qx, qy, qz, qw = quaternion_at(rotations, character, column)
+                signed = rest if qx * x + qy * y + qz * z + qw * w >= 0.0 else -rest
+                x, y, z, w = (
+                    share * x + signed * qx,
+                    share * y + signed * qy,
+                    share * z + signed * qz,
+                    share * w + signed * qw,
+                )
+                scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+                rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
+                rotations[character, column + np.uint64(2)] = z * scale
+                rotations[character, column + np.uint64(3)] = w * scale
+                rest += share
+
+
+@inlined
+def is_apart(s: Array, slot: int) -> bool:
+    """Whether an action owns limbs, but not the trunk that they hang on."""
+    return s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
+
+
+@inlined
+def quaternion_at(rotations: Array, character: int, column: Index) -> tuple[float, float, float, float]:
+    return (
+        rotations[character, column],
+        rotations[character, column + np.uint64(1)],
+        rotations[character, column + np.uint64(2)],
+        rotations[character, column + np.uint64(3)],
+    )

@@ -1,0 +1,224 @@
+"""The upper bodies of characters: those of locomotions and of actions, mixed part by part.
+
+Of one action that is not faded nothing is mixed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, weigh_lanes
+from motionsplice.runtime.characters.transition_kernels import action, faded, locomotion
+from motionsplice.runtime.characters.turning_kernels import is_apart, keep_limbs
+from motionsplice.runtime.format.rows import PELVIS
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import (
+    BLOCK,
+    ROW_L,
+    ROW_U,
+    SHARE_L,
+    SHARE_U,
+    SPLICED,
+    BankArrays,
+    Limbs,
+    Mixing,
+)
+from motionsplice.runtime.kernels.evaluate import copy_upper
+from motionsplice.runtime.kernels.hands import wear_hands
+from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, locate, repeated
+from motionsplice.runtime.kernels.phase import row_of
+from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RUNNING, correlate
+from motionsplice.runtime.kernels.rotations import sample
+from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+
+
+@inlined
+def mix_upper(
+    bank: BankArrays,
+    limbs: Limbs,
+    s: Array,
+    c: int,
+    k: int,
+    lanes: Array,
+    block: Array,
+    mixing: Mixing,
+    character: int,
+    rotations: Array,
+) -> None:
+    """Samples the upper half of all that gives some of it into lanes, mixed, and writes its joints into the pose;
+    prepares the splices of actions, each in a lane of the block."""
+    rig, count = bank.rig, int(s[c + col.ACTIONS])
+    above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
+    mixing.requests[k]["method"], mixing.limbs_turn[k] = 0, 0
+    if count == 0:
+        sample_own(bank, s, c, lanes, mixing)
+    elif is_plain(s, c):
+        sample_action(bank, s, c, 0, k, lanes, block, mixing)
+        for part in range(col.PARTS):
+            mixing.weights[col.PARTS + part] = 1.0
+    else:
+        mix_actions(bank, limbs, s, c, count, k, lanes, block, mixing)
+    for number in range(count):
+        for part in range(col.PARTS):
+            mixing.shares[k + number, part] = mixing.weights[col.PARTS * (number + 1) + part]
+    copy_upper(rig, lanes, above, rotations, character)
+
+
+@inlined
+def is_plain(s: Array, c: int) -> bool:
+    """Whether one action alone gives the whole upper body."""
+    slot = c + col.FIRST_ACTION
+    return (
+        s[c + col.ACTIONS] == 1.0
+        and s[slot + col.KIND] != col.OWN
+        and s[slot + col.MASK] == col.UPPER_BODY
+        and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
+        and s[slot + col.WEIGHT] == 1.0
+    )
+
+
+@inlined
+def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing) -> None:
+    """The locomotions' own upper half into lanes."""
+    rig, count = bank.rig, int(s[c + col.LOCOMOTIONS])
+    above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
+    for number in range(count):
+        slot = locomotion(c, number)
+        clip = int(s[slot + col.CLIP])
+        row, t = row_of(bank, clip, s[slot + col.FRAME])
+        sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
+        if s[c + col.HANDS] > 0.0:
+            wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
+        if count > 1:
+            weigh_lanes(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
+            add_lanes(lanes, above, width, mixing, number == 0)
+    if count > 1:
+        normalise_lanes(mixing.sum, above, width, lanes)
+
+
+@inlined
+def row_of_action(bank: BankArrays, s: Array, slot: int) -> tuple[np.uint64, float]:
+    clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
+    first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
+    if s[slot + col.KIND] == NAIVE:
+        count = bank.clips[clip, arrays.FRAME_COUNT]
+        frame = repeated(frame, count - 1.0)
+    return locate(frame, first, count)
+
+
+@inlined
+def sample_action(
+    bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing
+) -> None:
+    """An action's upper half into lanes, and what its splice needs into lane k of the block."""
+    rig, slot = bank.rig, action(c, number)
+    above, first = np.uint64(4) * rig[arrays.LOWER_WIDTH], k - number
+    row, t = row_of_action(bank, s, slot)
+    sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
+    if s[c + col.HANDS] > 0.0:
+        wear_hands(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
+    block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
+    request, kind = mixing.requests[k], int(s[slot + col.KIND])
+    request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])
+    request["action"], request["locomotion"] = int(s[slot + col.CLIP]), int(s[c + col.FIRST_LOCOMOTION + col.CLIP])
+    if kind == SPLICE:
+        for column in range(arrays.MEAN_POSTURE):
+            mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
+        if request["posture"] == RUNNING:
+            for column in range(arrays.MEAN_POSTURE, arrays.MEMORY_COLUMNS):
+                mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
+        if s[c + col.LOCOMOTIONS] > 1.0:
+            block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
+            correlate(bank, mixing.row, block, k, lanes, above)
+            if request["posture"] == ABSOLUTE:
+                mix_postures(bank, s, c, k, mixing)
+        else:
+            block[ROW_L * BLOCK + k] = block[ROW_L * BLOCK + first]
+            block[SHARE_L * BLOCK + k] = block[SHARE_L * BLOCK + first]
+            correlate(bank, bank.lower, block, k, lanes, above)
+    elif kind == NAIVE:
+        for i in range(4):
+            block[(SPLICED + i) * BLOCK + k] = 0.0
+            mixing.kept[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
+
+
+@kernel
+def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> None:
+    """The posture that locomotions have stored, mixed, for an action that is turned from there."""
+    mixing.requests[k]["posture"] = GIVEN
+    for i in range(6):
+        mixing.memory[k, arrays.MEAN_POSTURE + i] = 0.0
+    for number in range(int(s[c + col.LOCOMOTIONS])):
+        slot = locomotion(c, number)
+        for i in range(6):
+            stored = bank.clips[int(s[slot + col.CLIP]), arrays.POSTURE + i]
+            mixing.memory[k, arrays.MEAN_POSTURE + i] += s[slot + col.SHARE] * stored
+
+
+@kernel
+def mix_actions(
+    bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, k: int, lanes: Array, block: Array, mixing: Mixing
+) -> None:
+    """The upper halves of locomotions and actions into lanes, each part by the shares of those that own it."""
+    rig = bank.rig
+    above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
+    weigh_actions(s, c, count, mixing.weights)
+    new = True
+    for part in range(col.PARTS):
+        new &= mixing.weights[part] == 0.0
+    if not new:
+        sample_own(bank, s, c, lanes, mixing)
+        weigh_parts(limbs, width, mixing, 0, False)
+        add_lanes(lanes, above, width, mixing, True)
+    for number in range(count):
+        slot = action(c, number)
+        mixing.requests[k + number]["method"] = 0
+        if s[slot + col.KIND] != col.OWN:
+            sample_action(bank, s, c, number, k + number, lanes, block, mixing)
+            apart = is_apart(s, slot)
+            if apart:
+                keep_limbs(bank, limbs, lanes, above, k + number, mixing)
+                mixing.limbs_turn[k] = 1
+            weigh_parts(limbs, width, mixing, number + 1, apart)
+            add_lanes(lanes, above, width, mixing, new)
+            new = False
+    normalise_lanes(mixing.sum, above, width, lanes)
+
+
+@inlined
+def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
+    """What share of each part [PARTS] the locomotions' own upper body has, then each action; from the top down, so that
+    the row after them holds what is left for those below."""
+    left = col.PARTS * (count + 1)
+    for part in range(col.PARTS):
+        weights[part], weights[left + part] = 0.0, 1.0
+    for number in range(count - 1, -1, -1):
+        slot, at = action(c, number), col.PARTS * (number + 1)
+        mask, risen = int(s[slot + col.MASK]), faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])
+        given = 0.0 if s[slot + col.KIND] == col.OWN else s[slot + col.WEIGHT]
+        for part in range(col.PARTS):
+            share = weights[left + part] * (risen if mask >> part & 1 else 0.0)
+            weights[left + part] -= share
+            weights[part] += share * (1.0 - given)
+            weights[at + part] = share * given
+    for part in range(col.PARTS):
+        weights[part] += weights[left + part]
+
+
+@inlined
+def weigh_parts(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: bool) -> None:
+    """The weight of its part for each lane of an upper half; but none, if limbs are turned apart, for the joints by
+    which they hang on the trunk."""
+    begin, whole = col.PARTS * source, not apart
+    for part in range(1, col.PARTS):
+        whole &= mixing.weights[begin + part] == mixing.weights[begin]
+    if whole:
+        weigh_lanes(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
+        return
+    for lane in range(width):
+        mixing.lane_weights[0, lane] = np.float32(mixing.weights[begin + limbs.part_of_lane[lane]])
+    if apart:
+        for part in range(1, col.PARTS):
+            if limbs.lengths[part] > 0:
+                mixing.lane_weights[0, limbs.attachments[part]] = np.float32(0.0)

@@ -1,0 +1,147 @@
+"""The rows of a bank: all that one frame of a clip gives to a splice, side by side in memory.
+
+A splice reads the lower half of one clip and the upper half of another, so each half has a table. A row is root
+position, upper cloud and rotations, the latter two component by component over whole vectors (docs/bank.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.hand_joints import SIDES, elbow_of, has_fingers
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.motion.skeleton import Skeleton
+from motionsplice.runtime.simd.compiled import LANES
+
+Float32s = NDArray[np.float32]
+
+ROOT, SIZE, CLOUD = 0, 3, 4  # first columns
+PELVIS, POSTURE_FRAME, TORSO_OFFSET, FIRST_JOINT = 0, 1, 2, 3  # lanes
+LINE = 16  # floats of a cache line
+
+
+class TorsoRows(NamedTuple):
+    """How the upper body sits on the root in n frames (docs/bank.md).
+
+    clouds [n, points, 3]: metres, in the pelvis's frame. frames [n, 4]: the posture frame as seen from the pelvis's
+    parent. offsets [n, 4]: the turn, in the posture frame, from the neutral's torso at this phase to the clip's own.
+    """
+
+    clouds: Floats
+    frames: Floats
+    offsets: Floats
+
+
+@dataclass(frozen=True)
+class Half:
+    """A table of rotations: its joints, in their lanes from first_joint on, and the column where lanes begin."""
+
+    joints: tuple[int, ...]
+    first_plane: int
+    first_joint: int = FIRST_JOINT
+
+    @property
+    def width(self) -> int:
+        """Lanes of a component."""
+        return _whole(self.first_joint + len(self.joints), LANES)
+
+    @property
+    def columns(self) -> int:
+        """Floats of a row."""
+        return _whole(self.first_plane + 4 * self.width, LINE)
+
+    def lanes(self, rows: NDArray[np.float32]) -> Float32s:
+        """The rotations [n, width, 4] in rows [n, columns], in the same memory."""
+        planes = rows[:, self.first_plane : self.first_plane + 4 * self.width]
+        return np.moveaxis(planes.reshape(len(rows), 4, self.width), 1, 2)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Both halves of a rig, whose upper clouds have `points` points. The pelvis has a lane of its own in each half.
+
+    hands are the part of the upper half that a clip of hands may drive: all from the elbows on, if there are fingers.
+    """
+
+    lower: Half
+    upper: Half
+    hands: Half
+    pelvis: int
+    points: int
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, roles: Roles) -> Layout:
+        above, points = skeleton.subtree(roles.pelvis), len(roles.upper_cloud)
+        below = tuple(joint for joint in range(skeleton.joint_count) if joint not in above)
+        first_plane = _whole(CLOUD + 3 * _whole(points, LANES), LANES)
+        upper = tuple(joint for joint in above if joint != roles.pelvis)
+        driven = {one for side in SIDES for one in skeleton.subtree(elbow_of(roles, side))}
+        hands = tuple(one for one in upper if one in driven) if has_fingers(skeleton, roles) else ()
+        return cls(Half(below, first_plane), Half(upper, first_plane), Half(hands, 0, 0), roles.pelvis, points)
+
+    @property
+    def cloud_width(self) -> int:
+        """Lanes of a component of the cloud."""
+        return _whole(self.points, LANES)
+
+    @property
+    def halves(self) -> dict[str, Half]:
+        """The two halves by the names of their tables."""
+        return {"lower": self.lower, "upper": self.upper}
+
+    def pack(self, roots: Floats, rotations: Floats, torso: TorsoRows) -> dict[str, Float32s]:
+        """Rows [n, columns] of both tables, for n frames: roots [n, 3] metres, rotations [n, J, 4] and their torsos."""
+        packed = {}
+        for name, half in self.halves.items():
+            rows = np.zeros((len(roots), half.columns), np.float32)
+            rows[:, ROOT : ROOT + 3] = roots
+            rows[:, SIZE] = 0.5 * np.sum(torso.clouds**2, axis=(1, 2))
+            self._clouds(rows)[:] = torso.clouds
+            lanes = half.lanes(rows)
+            lanes[:] = quaternion.IDENTITY
+            lanes[:, PELVIS], lanes[:, POSTURE_FRAME] = rotations[:, self.pelvis], torso.frames
+            lanes[:, TORSO_OFFSET] = torso.offsets
+            lanes[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)] = rotations[:, half.joints]
+            packed[name] = rows
+        return packed
+
+    def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
+        """Writes torso offsets [n, 4] into rows [n, columns] of a table."""
+        self.halves[half].lanes(rows)[:, TORSO_OFFSET] = offsets
+
+    def pack_hands(self, rotations: Floats) -> Float32s:
+        """Rows [n, columns] of the table of hands, for rotations [n, J, 4]."""
+        rows = np.zeros((len(rotations), self.hands.columns), np.float32)
+        lanes = self.hands.lanes(rows)
+        lanes[:] = quaternion.IDENTITY
+        lanes[:, : len(self.hands.joints)] = rotations[:, self.hands.joints]
+        return rows
+
+    def motion(self, lower: Float32s, upper: Float32s) -> tuple[Floats, Floats]:
+        """Root positions [n, 3] and rotations [n, J, 4] from the same frames' rows in both tables."""
+        rotations = np.empty((len(lower), len(self.lower.joints) + len(self.upper.joints) + 1, 4))
+        for half, rows in ((self.lower, lower), (self.upper, upper)):
+            rotations[:, half.joints] = half.lanes(rows)[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)]
+        rotations[:, self.pelvis] = self.lower.lanes(lower)[:, PELVIS]
+        return lower[:, ROOT : ROOT + 3].astype(np.float64), rotations
+
+    def torso(self, lower: Float32s) -> TorsoRows:
+        """What rows of the lower table hold of the torso."""
+        lanes = self.lower.lanes(lower).astype(np.float64)
+        return TorsoRows(self._clouds(lower).astype(np.float64), lanes[:, POSTURE_FRAME], lanes[:, TORSO_OFFSET])
+
+    def _clouds(self, rows: Float32s) -> Float32s:
+        """The clouds [n, points, 3] in rows of either table, in the same memory."""
+        planes = rows[:, CLOUD : CLOUD + 3 * self.cloud_width].reshape(len(rows), 3, self.cloud_width)
+        return np.moveaxis(planes, 1, 2)[:, : self.points]
+
+
+def _whole(count: int, of: int) -> int:
+    """`count` rounded up to a multiple."""
+    return -(-count // of) * of

@@ -1,0 +1,197 @@
+"""The per-frame arithmetic on flat arrays.
+
+Characters are worked on in blocks: rows are looked up and fetched, each is sampled on its own, and what follows from
+both samples is computed across the block.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import prange
+
+from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Scratch
+from motionsplice.runtime.kernels.hands import lay_hands
+from motionsplice.runtime.kernels.lookup import (
+    NAIVE,
+    NONE,
+    SPLICE,
+    frame_at,
+    frame_near,
+    locate,
+    look_up,
+    phase_in_step,
+)
+from motionsplice.runtime.kernels.posture import RUNNING, correlate, turn_pelves
+from motionsplice.runtime.kernels.rotations import ONE, sample
+from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel, parallel_kernel
+
+
+@kernel
+def evaluate(
+    bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
+) -> int:
+    """Writes each character's root position [n, 3] and local rotations [n, 4 J]; returns `first_at_fault`.
+
+    If there is one at fault, nothing is written. memory [n, MEMORY_COLUMNS] is of as many characters, of one for all,
+    or of none; share is how much of a new frame counts in a running posture.
+    """
+    fault = first_at_fault(bank, requests, len(memory) > 0)
+    if fault < 0:
+        evaluate_part(bank, requests, memory, share, scratch, 0, 0, len(requests), roots, rotations)
+    return fault
+
+
+@parallel_kernel
+def evaluate_in_parallel(
+    bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
+) -> int:
+    """As `evaluate`, with as many threads as the scratch has room for; memory is not of one for all."""
+    fault = first_at_fault(bank, requests, len(memory) > 0)
+    if fault < 0:
+        threads, blocks = len(scratch.lanes), (len(requests) + BLOCK - 1) // BLOCK
+        for thread in prange(threads):
+            first, stop = blocks * thread // threads * BLOCK, blocks * (thread + 1) // threads * BLOCK
+            stop = min(stop, len(requests))
+            evaluate_part(bank, requests, memory, share, scratch, thread, first, stop, roots, rotations)
+    return fault
+
+
+@kernel
+def first_at_fault(bank: BankArrays, requests: Array, remembers: bool) -> int:
+    """The first character that asks for what there is not; -1 if all are sound."""
+    clips = bank.clips
+    for character in range(len(requests)):
+        request = requests[character]
+        locomotion, action = request["locomotion"], request["action"]
+        if not (0 <= locomotion < len(clips) and 0 <= action < len(clips)):
+            return character
+        if request["method"] > SPLICE or request["posture"] > RUNNING:
+            return character
+        if request["method"] == SPLICE and request["posture"] == RUNNING and not remembers:
+            return character
+        hands = int(request["hands"]) - 1
+        if hands >= len(bank.hand_rows):
+            return character
+        if hands >= 0 and bank.hand_rows[hands, upper_clip(request)] < 0:
+            return character
+        if not (within(clips, locomotion, request["time"]) and within(clips, action, request["start"])):
+            return character
+    return -1
+
+
+@inlined
+def upper_clip(request: Array) -> int:
+    """The clip that gives the upper body."""
+    return int(request["locomotion"]) if request["method"] == NONE else int(request["action"])
+
+
+@inlined
+def within(clips: Array, clip: int, seconds: float) -> bool:
+    """Whether a clip lasts so long; false for NaN."""
+    return (
+        seconds >= 0.0 and (seconds - arrays.LATE) * clips[clip, arrays.RATE] <= clips[clip, arrays.FRAME_COUNT] - 1.0
+    )
+
+
+@kernel
+def evaluate_part(
+    bank: BankArrays,
+    requests: Array,
+    memory: Array,
+    share: float,
+    scratch: Scratch,
+    thread: int,
+    begin: int,
+    end: int,
+    roots: Array,
+    rotations: Array,
+) -> None:
+    lanes, block, pelvis = scratch.lanes[thread], scratch.block[thread], bank.rig[arrays.PELVIS_COLUMN]
+    above = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]  # where in the lanes those of the upper half begin
+    for first in range(begin, end, BLOCK):
+        count = min(BLOCK, end - first)
+        look_up(bank, requests, first, count, block)
+        splices = 0
+        for k in range(count):
+            method = requests[first + k]["method"]
+            sample_halves(bank, requests, block, k, lanes, above, first + k, roots, rotations)
+            if method == SPLICE:
+                correlate(bank, bank.lower, block, k, lanes, above)
+                splices += 1
+            half = np.uint64(4 * PELVIS) + (above if method == NAIVE else np.uint64(0))
+            copy_rotation(lanes, half, rotations, first + k, pelvis)
+        if splices > 0:
+            turn_pelves(bank, requests, memory, share, block, first, count)
+            for k in range(count):
+                if requests[first + k]["method"] == SPLICE:
+                    for i in range(4):
+                        rotations[first + k, pelvis + np.uint64(i)] = block[(SPLICED + i) * BLOCK + k]
+
+
+@inlined
+def sample_halves(
+    bank: BankArrays,
+    requests: Array,
+    block: Array,
+    k: int,
+    lanes: Array,
+    above: Index,
+    character: int,
+    roots: Array,
+    rotations: Array,
+) -> None:
+    """Both halves of a character between their rows: root and joints into its pose, all lanes into the scratch."""
+    lower, rig = bank.lower, bank.rig
+    row, t, first = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
+    for axis in range(np.uint64(ROOT), np.uint64(ROOT + 3)):
+        here = lower[row, axis]
+        roots[character, axis] = here + t * (lower[row + ONE, axis] - here)
+    sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
+    row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    sample(bank.upper, row, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
+    request = requests[character]
+    if request["hands"] > 0:
+        hands = int(request["hands"]) - 1
+        lay_hands(bank, hands, upper_clip(request), row, t, np.float32(1.0), lanes, above)
+    copy_lower(rig, lanes, rotations, character)
+    copy_upper(rig, lanes, above, rotations, character)
+
+
+@inlined
+def copy_lower(rig: Array, lanes: Array, rotations: Array, character: int) -> None:
+    """The joints of a lower half from lanes into a pose."""
+    at = np.uint64(4 * FIRST_JOINT)
+    for joint in range(np.uint64(arrays.COLUMNS), np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT]):
+        copy_rotation(lanes, at, rotations, character, rig[joint])
+        at += np.uint64(4)
+
+
+@inlined
+def copy_upper(rig: Array, lanes: Array, above: Index, rotations: Array, character: int) -> None:
+    """The joints of an upper half, which begins at `above`, from lanes into a pose."""
+    at = above + np.uint64(4 * FIRST_JOINT)
+    for joint in range(np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], np.uint64(len(rig))):
+        copy_rotation(lanes, at, rotations, character, rig[joint])
+        at += np.uint64(4)
+
+
+@inlined
+def copy_rotation(lanes: Array, at: Index, rotations: Array, character: int, column: Index) -> None:
+    x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
+    rotations[character, column], rotations[character, column + ONE] = x, y
+    rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = z, w
+
+
+@kernel
+def action_frames(bank: BankArrays, requests: Array, frames: Array) -> None:
+    """Writes each character's real-valued action frame [n]."""
+    clips = bank.clips
+    for character in range(len(requests)):
+        request = requests[character]
+        locomotion, action = request["locomotion"], request["action"]
+        at = request["time"] * clips[locomotion, arrays.RATE]
+        row, t = locate(at, clips[locomotion, arrays.FIRST_ROW], clips[locomotion, arrays.FRAME_COUNT])
+        phase = phase_in_step(bank, locomotion, row, t, action, request["start"], request["cycles"])
+        frames[character] = frame_at(bank, action, phase, frame_near(bank, action, phase))

@@ -1,0 +1,180 @@
+"""How a splice's upper body comes to sit on its root: spatial alignment and posture, across a block of characters."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from motionsplice.runtime.format.rows import CLOUD, PELVIS, POSTURE_FRAME, SIZE, TORSO_OFFSET
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels.arrays import (
+    ALIGNED,
+    BLOCK,
+    BOUND,
+    CORRELATION,
+    FRAME,
+    GAP,
+    OWN,
+    ROW_L,
+    ROW_U,
+    SHARE_L,
+    SHARE_U,
+    SPLICED,
+    THEIRS,
+    TURN,
+    BankArrays,
+)
+from motionsplice.runtime.kernels.lookup import SPLICE
+from motionsplice.runtime.kernels.rotations import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
+from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real, inlined, kernel
+from motionsplice.runtime.simd.lanes import load, spread, total
+
+OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
+GIVEN = 4  # towards what is remembered, as it is: characters that mix locomotions mix what those have stored
+LEAST_GAP = 1e-3  # of horn: below it, clouds of 32 bits do not tell a rotation to a ten-thousandth of a radian
+SLACK = 1.0 + 1e-6  # by as much a bound may come out too small
+
+
+@inlined
+def correlate(bank: BankArrays, lower: Array, block: Array, k: int, lanes: Array, above: Index) -> None:
+    """What a block needs of a splice: how its clouds go together, a bound on that, and five of its rotations."""
+    upper, width = bank.upper, bank.rig[arrays.CLOUD_WIDTH]
+    row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
+    row_u, t_u = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    xx = xy = xz = yx = yy = yz = zx = zy = zz = spread(np.float32(0.0))
+    for x in range(np.uint64(CLOUD), np.uint64(CLOUD) + width, np.uint64(LANES)):
+        y, z = x + width, x + width + width
+        lx, ux = mixed(lower, row_l, x, t_l), mixed(upper, row_u, x, t_u)
+        ly, uy = mixed(lower, row_l, y, t_l), mixed(upper, row_u, y, t_u)
+        lz, uz = mixed(lower, row_l, z, t_l), mixed(upper, row_u, z, t_u)
+        xx, xy, xz = xx + lx * ux, xy + lx * uy, xz + lx * uz
+        yx, yy, yz = yx + ly * ux, yy + ly * uy, yz + ly * uz
+        zx, zy, zz = zx + lz * ux, zy + lz * uy, zz + lz * uz
+    at = CORRELATION * BLOCK + k
+    block[at], block[at + BLOCK], block[at + 2 * BLOCK] = total(xx), total(xy), total(xz)
+    block[at + 3 * BLOCK], block[at + 4 * BLOCK], block[at + 5 * BLOCK] = total(yx), total(yy), total(yz)
+    block[at + 6 * BLOCK], block[at + 7 * BLOCK], block[at + 8 * BLOCK] = total(zx), total(zy), total(zz)
+    # the square of a mean is at most the mean of squares
+    size_l, size_u = between_rows(lower, row_l, np.uint64(SIZE), t_l), between_rows(upper, row_u, np.uint64(SIZE), t_u)
+    block[BOUND * BLOCK + k] = SLACK * (size_l + size_u)
+    for i in range(4):
+        column = np.uint64(i)
+        block[(SPLICED + i) * BLOCK + k] = lanes[np.uint64(4 * PELVIS) + column]
+        block[(FRAME + i) * BLOCK + k] = lanes[np.uint64(4 * POSTURE_FRAME) + column]
+        block[(OWN + i) * BLOCK + k] = lanes[np.uint64(4 * TORSO_OFFSET) + column]
+        block[(THEIRS + i) * BLOCK + k] = lanes[above + np.uint64(4 * TORSO_OFFSET) + column]
+
+
+@inlined
+def mixed(table: Array, row: Index, column: Index, t: Real) -> Array:
+    """Eight neighbours of a row, `t` of the way to the next row."""
+    here, there = load(table, row, column), load(table, row + ONE, column)
+    return here + spread(t) * (there - here)
+
+
+@inlined
+def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
+    """A column's value `t` of the way from a row to the next."""
+    here = table[row, column]
+    return here + t * (table[row + ONE, column] - here)
+
+
+@inlined
+def turn_pelves(
+    bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
+) -> None:
+    """Turns the pelvis of each splice of a block, in SPLICED, from the locomotion's to the splice's."""
+    horn(block)
+    settle(requests, memory, block, first, count)
+    multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
+    multiply(block, THEIRS, OWN, TURN, BACK)
+    other_postures(bank, requests, memory, share, block, first, count)
+    multiply(block, FRAME, TURN, TURN, ONWARD)
+    multiply(block, TURN, FRAME, TURN, BACK)
+    multiply(block, TURN, SPLICED, SPLICED, ONWARD)
+    normalise(block, SPLICED)
+
+
+@kernel
+def settle(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
+    """Where no alignment is clearly the best: the last one that was, if there is a memory; else none."""
+    for k in range(count):
+        if requests[first + k]["method"] == SPLICE:
+            clear, remembered = block[GAP * BLOCK + k] >= LEAST_GAP, min(first + k, len(memory) - 1)
+            for i in range(4):
+                at, last = (ALIGNED + i) * BLOCK + k, arrays.LAST_TURN + i
+                if not clear:
+                    block[at] = memory[remembered, last] if remembered >= 0 else i // 3
+                elif remembered >= 0:
+                    memory[remembered, last] = block[at]
+
+
+@kernel
+def other_postures(
+    bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
+) -> None:
+    """The turns of those splices whose posture is not relative."""
+    turned = 0
+    for k in range(count):
+        request = requests[first + k]
+        if request["method"] == SPLICE and request["posture"] != RELATIVE:
+            for i in range(4):
+                block[(TURN + i) * BLOCK + k] = i // 3
+            if request["posture"] != OFF:
+                turned += 1
+                given, remembered = bank.clips[request["locomotion"], arrays.POSTURE :], first + k
+                if request["posture"] >= RUNNING:
+                    remembered = min(first + k, len(memory) - 1)
+                    if request["posture"] == RUNNING:
+                        follow_posture(bank, memory[remembered, arrays.MEAN_POSTURE :], share, given, block, k)
+                    given = memory[remembered, arrays.MEAN_POSTURE :]
+                correlate_postures(bank.clips[request["action"], arrays.POSTURE :], given, block, k)
+    if turned > 0:
+        horn(block)
+        for k in range(count):
+            request = requests[first + k]
+            clear, asked = block[GAP * BLOCK + k] >= LEAST_GAP, request["posture"] >= ABSOLUTE
+            if request["method"] == SPLICE and asked and clear:
+                for i in range(4):
+                    block[(TURN + i) * BLOCK + k] = block[(ALIGNED + i) * BLOCK + k]
+
+
+@inlined
+def correlate_postures(wanted: Array, given: Array, block: Array, k: int) -> None:
+    """How two postures, six numbers each, go together, and a bound on that."""
+    at, size = CORRELATION * BLOCK + k, 0.0
+    for i in range(3):
+        for j in range(3):
+            block[at + (3 * i + j) * BLOCK] = wanted[i] * given[j] + wanted[3 + i] * given[3 + j]
+    for i in range(6):
+        size += 0.5 * (wanted[i] * wanted[i] + given[i] * given[i])
+    block[BOUND * BLOCK + k] = SLACK * size
+
+
+@inlined
+def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, block: Array, k: int) -> None:
+    """Takes the shoulders of the splice so far, as seen in the posture frame, into a running mean of six numbers."""
+    row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    frame, spliced = FRAME * BLOCK + k, SPLICED * BLOCK + k
+    seen = product(
+        -block[frame],
+        -block[frame + BLOCK],
+        -block[frame + 2 * BLOCK],
+        block[frame + 3 * BLOCK],
+        block[spliced],
+        block[spliced + BLOCK],
+        block[spliced + 2 * BLOCK],
+        block[spliced + 3 * BLOCK],
+    )
+    width = bank.rig[arrays.CLOUD_WIDTH]
+    column = np.uint64(CLOUD) + bank.rig[arrays.POINTS] - ONE - ONE  # the shoulders are the last of the cloud
+    for point in range(2):
+        x = between_rows(bank.upper, row, column, t)
+        y = between_rows(bank.upper, row, column + width, t)
+        z = between_rows(bank.upper, row, column + width + width, t)
+        column += ONE
+        for i, value in enumerate(rotated(seen[0], seen[1], seen[2], seen[3], x, y, z)):
+            if math.isnan(mean[3 * point + i]):
+                mean[3 * point + i] = stored[3 * point + i]
+            mean[3 * point + i] += share * (value - mean[3 * point + i])

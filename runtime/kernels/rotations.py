@@ -1,0 +1,182 @@
+"""Rotations in kernels: sampling a row's, and products and best fits across a block of characters.
+
+Nothing here checks, allocates or holds the GIL. A block is a flat array of rows of BLOCK lanes, one lane a character;
+with offsets that the compiler knows, loops over lanes become vector instructions.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from motionsplice.runtime.kernels.arrays import ALIGNED, BLOCK, BOUND, CORRELATION, GAP
+from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real, inlined, kernel
+from motionsplice.runtime.simd.lanes import interleave, load, spread
+
+Number = Any  # a float, or lanes
+ONWARD, BACK = 1.0, -1.0  # senses of a rotation
+ONE = np.uint64(1)
+TINY = 1e-300
+# Eberly 2011: sin(t angle) / sin(angle) as a series in cos(angle) - 1, cut after four terms
+SERIES = [(np.float32(1.0 / (i * (2 * i + 1))), np.float32(i / (2 * i + 1))) for i in range(1, 5)]
+(P1, Q1), (P2, Q2), (P3, Q3), (P4, Q4) = SERIES
+HALLEY_STEPS = 8
+
+
+@inlined
+def sample(table: Array, row: Index, first: Index, width: Index, t: Real, out: Array, at: Index) -> None:
+    """All rotations of a row's lanes, `t` of the way to the next row, into `out` from `at` on, one after the other.
+
+    first is the column of the first plane. Keys lie in one hemisphere, so slerp is Eberly's series (2011). Its
+    remainder grows with their angle: 2e-7 rad at 60 degrees, 1e-5 at 90, 1e-3 (0.05 degrees) at 150, and 0.0051 (0.3
+    degrees) at 180, which is as far apart as keys can be. The sum is nearly of unit length: one step of Newton's
+    makes it so.
+    """
+    s = np.float32(1.0) - t
+    t0, t1, t2, t3, t4 = series(t)
+    s0, s1, s2, s3, s4 = series(s)
+    one, half, three_halves = spread(np.float32(1.0)), spread(np.float32(0.5)), spread(np.float32(1.5))
+    after, y, z, w = row + ONE, first + width, first + width + width, first + width + width + width
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        ax, bx = load(table, row, first + lane), load(table, after, first + lane)
+        ay, by = load(table, row, y + lane), load(table, after, y + lane)
+        az, bz = load(table, row, z + lane), load(table, after, z + lane)
+        aw, bw = load(table, row, w + lane), load(table, after, w + lane)
+        below = (ax * bx + ay * by) + (az * bz + (aw * bw - one))
+        square = below * below
+        to = (t0 + t1 * below) + square * ((t2 + t3 * below) + t4 * square)
+        back = (s0 + s1 * below) + square * ((s2 + s3 * below) + s4 * square)
+        qx, qy, qz, qw = back * ax + to * bx, back * ay + to * by, back * az + to * bz, back * aw + to * bw
+        scale = three_halves - half * ((qx * qx + qy * qy) + (qz * qz + qw * qw))
+        interleave(out, at + lane + lane + lane + lane, qx * scale, qy * scale, qz * scale, qw * scale)
+
+
+@inlined
+def series(t: Real) -> tuple[Array, Array, Array, Array, Array]:
+    """The coefficients of a key's weight at `t`, as a polynomial in cos(angle) - 1, each in all lanes."""
+    square = t * t
+    t1 = t * (P1 * square - Q1)
+    t2 = t1 * (P2 * square - Q2)
+    t3 = t2 * (P3 * square - Q3)
+    return spread(t), spread(t1), spread(t2), spread(t3), spread(t3 * (P4 * square - Q4))
+
+
+@inlined
+def product(
+    ax: Number, ay: Number, az: Number, aw: Number, bx: Number, by: Number, bz: Number, bw: Number
+) -> tuple[Number, Number, Number, Number]:
+    """The rotation that turns by b, then by a."""
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+@inlined
+def rotated(
+    qx: Number, qy: Number, qz: Number, qw: Number, x: Number, y: Number, z: Number
+) -> tuple[Number, Number, Number]:
+    """A vector turned by q."""
+    tx, ty, tz = qy * z - qz * y, qz * x - qx * z, qx * y - qy * x
+    tx, ty, tz = tx + tx, ty + ty, tz + tz
+    return x + qw * tx + qy * tz - qz * ty, y + qw * ty + qz * tx - qx * tz, z + qw * tz + qx * ty - qy * tx
+
+
+@inlined
+def multiply(block: Array, a: int, b: int, out: int, sense: float) -> None:
+    """out = a b, or a b^-1 if sense is BACK; each is the first of a quaternion's four rows, and out may be a or b."""
+    a, b, out = a * BLOCK, b * BLOCK, out * BLOCK
+    for k in range(BLOCK):
+        ax, ay, az, aw = block[a + k], block[a + BLOCK + k], block[a + 2 * BLOCK + k], block[a + 3 * BLOCK + k]
+        bx, by, bz, bw = block[b + k], block[b + BLOCK + k], block[b + 2 * BLOCK + k], block[b + 3 * BLOCK + k]
+        x, y, z, w = product(ax, ay, az, aw, sense * bx, sense * by, sense * bz, bw)
+        block[out + k], block[out + BLOCK + k] = x, y
+        block[out + 2 * BLOCK + k], block[out + 3 * BLOCK + k] = z, w
+
+
+@inlined
+def normalise(block: Array, q: int) -> None:
+    """Scales a quaternion to unit length; what stands in a lane without a character may be zero."""
+    q = q * BLOCK
+    for k in range(BLOCK):
+        x, y, z, w = block[q + k], block[q + BLOCK + k], block[q + 2 * BLOCK + k], block[q + 3 * BLOCK + k]
+        scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+        block[q + k], block[q + BLOCK + k] = x * scale, y * scale
+        block[q + 2 * BLOCK + k], block[q + 3 * BLOCK + k] = z * scale, w * scale
+
+
+@inlined
+def minors(
+    a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
+) -> tuple[float, ...]:
+    """The 2x2 minors of the two upper rows of [[a, ab, ac, ad], [ab, b, bc, bd], ...], then of the two lower rows."""
+    return (
+        a * b - ab * ab,
+        a * bc - ab * ac,
+        a * bd - ab * ad,
+        ab * bc - b * ac,
+        ab * bd - b * ad,
+        ac * bd - bc * ad,
+        ac * bd - bc * ad,
+        ac * cd - c * ad,
+        ac * d - cd * ad,
+        bc * cd - c * bd,
+        bc * d - cd * bd,
+        c * d - cd * cd,
+    )
+
+
+@kernel
+def horn(block: Array) -> None:
+    """The rotations ALIGNED that maximise sum target . q source, for CORRELATION 3 i + j = sum target_i source_j.
+
+    Horn 1987, by Theobald's route (2005): the largest root of the characteristic polynomial of a traceless symmetric
+    4x4 matrix from an upper bound, the lesser of BOUND, (sum |target|^2 + sum |source|^2) / 2, and sqrt(3 sum of
+    squares); then its eigenvector, as the largest column of the adjugate. All roots are real, so Halley's method comes
+    down on it, and where the second is near, faster than Newton's. GAP is about how far that is below the largest, as a
+    part of it: where it is small, no rotation is clearly better than all others.
+    """
+    for k in range(BLOCK):
+        at = CORRELATION * BLOCK + k
+        xx, yx, zx = block[at], block[at + BLOCK], block[at + 2 * BLOCK]
+        xy, yy, zy = block[at + 3 * BLOCK], block[at + 4 * BLOCK], block[at + 5 * BLOCK]
+        xz, yz, zz = block[at + 6 * BLOCK], block[at + 7 * BLOCK], block[at + 8 * BLOCK]
+        a, b, c, d = xx - yy - zz, yy - xx - zz, zz - xx - yy, xx + yy + zz
+        ab, ac, ad, bc, bd, cd = xy + yx, zx + xz, yz - zy, yz + zy, zx - xz, xy - yx
+        squares = xx * xx + xy * xy + xz * xz + yx * yx + yy * yy + yz * yz + zx * zx + zy * zy + zz * zz
+        # det(N - r) = r^4 - 2 squares r^2 + linear r + constant
+        linear = -8.0 * (xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx))
+        s0, s1, s2, s3, s4, s5, c0, c1, c2, c3, c4, c5 = minors(a, b, c, d, ab, ac, ad, bc, bd, cd)
+        constant = s0 * c5 - s1 * c4 + s2 * c3 + s3 * c2 - s4 * c1 + s5 * c0
+        root = min(block[BOUND * BLOCK + k], math.sqrt(3.0 * squares))
+        for _ in range(HALLEY_STEPS):
+            value = ((root * root - 2.0 * squares) * root + linear) * root + constant
+            slope = (4.0 * root * root - 4.0 * squares) * root + linear
+            divisor = 2.0 * slope * slope - value * (12.0 * root * root - 4.0 * squares)
+            root -= 2.0 * value * slope / divisor if divisor > 0.0 else 0.0
+        slope = (4.0 * root * root - 4.0 * squares) * root + linear
+        cube = 4.0 * root * root * root
+        a, b, c, d = a - root, b - root, c - root, d - root
+        s0, s1, s2, s3, s4, s5, c0, c1, c2, c3, c4, c5 = minors(a, b, c, d, ab, ac, ad, bc, bd, cd)
+        n00, n01 = b * c5 - bc * c4 + bd * c3, -ab * c5 + bc * c2 - bd * c1
+        n02, n03 = ab * c4 - b * c2 + bd * c0, -ab * c3 + b * c1 - bc * c0
+        n11, n12, n13 = a * c5 - ac * c2 + ad * c1, -a * c4 + ab * c2 - ad * c0, a * c3 - ab * c1 + ac * c0
+        n22, n23, n33 = ad * s4 - bd * s2 + d * s0, -ac * s4 + bc * s2 - cd * s0, ac * s3 - bc * s1 + c * s0
+        x, y, z, w, most = n00, n01, n02, n03, abs(n00)
+        larger = abs(n11) > most
+        x, y = n01 if larger else x, n11 if larger else y
+        z, w, most = n12 if larger else z, n13 if larger else w, abs(n11) if larger else most
+        larger = abs(n22) > most
+        x, y = n02 if larger else x, n12 if larger else y
+        z, w, most = n22 if larger else z, n23 if larger else w, abs(n22) if larger else most
+        larger = abs(n33) > most
+        x, y = n03 if larger else x, n13 if larger else y
+        z, w, most = n23 if larger else z, n33 if larger else w, abs(n33) if larger else most
+        scale = (1.0 if w >= 0.0 else -1.0) / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+        block[ALIGNED * BLOCK + k], block[(ALIGNED + 1) * BLOCK + k] = x * scale, y * scale
+        block[(ALIGNED + 2) * BLOCK + k], block[(ALIGNED + 3) * BLOCK + k] = z * scale, w * scale
+        block[GAP * BLOCK + k] = slope / cube if cube > 0.0 else 0.0

@@ -1,0 +1,129 @@
+"""Eight numbers at once, in kernels and in plain Python.
+
+Numba turns loops into vector instructions where it can prove that no array overlaps another, which over a row of a few
+dozen joints costs more than the loop. So kernels may say what they mean: `load` eight numbers, compute, `store`. As
+plain Python, lanes are NumPy arrays of eight, and the same code runs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba.extending import overload
+
+from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real
+from motionsplice.runtime.simd.lane_instructions import (
+    llvm_gather,
+    llvm_interleave,
+    llvm_load,
+    llvm_root,
+    llvm_scatter,
+    llvm_separate,
+    llvm_signed,
+    llvm_spread,
+    llvm_store,
+    llvm_total,
+)
+
+
+def load(table: Array, row: Index, column: Index) -> Array:
+    """Eight neighbours of a row, from a column on."""
+    return table[row, column : column + LANES]
+
+
+def store(table: Array, row: Index, column: Index, lanes: Array) -> None:
+    """Eight numbers into a row, from a column on."""
+    table[row, column : column + LANES] = lanes
+
+
+def spread(value: Real) -> Array:
+    """The same number in all lanes."""
+    return np.full(LANES, value, np.float32)
+
+
+def total(lanes: Array) -> Real:
+    """The sum of all lanes."""
+    return lanes.sum()
+
+
+def root(lanes: Array) -> Array:
+    """The square root of each."""
+    return np.sqrt(lanes)
+
+
+def signed(size: Array, like: Array) -> Array:
+    """Numbers of the size of one and the sign of the other."""
+    return np.copysign(size, like)
+
+
+def interleave(out: Array, at: Index, x: Array, y: Array, z: Array, w: Array) -> None:
+    """Stores x, y, z, w of the first lane, then of the second, and so on."""
+    out[at : at + 4 * LANES] = np.stack([x, y, z, w], axis=-1).ravel()
+
+
+def separate(table: Array, at: Index) -> tuple[Array, Array, Array, Array]:
+    """What `interleave` has stored."""
+    x, y, z, w = table[at : at + 4 * LANES].reshape(LANES, 4).T
+    return x, y, z, w
+
+
+def gather(table: Array, first: Index, last: Index, column: Index) -> tuple[Array, Array, Array, Array]:
+    """Four neighbouring columns of eight rows from the first; past the last row that one again."""
+    rows = np.minimum(np.arange(first, first + LANES), last)
+    return tuple(table[rows, column + i] for i in range(4))
+
+
+def scatter(table: Array, first: Index, last: Index, column: Index, x: Array, y: Array, z: Array) -> None:
+    """Three neighbouring columns of eight rows from the first; what is past the last row goes there too."""
+    rows = np.minimum(np.arange(first, first + LANES), last)
+    for i, lanes in enumerate((x, y, z)):
+        table[rows, column + i] = lanes
+
+
+@overload(load, inline="always")
+def _(table, row, column):
+    return lambda table, row, column: llvm_load(table, row, column)
+
+
+@overload(store, inline="always")
+def _(table, row, column, lanes):
+    return lambda table, row, column, lanes: llvm_store(table, row, column, lanes)
+
+
+@overload(spread, inline="always")
+def _(value):
+    return lambda value: llvm_spread(value)
+
+
+@overload(total, inline="always")
+def _(lanes):
+    return lambda lanes: llvm_total(lanes)
+
+
+@overload(root, inline="always")
+def _(lanes):
+    return lambda lanes: llvm_root(lanes)
+
+
+@overload(signed, inline="always")
+def _(size, like):
+    return lambda size, like: llvm_signed(size, like)
+
+
+@overload(separate, inline="always")
+def _(table, at):
+    return lambda table, at: llvm_separate(table, at)
+
+
+@overload(interleave, inline="always")
+def _(out, at, x, y, z, w):
+    return lambda out, at, x, y, z, w: llvm_interleave(out, at, x, y, z, w)
+
+
+@overload(gather, inline="always")
+def _(table, first, last, column):
+    return lambda table, first, last, column: llvm_gather(table, first, last, column)
+
+
+@overload(scatter, inline="always")
+def _(table, first, last, column, x, y, z):
+    return lambda table, first, last, column, x, y, z: llvm_scatter(table, first, last, column, x, y, z)

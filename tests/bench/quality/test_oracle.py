@@ -1,0 +1,48 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.quality.measures import upper_body_errors
+from bench.quality.oracle import oracle_error, stride_to_stride
+from motionsplice.motion import quaternion
+from motionsplice.motion.procedural.library import make
+from motionsplice.motion.roles import find_roles
+from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.splice import splice_exact
+from tests.conftest import CLIPS
+
+WALK = CLIPS["walk"]
+ROLES = find_roles(WALK.skeleton)
+RING = find_baseline(WALK, ROLES)
+
+
+def no_offsets(*frames: int) -> tuple[quaternion.Floats, quaternion.Floats]:
+    first, second = (np.tile(quaternion.IDENTITY, (count, 1)) for count in frames)
+    return first, second
+
+
+def test_an_oracle_finds_a_clips_own_frames_again() -> None:
+    assert oracle_error(WALK, WALK, WALK, no_offsets(WALK.frame_count, WALK.frame_count), ROLES) < 1e-9
+
+
+@pytest.mark.parametrize("locomotion", ["curve", "run"])
+def test_an_oracle_is_at_least_as_near_as_a_splice(locomotion: str) -> None:
+    clip, action = make(locomotion, seed=5), make("walk", "wave", seed=6)
+    truth = make(locomotion, "wave", seed=5)
+    splice = splice_exact(clip, action, ROLES, posture="off")
+    kept = splice.clip.frame_count
+    told = oracle_error(clip.frames(0, kept), action, truth, no_offsets(kept, action.frame_count), ROLES)
+    assert told < upper_body_errors(splice.clip, truth, ROLES).mean()
+
+
+def test_strides_that_are_all_alike_do_not_differ_and_others_do() -> None:
+    phase = align(WALK, ROLES, RING).phase
+    assert stride_to_stride(WALK, phase, ROLES) < 0.01
+    uneven = WALK.rotations.copy()
+    raised = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 1.5, WALK.frame_count))
+    uneven[:, ROLES.left_shoulder] = quaternion.multiply(uneven[:, ROLES.left_shoulder], raised)
+    assert stride_to_stride(replace(WALK, rotations=uneven), phase, ROLES) > 0.01
+    assert np.isnan(stride_to_stride(WALK.frames(0, 60), phase[:60], ROLES))

@@ -1,0 +1,181 @@
+"""What the built-in motions are held to: the thresholds of the quality report, as tests."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from bench.quality import __main__ as quality
+from bench.quality.claims import CLAIMS, Performance
+from bench.quality.pair_list import Pair, grid_pairs, read_pairs, truth_of
+from bench.quality.report import Cell, means_table, pair_table
+from bench.quality.scores import ClipScore, Form, MethodScore, PairScore, score_clip, score_pair, splice_pair
+from bench.quality.targets import BUILT_IN, REAL, targets
+from motionsplice.commands.sample_folder import write_sample_clips
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import SettingsError, UnknownClipError
+from motionsplice.motion.procedural.library import ACTIONS, LOCOMOTIONS
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+
+FORMS = (Form("naive"), Form("exact"), Form("splice"))
+
+
+@pytest.fixture(scope="module")
+def samples(tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """The bank of all built-in motions, on an automatic baseline."""
+    folder = tmp_path_factory.mktemp("samples")
+    write_sample_clips(folder / "clips")
+    build_bank([folder / "clips"], folder / "bank")
+    return Bank.open(folder / "bank")
+
+
+@pytest.fixture(scope="module")
+def grid(samples: Bank) -> list[PairScore]:
+    """Every built-in action on every built-in locomotion, scored."""
+    evaluator = Evaluator(samples)
+    return [quality.judge(evaluator, pair, FORMS).score for pair in grid_pairs()]
+
+
+def test_splices_of_built_in_motion_meet_every_target(samples: Bank, grid: list[PairScore]) -> None:
+    found = targets(grid, [score_clip(samples, clip.name) for clip in samples.clips], BUILT_IN)
+    assert len(found) == 7
+    assert not [target for target in found if not target.met]
+
+
+def test_no_method_is_nearer_than_the_oracle_and_curves_never_go_back(grid: list[PairScore]) -> None:
+    assert len(grid) == len(LOCOMOTIONS) * len(ACTIONS)
+    for pair in grid:
+        naive, exact, splice = pair.methods
+        assert naive.ratio == pytest.approx(1.0)
+        assert pair.oracle is not None
+        assert splice.error is not None
+        assert pair.oracle < splice.error
+        assert exact.monotone
+        assert splice.monotone
+        assert exact.change is not None
+        assert exact.change < 1e-6
+
+
+def test_on_a_walk_every_form_keeps_what_it_promises_and_relative_is_nearest(samples: Bank) -> None:
+    evaluator, pair = Evaluator(samples), Pair("walk", "punch", "walk+punch")
+    forms = [Form("naive"), *(Form("splice", form) for form in ("relative", "absolute", "off"))]
+    splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in forms]
+    score = score_pair(evaluator, "walk", "punch", truth_of(pair, samples), splices)
+    ratios = {one.method: one.ratio or 0.0 for one in score.methods}
+    assert min(ratios, key=lambda name: ratios[name]) == "splice"
+    assert max(one.posture or 0.0 for one in score.methods) < 1.0
+
+
+def test_the_thesis_examples_are_all_there_and_come_true(samples: Bank) -> None:
+    evaluator, pairs = Evaluator(samples), read_pairs(quality.EXAMPLES)
+    assert len(pairs) == 9
+    assert {pair.claim for pair in pairs} <= CLAIMS.keys()
+    for pair in pairs:
+        if CLAIMS[pair.claim].unit != "°":
+            continue
+        values = quality.claimed(samples, quality.judge(evaluator, pair, FORMS))
+        assert values["splice"] == pytest.approx(values["truth"], abs=4.0), pair.example
+
+
+def test_claims_have_known_answers(samples: Bank) -> None:
+    walk, roles = samples.motion("walk"), samples.roles
+    shown = Performance(walk, samples.phase("walk"), roles)
+    leaning = walk.rotations.copy()
+    turn = quaternion.about([1.0, 0.0, 0.0], np.radians(10.0))
+    root = quaternion.conjugate(leaning[:, 0])
+    local = quaternion.multiply(quaternion.multiply(root, turn), leaning[:, 0])
+    leaning[:, roles.pelvis] = quaternion.multiply(local, leaning[:, roles.pelvis])
+    bent = Performance(replace(walk, rotations=leaning), shown.phase, roles)
+    lean, tilt = CLAIMS["lean"].measure, CLAIMS["tilt"].measure
+    assert lean(bent, bent) - lean(shown, shown) == pytest.approx(10.0, abs=0.5)
+    assert tilt(bent, shown) > tilt(shown, shown) + 4.0
+    assert CLAIMS["growth"].measure(shown, shown) == pytest.approx(1.0, abs=0.1)
+    assert CLAIMS["timing"].measure(shown, shown) == 0.0
+    assert CLAIMS["steadiness"].measure(shown, shown) > 0.95
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("locomotion,action,truht\nwalk,wave,walk\n", "line 2: there is no column 'truht'"),
+        ("locomotion,action\nwalk,\n", "line 2: a pair needs a locomotion and an action"),
+        ("locomotion,action,claim\nwalk,wave,leen\n", "there is no claim 'leen'. Did you mean 'lean'"),
+    ],
+)
+def test_a_pair_file_that_means_nothing_is_refused_by_line(tmp_path: Path, text: str, words: str) -> None:
+    file = tmp_path / "pairs.csv"
+    file.write_text(text)
+    with pytest.raises(SettingsError) as raised:
+        read_pairs(file)
+    assert words in str(raised.value)
+    assert str(file) in str(raised.value)
+    with pytest.raises(SettingsError, match="cannot be read"):
+        read_pairs(tmp_path / "absent.csv")
+
+
+def test_a_truth_is_a_clip_or_generated_or_unknown(samples: Bank) -> None:
+    assert truth_of(Pair("walk", "wave"), samples) is None
+    assert truth_of(Pair("walk", "wave", "run"), samples).name == "run"  # type: ignore[union-attr]
+    assert truth_of(Pair("walk", "wave", "run+wave"), samples).name == "run+wave"  # type: ignore[union-attr]
+    with pytest.raises(UnknownClipError, match="Did you mean 'walk'"):
+        truth_of(Pair("walk", "wave", "wlak"), samples)
+
+
+def method(name: str, ratio: float, jitter: float = 1.0) -> MethodScore:
+    return MethodScore(name, 1.0, 2.0 * ratio, 5.0, ratio, 0.5, 3.0, jitter, 1.0, True, (0.5, 2.0), 1.0, 1e-5)
+
+
+def pair(action: str, ratio: float) -> PairScore:
+    methods = method("naive", 1.0), method("exact", 0.4), method("splice", ratio)
+    return PairScore("walk", action, "t", 0.5, 1.0, methods)
+
+
+def test_targets_name_the_worst_and_what_is_not_met() -> None:
+    clip = ClipScore("walk", "locomotion", 5.0, 5, 4.0, 0.9, None)
+    found = {one.what: one for one in targets([pair("a", 0.2), pair("b", 0.8)], [clip], REAL)}
+    worst = found["error over the naive splice's, worst pair"]
+    assert (worst.found, worst.wanted, worst.met) == ("0.8 (walk <- b)", "<= 0.7", False)
+    assert found["error over the naive splice's, mean of all pairs"].found == "0.50"
+    assert found["error over that of an oracle that knows the truth"].found == "2.00"
+    assert found["phase concentration, worst locomotion"].found == "0.900 (walk)"
+    assert not found["phase concentration, worst locomotion"].met
+    assert found["neck's jitter over the larger source's, worst pair"].met
+
+
+def test_tables_have_a_row_each_and_say_how_good_it_is() -> None:
+    columns, rows = pair_table([pair("a", 0.2), pair("b", 0.8)])
+    assert all(len(row) == len(columns) for row in rows)
+    ratio = columns.index("splice\nratio")
+    assert [row[ratio] for row in rows] == [Cell("0.20", "good"), Cell("0.80", "bad")]
+    _, means = means_table([pair("a", 0.2), pair("b", 0.8)], "locomotion")
+    assert [cell.text for cell in means[1]] == ["splice", "0.50", "0.50"]
+
+
+def test_the_command_writes_numbers_and_a_page_with_pictures(tmp_path: Path) -> None:
+    clips, pairs = tmp_path / "clips", tmp_path / "pairs.csv"
+    write_sample_clips(clips)
+    for file in clips.glob("*.bvh"):
+        if file.stem not in ("walk", "curve", "wave"):
+            file.unlink()
+    settings = (clips / "clips.toml").read_text()
+    (clips / "clips.toml").write_text(settings[settings.index("[wave]") :])
+    pairs.write_text("locomotion,action,truth,example,claim\ncurve,wave,curve+wave,Waving,twist\nwalk,wave,,,\n")
+    app = typer.Typer()
+    app.command()(quality.main)
+    result = CliRunner().invoke(app, [str(clips), "--pairs", str(pairs), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    assert "curve <- wave" in result.output
+    scores = json.loads((tmp_path / "out" / "scores.json").read_text())
+    assert [one["truth"] for one in scores["pairs"]] == ["curve+wave", ""]
+    assert [one["method"] for one in scores["pairs"][0]["methods"]] == ["naive", "exact", "splice"]
+    page = (tmp_path / "out" / "index.html").read_text()
+    assert page.count("data:image/png;base64,") == 1 + 2 * 2
+    assert "Waving: curve &lt;- wave" in page

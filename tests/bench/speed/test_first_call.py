@@ -1,0 +1,19 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from bench.speed.first_call import STEPS, child, median, sealed_copy
+from motionsplice.runtime.bank import Bank
+
+
+def test_a_package_that_cannot_be_written_to_keeps_its_kernels_where_it_is_told(bank: Bank, tmp_path: Path) -> None:
+    sealed, cache = sealed_copy(tmp_path / "sealed"), tmp_path / "cache"
+    first, second = (child(sealed, bank.path, {"NUMBA_CACHE_DIR": str(cache)}) for _ in range(2))
+    assert len(first) == len(second) == len(STEPS)
+    kernels = {file.name for file in cache.rglob("*.nbc")}
+    assert any(name.startswith("kernels.evaluate") for name in kernels)
+    assert not list(sealed.rglob("*.nb?"))
+
+
+def test_the_median_is_taken_step_by_step() -> None:
+    assert median([[1.0, 9.0], [2.0, 7.0], [3.0, 8.0]]) == [2.0, 8.0]

@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BSpline
+
+from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.alignment.increasing_spline import DEGREE, LEAST_SLOPE, fit_increasing
+from tests import naive
+
+
+def staircase(seed: int, count: int) -> Floats:
+    steps = np.random.default_rng(seed).choice([0.0, 1.0, 4.0], size=count - 1, p=[0.5, 0.4, 0.1])
+    return np.concatenate([[0.0], np.cumsum(steps)]) + np.linspace(0.0, 1.0, count)
+
+
+@given(st.integers(0, 10**6), st.integers(3, 300))
+@settings(max_examples=50)
+def test_rises_everywhere(seed: int, count: int) -> None:
+    x, y = np.arange(float(count)), staircase(seed, count)
+    curve = fit_increasing(x, y, 6.0)
+    dense = curve(np.linspace(x[0], x[-1], 10 * count))
+    assert np.diff(dense).min() > 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("stiffness", [0.0, 1.0, 30.0])
+def test_is_the_bounded_least_squares_fit(seed: int, stiffness: float) -> None:
+    x, y = np.arange(200.0), staircase(seed, 200)
+    curve = fit_increasing(x, y, 6.0, stiffness)
+    design = BSpline.design_matrix(x, curve.t, DEGREE).toarray()
+    bend = np.diff(np.eye(len(curve.c)), 2, axis=0)
+    stiff = np.concatenate([design, np.sqrt(stiffness * len(x) / len(curve.c)) * bend])
+    abscissae = np.array([curve.t[i + 1 : i + 1 + DEGREE].mean() for i in range(len(curve.c))])
+    floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * np.diff(abscissae)
+    wanted = naive.increasing_coefficients(stiff, np.concatenate([y, np.zeros(len(bend))]), floor)
+    np.testing.assert_allclose(curve.c, wanted, atol=1e-3)
+
+
+def test_a_stiffer_spline_changes_its_speed_less() -> None:
+    x, y = np.arange(200.0), staircase(5, 200)
+    bent = [np.abs(np.diff(fit_increasing(x, y, 6.0, stiffness)(x), 2)).mean() for stiffness in (0.0, 1.0, 30.0)]
+    assert bent[0] > bent[1] > bent[2]
+
+
+def test_a_straight_line_stays_itself() -> None:
+    x = np.linspace(0.0, 10.0, 80)
+    np.testing.assert_allclose(fit_increasing(x, 3.0 * x - 2.0, 0.5)(x), 3.0 * x - 2.0, atol=1e-9)

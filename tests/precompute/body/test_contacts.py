@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from motionsplice.motion.procedural.library import make
+from motionsplice.motion.roles import find_roles
+from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.body.contacts import foot_contacts, left_strike
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, Contact, contacts_of
+
+DUTY = {"walk": 0.62, "slow_walk": 0.62, "run": 0.335, "stairs_up": 0.63, "stairs_down": 0.62}
+
+
+def phases_of(clip_name: str, seed: int) -> tuple[list[Contact], float]:
+    """The contacts of a built-in motion, and how long a stride of it takes."""
+    clip = make(clip_name, seed=seed)
+    roles = find_roles(clip.skeleton)
+    contacts = contacts_of(foot_contacts(clip, roles), clip.rate)
+    downs = [one.down for one in contacts if one.foot == "left" and one.down > 0.0]
+    return contacts, float(np.median(np.diff(downs)))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("gait", DUTY)
+def test_feet_take_turns_and_stand_for_about_as_long_as_the_gait_has_them(gait: str, seed: int) -> None:
+    contacts, stride = phases_of(gait, seed)
+    whole = [one for one in contacts if one.down > 0.1 and one.up < 5.8]
+    assert [one.foot for one in whole] in (
+        ["left", "right"] * (len(whole) // 2) + ["left"] * (len(whole) % 2),
+        ["right", "left"] * (len(whole) // 2) + ["right"] * (len(whole) % 2),
+    )
+    assert np.mean([one.up - one.down for one in whole]) / stride == pytest.approx(DUTY[gait], abs=0.12)
+    between = [b.down - a.down for a, b in itertools.pairwise(whole)]
+    np.testing.assert_allclose(between, 0.5 * stride, atol=0.1 * stride)
+
+
+def test_a_phase_is_whole_where_the_left_foot_comes_down() -> None:
+    clip = make("walk", seed=3)
+    roles = find_roles(clip.skeleton)
+    phase = align(clip, roles, find_baseline(clip, roles)).phase
+    for one in contacts_of(foot_contacts(clip, roles), clip.rate):
+        if one.down > 0.1:
+            at = np.interp(one.down * clip.rate, np.arange(len(phase)), phase)
+            wanted = 0.0 if one.foot == "left" else 0.5
+            assert abs((at - wanted + 0.5) % 1.0 - 0.5) < 0.04
+
+
+def test_contacts_are_runs_of_frames() -> None:
+    both = LEFT_FOOT | RIGHT_FOOT
+    standing = np.array([0, LEFT_FOOT, both, both, RIGHT_FOOT, 0, LEFT_FOOT], np.uint8)
+    found = [("left", 0.1, 0.3), ("right", 0.2, 0.4), ("left", 0.6, 0.6)]
+    for contact, (foot, down, up) in zip(contacts_of(standing, 10.0), found, strict=True):
+        assert contact.foot == foot
+        np.testing.assert_allclose([contact.down, contact.up], [down, up])
+
+
+def test_feet_that_do_not_come_down_have_no_strike() -> None:
+    clip = make("walk", seed=3).frames(0, 40)
+    roles = find_roles(clip.skeleton)
+    assert left_strike(clip, roles, 10.0, 11.0) is None

@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.precompute.body.joint_paths import joint_paths, joint_transforms
+from tests.conftest import CLIPS
+from tests.rigs import local_axes, with_local_axes
+
+WALK = with_local_axes(CLIPS["walk"].frames(0, 4), local_axes(CLIPS["walk"].skeleton.joint_count, seed=1))
+JOINTS = st.lists(st.integers(0, WALK.skeleton.joint_count - 1), min_size=1, max_size=6)
+
+
+@given(JOINTS)
+@settings(max_examples=30)
+def test_a_few_joints_are_where_forward_kinematics_of_all_puts_them(joints: list[int]) -> None:
+    positions, world = world_transforms(WALK.skeleton, WALK.root_positions, WALK.rotations)
+    found_positions, found_world = joint_transforms(WALK, joints)
+    np.testing.assert_allclose(found_positions, positions[:, joints], atol=1e-13)
+    np.testing.assert_allclose(found_world, world[:, joints], atol=1e-13)
+    np.testing.assert_array_equal(joint_paths(WALK, joints), found_positions)

@@ -1,0 +1,283 @@
+from __future__ import annotations
+
+import os
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import BaselineError, ClipError, MotionError, SettingsError
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import make
+from motionsplice.precompute.job import job
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import TABLE_FOLDER, Bank
+from motionsplice.runtime.format.manifest import MANIFEST
+from tests.conftest import CLIPS
+
+
+def write(folder: Path, **clips: Clip) -> Path:
+    folder.mkdir(exist_ok=True)
+    for name, clip in clips.items():
+        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
+    return folder
+
+
+def files_of(bank: Path) -> dict[str, bytes]:
+    """The manifest and the tables, which are the bank, by name."""
+    files = [bank / MANIFEST, *sorted((bank / TABLE_FOLDER).iterdir())]
+    return {str(file.relative_to(bank)): file.read_bytes() for file in files}
+
+
+def test_same_clips_make_the_same_bytes_however_and_wherever(clip_folder: Path, bank: Bank, tmp_path: Path) -> None:
+    elsewhere = Path(shutil.copytree(clip_folder, tmp_path / "elsewhere"))
+    files = sorted(elsewhere.glob("*.bvh"), reverse=True)
+    build_bank(files, tmp_path / "bank", baseline="walk")
+    assert files_of(tmp_path / "bank") == files_of(bank.path)
+
+
+def test_a_clip_that_fails_is_named_and_the_others_finish(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"], short=CLIPS["walk"].frames(0, 10))
+    write(clips, one_frame=CLIPS["walk"].frames(0, 1))
+    (clips / "broken.bvh").write_bytes(b"HIERARCHY\nROOT")
+    outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=1)
+    assert outcome.clips == ("run", "walk")
+    assert set(outcome.failed) == {"broken", "short", "one_frame"}
+    assert "lasts 0.000 s, too short" in str(outcome.failed["one_frame"])
+    assert "broken.bvh" in str(outcome.failed["broken"])
+    assert "too short" in str(outcome.failed["short"])
+    assert [clip.name for clip in Bank.open(tmp_path / "bank").clips] == ["run", "walk"]
+
+
+def test_if_all_clips_are_actions_it_is_told(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    (clips / "clips.toml").write_text('[walk]\nkind = "action"\n')
+    with pytest.raises(BaselineError, match=r"all clips are actions.*\. Add a plain walk"):
+        build_bank([clips], tmp_path / "bank", jobs=1)
+
+
+def test_progress_counts_every_clip(tmp_path: Path) -> None:
+    seen: list[tuple[str, int, int]] = []
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"])
+    build_bank([clips], tmp_path / "bank", jobs=1, progress=lambda *step: seen.append(step))
+    assert seen == [("reading", 1, 2), ("reading", 2, 2), ("aligning", 1, 2), ("aligning", 2, 2)]
+
+
+def test_without_a_baseline_the_most_typical_stride_is_taken(tmp_path: Path) -> None:
+    walks = {f"walk{seed}": make("walk", seed=seed, seconds=4.0) for seed in (1, 2, 3)}
+    clips = write(tmp_path / "clips", **walks, side_step=CLIPS["side_step"])
+    assert build_bank([clips], tmp_path / "bank", jobs=1).baseline.name in walks
+
+
+def test_a_bank_that_exists_stays_whole_if_the_job_fails(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    build_bank([clips], tmp_path / "bank", jobs=1)
+    before = files_of(tmp_path / "bank")
+    with pytest.raises(BaselineError):
+        build_bank([clips], tmp_path / "bank", baseline="absent", jobs=1)
+    assert files_of(tmp_path / "bank") == before
+
+
+def test_a_changed_bank_keeps_the_tables_of_the_one_before_and_no_older(tmp_path: Path) -> None:
+    counts = []
+    for number, name in enumerate(("walk", "run", "side_step")):
+        clips = write(tmp_path / f"clips{number}", **{name: CLIPS[name]})
+        build_bank([clips], tmp_path / "bank", jobs=1)
+        counts.append(len(files_of(tmp_path / "bank")))
+    assert counts[2] == counts[1] > counts[0]
+
+
+def test_files_that_are_not_a_banks_stay(tmp_path: Path) -> None:
+    mine = tmp_path / "bank" / "tables" / "mine.npy"
+    mine.parent.mkdir(parents=True)
+    mine.write_bytes(b"mine")
+    build_bank([write(tmp_path / "clips", walk=CLIPS["walk"])], tmp_path / "bank")
+    assert mine.read_bytes() == b"mine"
+
+
+def test_what_a_killed_job_left_behind_is_removed_and_what_a_running_one_writes_is_not(tmp_path: Path) -> None:
+    tables = tmp_path / "bank" / "tables"
+    tables.mkdir(parents=True)
+    old, fresh, mine = (tables / name for name in (".table.12", ".table.34", ".mine.npy.56"))
+    for file in (old, fresh, mine):
+        file.write_bytes(b"half a table")
+    for file in (old, mine):
+        os.utime(file, (0, 0))
+    build_bank([write(tmp_path / "clips", walk=CLIPS["walk"])], tmp_path / "bank")
+    assert [file.exists() for file in (old, fresh, mine)] == [False, True, True]
+
+
+def test_people_of_other_size_are_brought_to_the_banks_skeleton(tmp_path: Path) -> None:
+    walk = CLIPS["walk"]
+    tall = replace(walk, skeleton=walk.skeleton.scaled(1.3), root_positions=walk.root_positions * 1.3)
+    clips = write(tmp_path / "clips", walk=walk, tall=tall)
+    build_bank([clips], tmp_path / "bank", baseline="walk", jobs=1)
+    bank = Bank.open(tmp_path / "bank")
+    np.testing.assert_allclose(bank.motion("tall").root_positions, bank.motion("walk").root_positions, atol=1e-5)
+
+
+def test_another_topology_is_a_clear_error(tmp_path: Path) -> None:
+    walk = CLIPS["walk"]
+    leaf = int(walk.skeleton.end_parents[-1])
+    kept = [joint for joint in range(walk.skeleton.joint_count) if joint != leaf]
+    places = {joint: number for number, joint in enumerate(kept)}
+    skeleton = replace(
+        walk.skeleton,
+        names=tuple(walk.skeleton.names[joint] for joint in kept),
+        parents=np.array([-1] + [places[int(walk.skeleton.parents[joint])] for joint in kept[1:]]),
+        offsets=walk.skeleton.offsets[kept],
+        end_parents=np.zeros(0, np.int64),
+        end_offsets=np.zeros((0, 3)),
+    )
+    fewer = Clip("fewer", skeleton, walk.rate, walk.root_positions, walk.rotations[:, kept])
+    clips = write(tmp_path / "clips", walk=walk, fewer=fewer)
+    outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=1)
+    assert "different topologies" in str(outcome.failed["fewer"])
+    assert "Retarget" in str(outcome.failed["fewer"])
+
+
+def test_another_bind_pose_is_a_clear_error(tmp_path: Path) -> None:
+    walk = CLIPS["walk"]
+    bent = walk.skeleton.offsets.copy()
+    elbow = walk.skeleton.index("LeftForeArm")
+    bent[elbow] = [0.0, -float(np.linalg.norm(bent[elbow])), 0.0]
+    other = replace(walk, skeleton=replace(walk.skeleton, offsets=bent))
+    clips = write(tmp_path / "clips", walk=walk, other=other)
+    outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=1)
+    assert "90 degrees" in str(outcome.failed["other"])
+
+
+def test_a_baseline_without_a_cycle_is_refused(tmp_path: Path) -> None:
+    walk = CLIPS["walk"]
+    still = Clip(
+        "still",
+        walk.skeleton,
+        60.0,
+        np.tile(walk.root_positions[:1], (200, 1)),
+        np.tile(walk.rotations[:1], (200, 1, 1)),
+    )
+    clips = write(tmp_path / "clips", still=still, walk=walk)
+    with pytest.raises(BaselineError, match=r"'still' has no stride.*--baseline"):
+        build_bank([clips], tmp_path / "bank", baseline="still", jobs=1)
+    with pytest.raises(BaselineError, match="Did you mean 'still'"):
+        build_bank([clips], tmp_path / "bank", baseline="stil", jobs=1)
+    build_bank([clips], tmp_path / "bank", baseline="walk")
+    assert "legs hardly move" in Bank.open(tmp_path / "bank").clip("still").warnings[0]
+    assert not Bank.open(tmp_path / "bank").clip("walk").warnings
+    (clips / "walk.bvh").unlink()
+    with pytest.raises(BaselineError, match="none of the clips"):
+        build_bank([clips], tmp_path / "bank", jobs=1)
+
+
+@pytest.mark.parametrize(
+    ("baseline", "words"),
+    [
+        (None, r"^not one of the locomotions can be read\. broken0: .*\. broken2: .*\. And 2 more"),
+        ("broken0", r"^the baseline cannot be read: .*broken0\.bvh"),
+        ("brokn0", r"^the baseline 'brokn0' is not among the clips\. Did you mean 'broken0'"),
+    ],
+)
+def test_if_no_clip_can_be_read_the_reasons_are_told(tmp_path: Path, baseline: str | None, words: str) -> None:
+    for number in range(5):
+        (tmp_path / f"broken{number}.bvh").write_bytes(b"HIERARCHY\nROOT")
+    with pytest.raises(BaselineError, match=words) as told:
+        build_bank([tmp_path], tmp_path / "bank", baseline=baseline)
+    assert "stride" not in str(told.value)
+
+
+def test_two_clips_of_one_name_are_refused(tmp_path: Path) -> None:
+    a, b = write(tmp_path / "a", walk=CLIPS["walk"]), write(tmp_path / "b", walk=CLIPS["walk"])
+    with pytest.raises(ClipError, match=r"two clips are called 'walk'.*Rename"):
+        build_bank([a, b], tmp_path / "bank")
+    assert not (tmp_path / "bank").exists()
+
+
+def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(ClipError, match="no clips here"):
+        build_bank([tmp_path], tmp_path / "bank")
+    with pytest.raises(ClipError, match="no such file"):
+        build_bank([tmp_path / "absent.bvh"], tmp_path / "bank")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[walkk]\nkind = 'action'", "no clip 'walkk' beside it. Did you mean 'walk'"),
+        ("[walk]\nkindd = 'action'", "unknown key 'kindd'.*Did you mean 'kind'"),
+        ("[walk]\nkind = 'dance'", "kind = 'dance' means nothing"),
+        ("[walk]\nskip_frames = -1", "skip_frames = -1"),
+        ("[walk]\nskip_frames = true", "skip_frames = True"),
+        ("[walk]\ntags = 'one'", "tags"),
+        ("[walk]\ntags = 5", "tags = 5"),
+        ("walk = 3", "not a table"),
+        ("[walk", "not TOML"),
+    ],
+)
+def test_a_bad_clips_toml_is_refused(tmp_path: Path, text: str, words: str) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    (clips / "clips.toml").write_text(text)
+    with pytest.raises(SettingsError, match=rf"clips.toml.*{words}"):
+        build_bank([clips], tmp_path / "bank")
+
+
+def test_settings_reach_the_clip(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], box=CLIPS["carry_box"], run=CLIPS["run"])
+    (clips / "clips.toml").write_text("[box]\nkind = 'action'\ntags = ['a', 'b']\nskip_frames = 7\nunit = 'm'\n")
+    build_bank([clips], tmp_path / "bank", jobs=1)
+    bank = Bank.open(tmp_path / "bank")
+    assert bank.clip("box").frame_count == CLIPS["carry_box"].frame_count - 7
+    assert bank.clip("box").tags == ("a", "b")
+    assert bank.neutral("box") == "walk"  # nearer in gait than the run
+
+
+def test_a_leading_bind_pose_is_a_warning_until_it_is_left_out(tmp_path: Path) -> None:
+    walk = CLIPS["walk"]
+    posed = walk.rotations.copy()
+    posed[0] = quaternion.IDENTITY
+    clips = write(tmp_path / "clips", walk=walk, posed=replace(walk, rotations=posed))
+    build_bank([clips], tmp_path / "bank", baseline="walk")
+    bank = Bank.open(tmp_path / "bank")
+    assert any("--skip-frames 1" in said for said in bank.clip("posed").warnings)
+    assert not bank.clip("walk").warnings
+    (clips / "clips.toml").write_text("[posed]\nskip_frames = 1\n")
+    build_bank([clips], tmp_path / "bank", baseline="walk")
+    assert not Bank.open(tmp_path / "bank").clip("posed").warnings
+
+
+def test_a_neutral_that_is_not_there_fails_that_clip_only(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], box=CLIPS["carry_box"])
+    (clips / "clips.toml").write_text("[box]\nkind = 'action'\nneutral = 'wallk'\n")
+    outcome = build_bank([clips], tmp_path / "bank", jobs=1)
+    assert outcome.clips == ("walk",)
+    assert "Did you mean 'walk'" in str(outcome.failed["box"])
+
+
+def test_real_clips_of_several_people_and_formats_share_a_bank(real_motion: Path, tmp_path: Path) -> None:
+    for name in ("16.asf", "16_15.amc", "02.asf", "02_01.amc", "06_01.bvh"):
+        shutil.copy(real_motion / name, tmp_path)
+    (tmp_path / "clips.toml").write_text("[06_01]\nskip_frames = 1\n")
+    outcome = build_bank([tmp_path], tmp_path / "bank", baseline="16_15", jobs=1)
+    assert not outcome.failed, {name: str(error) for name, error in outcome.failed.items()}
+    for clip in Bank.open(tmp_path / "bank").clips:
+        assert clip.mean_mismatch < 0.04
+        assert clip.cycles == pytest.approx(clip.duration / 1.13, rel=0.2)
+
+
+def test_errors_survive_the_way_back_from_a_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job, "WORTH_A_PROCESS", 1)
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"])
+    (clips / "broken.bvh").write_bytes(b"\x00\xff" * 100)
+    outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=2)
+    assert isinstance(outcome.failed["broken"], MotionError)
+    assert "broken.bvh" in str(outcome.failed["broken"])
+
+
+def test_without_any_locomotion_the_baseline_is_the_neutral(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", box=CLIPS["carry_box"], wave=CLIPS["wave"])
+    (clips / "clips.toml").write_text("[box]\nkind = 'action'\n[wave]\nkind = 'action'\n")
+    build_bank([clips], tmp_path / "bank", baseline="box")
+    assert Bank.open(tmp_path / "bank").neutral("wave") == "box"

@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bench.quality.measures import accelerations
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.procedural.library import make
+from motionsplice.motion.roles import find_roles
+from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.preparation.seam import Seamed, add_seam
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from tests.conftest import CLIPS
+
+ROLES = find_roles(CLIPS["walk"].skeleton)
+RING = find_baseline(CLIPS["walk"], ROLES)
+LOOPED = ("walk", "run", "carry_box", "wave", "side_step")
+
+
+def seamed(clip: Clip) -> Seamed:
+    return add_seam(clip, align(clip, ROLES, RING).phase, ROLES)
+
+
+@pytest.mark.parametrize("name", LOOPED)
+def test_a_seam_is_added_to_frames_that_stay_as_they_are(name: str) -> None:
+    clip, result = CLIPS[name], seamed(CLIPS[name])
+    assert result.strides >= 1
+    np.testing.assert_array_equal(result.clip.root_positions[: clip.frame_count], clip.root_positions)
+    assert quaternion.angle(result.clip.rotations[: clip.frame_count], clip.rotations).max() < 1e-7
+    assert np.diff(result.phase).min() > 0.0
+
+
+@pytest.mark.parametrize("name", LOOPED)
+def test_a_seam_ends_where_the_clip_was_whole_strides_before(name: str) -> None:
+    clip, result = CLIPS[name], seamed(CLIPS[name])
+    at = np.interp(result.phase[-1] - result.strides, result.phase, np.arange(len(result.phase)))
+    there = clip.sampled([at])[1][0]
+    assert quaternion.angle(result.clip.rotations[-1, 1:], there[1:]).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", LOOPED)
+def test_nothing_jumps_at_a_seam(name: str) -> None:
+    clip, result = CLIPS[name], seamed(CLIPS[name])
+    own = np.percentile(accelerations(clip), 99)
+    assert accelerations(result.clip)[len(accelerations(clip)) - 1 :].max() < 1.3 * own
+
+
+def test_root_motion_goes_on_round_a_curve() -> None:
+    curve = make("curve", seed=3, seconds=5.0)
+    result = seamed(curve)
+    steps = np.linalg.norm(np.diff(result.clip.root_positions[:, [0, 2]], axis=0), axis=1)
+    turns = np.abs(np.diff(np.unwrap(np.arctan2(*np.diff(result.clip.root_positions[:, [0, 2]], axis=0).T))))
+    after = slice(curve.frame_count - 1, None)
+    assert steps[after].min() > 0.8 * steps.min()
+    assert steps[after].max() < 1.2 * steps.max()
+    assert turns[curve.frame_count - 2 :].max() < 1.5 * turns[: curve.frame_count - 2].max()
+
+
+def test_a_clip_of_less_than_a_stride_has_no_seam() -> None:
+    result = seamed(CLIPS["walk"].frames(0, 40))
+    assert (result.strides, result.clip.frame_count) == (0, 40)
+
+
+def test_a_clip_whose_strides_are_not_alike_has_no_seam() -> None:
+    clip = CLIPS["walk"]
+    bent = clip.rotations.copy()
+    turn = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 6.0, clip.frame_count))
+    bent[:, 1:] = quaternion.multiply(bent[:, 1:], turn[:, None])
+    assert add_seam(replace(clip, rotations=bent), align(clip, ROLES, RING).phase, ROLES).strides == 0
+
+
+def test_one_arm_that_is_elsewhere_a_stride_before_makes_no_seam() -> None:
+    clip = CLIPS["walk"]
+    raised = clip.rotations.copy()
+    turn = quaternion.about([0.0, 0.0, 1.0], 2.0 * (np.arange(clip.frame_count) > clip.frame_count - 25))
+    raised[:, ROLES.left_shoulder] = quaternion.multiply(raised[:, ROLES.left_shoulder], turn)
+    assert seamed(clip).strides > 0
+    assert add_seam(replace(clip, rotations=raised), align(clip, ROLES, RING).phase, ROLES).strides == 0
+
+
+def test_an_action_goes_on_past_its_end_without_a_jump(bank: Bank) -> None:
+    assert bank.clip("wave").duration < 0.6 * bank.clip("walk").duration
+    splice = Evaluator(bank).clip("walk", "wave")
+    own = max(np.percentile(accelerations(bank.motion(name)), 99) for name in ("walk", "wave"))
+    assert accelerations(splice).max() < 2.0 * own

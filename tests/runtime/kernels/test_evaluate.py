@@ -1,0 +1,233 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.pointcloud import horn_rotation
+from motionsplice.motion.quaternion import Floats
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.kernels import arrays
+from motionsplice.runtime.kernels import lookup as lookup_kernels
+from motionsplice.runtime.kernels.posture import LEAST_GAP
+from motionsplice.runtime.kernels.rotations import horn, sample
+from motionsplice.runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Memory, Requests
+from motionsplice.runtime.simd.compiled import LANES
+from tests import naive, random_bank
+
+seeds = st.integers(0, 2**32 - 1)
+STATELESS = sorted(POSTURES.keys() - {"running"})
+
+
+def horn_of(pairs: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
+    """The kernel's rotations [n, 4] that lay each pair's second cloud on its first, and their gaps [n]."""
+    block = np.zeros((arrays.BLOCK_ROWS, arrays.BLOCK))
+    for lane, (target, source) in enumerate(pairs):
+        block[arrays.CORRELATION : arrays.BOUND, lane] = (target.T @ source).ravel()
+        block[arrays.BOUND, lane] = 0.5 * (np.sum(target**2) + np.sum(source**2)) * (1.0 + 1e-12)
+    flat = block.ravel()
+    horn(flat)
+    count = len(pairs)
+    return block[arrays.ALIGNED : arrays.ALIGNED + 4, :count].T, block[arrays.GAP, :count]
+
+
+@given(seeds, st.integers(2, 8), st.floats(0.0, 0.5), st.sampled_from([0.01, 0.3, 10.0]))
+def test_horn_is_the_eigenvector_of_its_twin(seed: int, points: int, noise: float, size: float) -> None:
+    draw, pairs = np.random.default_rng(seed), []
+    for _ in range(arrays.BLOCK):
+        source = size * draw.normal(size=(points, 3))
+        target = quaternion.rotate(Rotation.random(random_state=draw).as_quat(), source)
+        pairs.append((target + noise * size * draw.normal(size=(points, 3)), source))
+    found, gaps = horn_of(pairs)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1.0)
+    for pair, rotation, gap in zip(pairs, found, gaps, strict=True):
+        assert 0.4 * naive.gap(*pair) <= gap <= 1.5 * naive.gap(*pair) + 1e-6
+        if gap >= LEAST_GAP:
+            assert quaternion.angle(rotation, horn_rotation(*pair)) < 1e-6
+
+
+@given(seeds, st.floats(-7.0, 0.0))
+def test_horn_of_a_torso_that_is_nearly_a_line_is_exact_or_known_to_be_undecided(seed: int, magnitude: float) -> None:
+    draw = np.random.default_rng(seed)
+    torso = np.array([[0.0, y, 0.0] for y in (0.1, 0.2, 0.33, 0.45)] + [[0.17, 0.4, 0.0], [-0.17, 0.4, 0.0]])
+    width = 10.0**magnitude
+    pairs = []
+    for _ in range(arrays.BLOCK):
+        target, source = (torso * [width, 1.0, 1.0] + 0.1 * width * draw.normal(size=(6, 3)) for _ in range(2))
+        pairs.append((quaternion.rotate(Rotation.random(random_state=draw).as_quat(), target), source))
+    for pair, rotation, gap in zip(pairs, *horn_of(pairs), strict=True):
+        if gap >= LEAST_GAP:
+            assert quaternion.angle(rotation, horn_rotation(*pair)) < 1e-5
+        else:
+            assert naive.gap(*pair) < 3.0 * LEAST_GAP
+
+
+@pytest.mark.parametrize(
+    "correlation",
+    [
+        np.zeros((3, 3)),
+        np.outer([1.0, 2.0, 3.0], [2.0, 1.0, 0.0]),
+        1e-30 * np.outer([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+    ],
+)
+def test_clouds_without_a_best_rotation_have_no_gap(correlation: Floats) -> None:
+    block = np.zeros((arrays.BLOCK_ROWS, arrays.BLOCK))
+    block[arrays.CORRELATION : arrays.BOUND] = correlation.reshape(9, 1)
+    block[arrays.BOUND] = np.linalg.norm(correlation)
+    flat = block.ravel()
+    horn(flat)
+    assert block[arrays.GAP].max() < 1e-6
+
+
+def sampled(a: Floats, b: Floats, t: float) -> Floats:
+    """What the kernel finds between two keys, in all lanes of a row alike."""
+    rows, out = np.zeros((2, 4 * LANES), np.float32), np.empty(4 * LANES, np.float32)
+    rows[0], rows[1] = np.repeat(a, LANES), np.repeat(b, LANES)
+    sample(rows, np.uint64(0), np.uint64(0), np.uint64(LANES), np.float32(t), out, np.uint64(0))
+    lanes = out.reshape(LANES, 4)
+    np.testing.assert_array_equal(lanes, np.tile(lanes[0], (LANES, 1)))
+    return lanes[0].astype(np.float64)
+
+
+@given(seeds, st.floats(0.0, np.pi / 3), st.floats(0.0, 1.0))
+def test_series_slerp_is_slerp(seed: int, radians: float, t: float) -> None:
+    a = Rotation.random(random_state=seed).as_quat()
+    axis = np.random.default_rng(seed).normal(size=3)
+    b = quaternion.multiply(a, quaternion.about(axis / np.linalg.norm(axis), radians))
+    found = sampled(a, b, t)
+    assert quaternion.angle(found, quaternion.slerp(a, b, t)) < 2e-6
+    assert np.linalg.norm(found) == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("degrees", "bound"), [(60.0, 1e-6), (90.0, 1e-5), (150.0, 1e-3), (180.0, 0.0051)])
+def test_series_slerp_is_off_by_no_more_than_it_says(degrees: float, bound: float) -> None:
+    axis = [1.0, 0.0, 0.0]
+    for t in np.linspace(0.0, 1.0, 201):
+        found = sampled(quaternion.IDENTITY, quaternion.about(axis, np.radians(degrees)), t)
+        assert quaternion.angle(found, quaternion.about(axis, t * np.radians(degrees))) < bound
+        assert np.linalg.norm(found) == pytest.approx(1.0, abs=2e-4)
+
+
+@given(st.data())
+@settings(max_examples=150)
+def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
+    locomotion, action = (data.draw(st.sampled_from(bank.clips)) for _ in range(2))
+    time = data.draw(st.floats(0.0, locomotion.duration))
+    start = data.draw(st.sampled_from([0.0, 0.3, 1.7]))
+    method, posture = data.draw(st.sampled_from(sorted(METHODS))), data.draw(st.sampled_from(STATELESS))
+    cycles, requests, poses = data.draw(st.integers(-2, 5)), Requests.empty(1), Evaluator(bank).poses(1)
+    clips = bank.number(locomotion.name), bank.number(action.name)
+    requests.records[0] = (*clips, time, start, cycles, METHODS[method], POSTURES[posture], 0)
+    Evaluator(bank).evaluate(requests, poses)
+    root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture, cycles)
+    np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
+    assert quaternion.angle(poses.rotations[0], rotations).max() < 5e-5
+
+
+@given(seeds, st.integers(3, 60), st.integers(3, 20), st.sampled_from(random_bank.CLOUDS))
+@settings(max_examples=60)
+def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: int, clouds: str) -> None:
+    bank, draw = random_bank.random_bank(seed, joints, 3, points, clouds), np.random.default_rng(seed)
+    evaluator = Evaluator(bank)
+    for _ in range(8):
+        locomotion, action = (bank.clips[one] for one in draw.integers(0, 3, 2))
+        time, start = draw.random() * locomotion.duration, draw.random() * action.duration * draw.integers(0, 2)
+        method, posture = draw.choice(sorted(METHODS)), draw.choice(STATELESS)
+        upper = locomotion if method == "none" else action
+        hands = "hands" if upper.name in {one.body for one in bank.hands} and draw.random() < 0.7 else None
+        requests, poses = Requests.empty(1), evaluator.poses(1)
+        clips, worn = (bank.number(locomotion.name), bank.number(action.name)), 0 if hands is None else 1
+        requests.records[0] = (*clips, time, start, 0, METHODS[method], POSTURES[posture], worn)
+        evaluator.evaluate(requests, poses)
+        root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture, hands=hands)
+        np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
+        assert quaternion.angle(poses.rotations[0], rotations).max() < 1e-4
+        np.testing.assert_allclose(np.linalg.norm(poses.rotations[0], axis=-1), 1.0, atol=1e-5)
+
+
+def test_where_no_alignment_is_the_best_the_last_one_is_held() -> None:
+    clear, unclear = (random_bank.random_bank(5, 9, 1, 6, clouds) for clouds in ("torso", "line"))
+    memory, pelvis = Memory.begin(1, rate=30.0), clear.roles.pelvis
+    ask = {"locomotion": "clip 0", "times": [0.0], "action": "clip 0", "start": 0.0, "posture": "off"}
+    memory.turns[:] = held = quaternion.about([0.0, 0.0, 1.0], 0.3)
+    turned = Evaluator(unclear).sequence(**ask, memory=memory).rotations[0, pelvis]  # type: ignore[arg-type]
+    own = unclear.motion("clip 0").rotations[0, pelvis]
+    assert quaternion.angle(turned, quaternion.multiply(own, held)) < 1e-6
+    np.testing.assert_array_equal(memory.turns[0], held)
+    alone = Evaluator(unclear).sequence(**ask).rotations[0, pelvis]  # type: ignore[arg-type]
+    assert quaternion.angle(alone, own) < 1e-6
+    Evaluator(clear).sequence(**ask, memory=memory)  # type: ignore[arg-type]
+    assert quaternion.angle(memory.turns[0], quaternion.IDENTITY) < 1e-5  # its clouds are one cloud
+
+
+@given(seeds, st.sampled_from([np.nan, np.inf, -np.inf, 1e300, -1e30, 0.0]))
+@settings(max_examples=40)
+def test_no_number_in_a_table_leads_out_of_the_clip(seed: int, value: float) -> None:
+    """As plain Python a row outside a table is an error; whichever pose it is, the frame shown is one of the clip's."""
+    bank, draw = random_bank.random_bank(seed, 5, 2, 4, "torso"), np.random.default_rng(seed)
+    evaluator, (locomotion, action) = Evaluator(bank), bank.clips
+    with np.errstate(all="ignore"):
+        for name in ("phase_of_frame", "frame_of_phase", "lower", "upper"):
+            flat = bank.tables[name].reshape(-1)
+            flat[draw.integers(0, flat.size, flat.size // 4)] = value
+        for time in np.linspace(0.0, locomotion.duration, 7):
+            evaluator.pose(locomotion.name, time, action.name, start=action.duration / 2.0)
+        frames = evaluator.action_frames(locomotion.name, np.linspace(0.0, locomotion.duration, 7), action.name)
+    rows = [lookup_kernels.locate(frame, action.first_row, action.row_count) for frame in frames]
+    assert all(action.first_row <= row < action.first_row + action.row_count - 1 for row, _ in rows)
+
+
+@given(st.sampled_from(["walk", "run", "turn_180"]), st.sampled_from(["carry_box", "wave"]))
+@settings(max_examples=6)
+def test_a_running_posture_is_that_of_its_twin(bank: Bank, locomotion: str, action: str) -> None:
+    evaluator = Evaluator(bank)
+    found = evaluator.clip(locomotion, action, posture="running")
+    twin = naive.followed(bank, evaluator.clip(locomotion, action, posture="off"), locomotion, action, TIME_CONSTANT)
+    assert quaternion.angle(found.rotations, twin.rotations).max() < 5e-5
+
+
+def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
+    evaluator = Evaluator(bank)
+    poses = evaluator.sequence("walk", evaluator.frame_times("walk"), "wave")
+    positions = np.empty((len(poses.rotations), bank.skeleton.joint_count, 3), np.float32)
+    evaluator.world_positions(poses, positions)
+    expected = world_transforms(bank.skeleton, poses.root_positions, poses.rotations)[0]
+    np.testing.assert_allclose(positions, expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("count", [1, 31, 33, 64, 200])
+def test_threads_make_no_difference(bank: Bank, count: int) -> None:
+    draw, requests, memory = np.random.default_rng(count), Requests.empty(count), Memory.begin(count, rate=60.0)
+    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
+    requests.posture[:] = draw.integers(0, 4, count)
+    results = []
+    for threads in (1, 2):
+        evaluator, own = Evaluator(bank, threads=threads), Memory(memory.state.copy(), memory.share)
+        poses = evaluator.poses(count)
+        for frame in range(3):
+            requests.time[:] = frame / 60.0
+            evaluator.evaluate(requests, poses, own)
+        results.append((poses.rotations, poses.root_positions, own.state))
+    for one, other in zip(*results, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_batch_is_its_characters_one_by_one(bank: Bank) -> None:
+    evaluator, draw, count = Evaluator(bank), np.random.default_rng(3), 200
+    requests, poses = Requests.empty(count), evaluator.poses(count)
+    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
+    requests.time[:] = draw.random(count) * [bank.clips[one].duration for one in requests.locomotion]
+    requests.method[:], requests.posture[:] = draw.integers(0, 3, (2, count))
+    evaluator.evaluate(requests, poses)
+    single = evaluator.poses(1)
+    for character in range(count):
+        evaluator.evaluate(Requests(requests.records[character : character + 1]), single)
+        np.testing.assert_array_equal(single.rotations[0], poses.rotations[character])
+        np.testing.assert_array_equal(single.root_positions[0], poses.root_positions[character])

@@ -1,0 +1,68 @@
+"""Lanes compiled are lanes as plain Python: the NumPy forms in `motionsplice.runtime.simd.lanes` are the twins."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from motionsplice.runtime.simd.compiled import LANES, Array, Real, kernel
+from motionsplice.runtime.simd.lanes import (
+    gather,
+    interleave,
+    load,
+    root,
+    scatter,
+    separate,
+    signed,
+    spread,
+    store,
+    total,
+)
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+@kernel
+def move(table: Array, row: int, column: int, factor: Real, out: Array) -> Real:
+    a, b = load(table, row, column), load(table, row + 1, column + 3)
+    mixed = signed(a * spread(factor) / root(spread(np.float32(1.0)) + b * b), b) + b - a
+    store(out, row, column, mixed)
+    return total(mixed)
+
+
+@kernel
+def transpose(table: Array, first: int, last: int, column: int, rows: Array, flat: Array) -> None:
+    x, y, z, w = gather(table, first, last, column)
+    interleave(flat, 5, x, y, z, w)
+    x, y, z, w = separate(flat, 5)
+    scatter(rows, first, last, column, y, z, w)
+
+
+@given(seeds, st.integers(0, 2), st.integers(0, 9))
+def test_arithmetic_is_numpys(seed: int, row: int, column: int) -> None:
+    draw = np.random.default_rng(seed)
+    table, factor = draw.normal(size=(4, 20)).astype(np.float32), np.float32(draw.normal())
+    compiled, plain = np.zeros((2, 4, 20), np.float32)
+    found = move(table, row, column, factor, compiled)
+    expected = getattr(move, "py_func", move)(table, row, column, factor, plain)
+    np.testing.assert_allclose(compiled, plain, atol=1e-5)
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+    np.testing.assert_allclose(found, compiled.sum(), atol=1e-4)
+
+
+@given(seeds, st.integers(1, 20), st.integers(0, 8))
+def test_rows_become_lanes_and_lanes_rows(seed: int, count: int, column: int) -> None:
+    draw = np.random.default_rng(seed)
+    first = int(draw.integers(0, count))
+    table = draw.normal(size=(count, 12)).astype(np.float32)
+    results = []
+    for form in (transpose, getattr(transpose, "py_func", transpose)):
+        rows, flat = np.zeros((count, 12), np.float32), np.zeros(5 + 4 * LANES, np.float32)
+        form(table, first, count - 1, column, rows, flat)
+        results.append((rows, flat))
+    for compiled, plain in zip(*results, strict=True):
+        np.testing.assert_array_equal(compiled, plain)
+    here = min(LANES, count - first)
+    quads = table[first : first + here, column : column + 4]
+    np.testing.assert_array_equal(results[0][1][5 : 5 + 4 * here], quads.ravel())

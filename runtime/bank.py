@@ -172,6 +172,14 @@ class Bank:
         """The phase of each frame [F] of the clip called `name`, cycles of the baseline."""
         return np.asarray(self.tables["phase_of_frame"][self._rows(name, False)])
 
+    def phase_at(self, name: str, seconds: float) -> float:
+        """The phase of the clip called `name` at a time, cycles of the baseline; its ends' beyond them."""
+        entry = self.clip(name)
+        frame = min(max(seconds * entry.rate, 0.0), entry.frame_count - 1.0)
+        before = min(int(frame), entry.frame_count - 2)
+        here, after = self.tables["phase_of_frame"][entry.first_row + before :][:2]
+        return float(here + (frame - before) * (after - here))
+
     def root_path(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
         """The way [F, 4] of the clip called `name`: x, height of the ground and z, metres, and heading, radians."""
         return np.asarray(self.tables["paths"][self._rows(name, seam)])

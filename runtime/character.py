@@ -20,7 +20,6 @@ from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.clip_references import newest_mix, played_clips, strange_rows, worn_hands
 from motionsplice.runtime.characters.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
-from motionsplice.runtime.kernels.in_step import phase_at
 from motionsplice.runtime.requests import (
     FLOAT64,
     METHODS,
@@ -182,7 +181,7 @@ class Characters:
             raise SettingsError(f"own_clock {own} should be two times, the earlier first")
         part = np.zeros(col.ACTION_COLUMNS)
         part[col.CLIP], part[col.KIND] = clip, known(METHODS, "method", method)
-        part[col.PHASE] = phase_at(self.stage.evaluator.arrays, clip, start)
+        part[col.PHASE] = self.stage.bank.phase_at(action, start)
         part[col.FRAME] = start * entry.rate
         part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
         part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import ground, mixing
 from motionsplice.runtime.characters.limbs import limbs_of
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.requests import REQUEST
 
 
 class Stage:
@@ -19,17 +15,6 @@ class Stage:
         bank = evaluator.bank
         self.evaluator = evaluator
         self.bank: Bank = bank
-        self.ground = arrays.ground(bank)
+        self.ground = ground(bank)
         self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
-        width = max(bank.layout.lower.width, bank.layout.upper.width)
-        self.mixing = arrays.Mixing(
-            requests=np.zeros(arrays.BLOCK, REQUEST),
-            memory=np.zeros((arrays.BLOCK, arrays.MEMORY_COLUMNS)),
-            sum=np.zeros((4, width), np.float32),
-            lane_weights=np.zeros((1, width), np.float32),
-            row=np.zeros((2, bank.layout.lower.columns), np.float32),
-            weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
-            shares=np.zeros((arrays.BLOCK, col.PARTS)),
-            kept=np.zeros((arrays.BLOCK, 4 * col.PARTS)),
-            limbs_turn=np.zeros(arrays.BLOCK, np.int64),
-        )
+        self.mixing = mixing(bank.layout)

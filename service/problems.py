@@ -8,7 +8,6 @@ import orjson
 from pydantic import BaseModel, Field
 
 from motionsplice.motion.errors import BankError, MotionError, SettingsError, TimeRangeError, UnknownClipError
-from motionsplice.service.serving import NotReadyError
 
 MEDIA_TYPE = "application/problem+json"
 URN = "urn:motionsplice:"
@@ -32,6 +31,10 @@ class TooSlowError(MotionError):
 
 class MediaTypeError(MotionError):
     """A body of a type that is not read."""
+
+
+class NotReadyError(MotionError):
+    """Poses are asked for before the kernels are warm."""
 
 
 class BusyError(MotionError):

@@ -10,8 +10,7 @@ from fastapi.responses import FileResponse
 
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
-from motionsplice.service.problems import MEDIA_TYPE, RequestError, UnknownBankError
-from motionsplice.service.serving import NotReadyError
+from motionsplice.service.problems import MEDIA_TYPE, NotReadyError, RequestError, UnknownBankError
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.axes import AXES
 

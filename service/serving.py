@@ -8,18 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
+from motionsplice.service.problems import NotReadyError
 from motionsplice.service.wire.encoding import warm as warm_encoding
 
 logger = logging.getLogger(__name__)
-
-
-class NotReadyError(MotionError):
-    """Poses are asked for before the kernels are warm."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from bench.characters.__main__ import FOREVER, played
+from bench.characters.costs import FOREVER, played
 from bench.findings import Findings
 from bench.generated import HANDS, Size, generate
 from bench.rounds import Work, evict_caches, interleaved, paired_ratio

@@ -16,9 +16,8 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.clips import bank_of
-from bench.quality.__main__ import PAIRS
 from bench.quality.measures import upper_body_errors
-from bench.quality.pair_list import grid_pairs, read_pairs, truth_of
+from bench.quality.pair_list import PAIRS, grid_pairs, read_pairs, truth_of
 from bench.quality.scores import score_clip
 from motionsplice.cli import run
 from motionsplice.motion.errors import BaselineError

@@ -22,6 +22,7 @@ from bench.quality.measures import accelerations
 from motionsplice.cli import run
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.procedural.variants import local_axes, uneven_time, warped, with_local_axes
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.alignment.baseline import WORKING_RATE, find_baseline
 from motionsplice.precompute.job.bank_builder import write_bank
@@ -30,7 +31,6 @@ from motionsplice.precompute.splice import align_in_time, splice_exact
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.format.manifest import ClipEntry
-from tests.rigs import local_axes, uneven_time, warped, with_local_axes
 
 
 def main(

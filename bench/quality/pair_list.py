@@ -14,6 +14,7 @@ from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.runtime.bank import Bank
 
+PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))
 COLUMNS = ("locomotion", "action", "truth", "example", "claim")
 
 

@@ -18,9 +18,8 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.clips import bank_of
-from bench.quality.__main__ import PAIRS
 from bench.quality.measures import neck_jitter, posture_error
-from bench.quality.pair_list import read_pairs
+from bench.quality.pair_list import PAIRS, read_pairs
 from motionsplice.cli import run
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip

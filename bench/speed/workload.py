@@ -81,11 +81,6 @@ class Copy:
         self._room = [np.empty(2 * count, item) for item in items.values()]
         self._poses, self._out = np.zeros((2, count, 3 + 4 * joints), np.float32)
 
-    @property
-    def bytes_per_character(self) -> int:
-        """Bytes of rows and pose that are read and written again, for one character."""
-        return (sum(room.nbytes for room in self._room) + self._out.nbytes) // len(self._out)
-
     def run(self, number: int) -> None:
         """Copies for the set of a round."""
         for table, rows, room in zip(self._tables, self._rows[number % len(self._rows)], self._room, strict=True):

@@ -12,9 +12,9 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.files import Reading
 from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.settings import HandSettings
 from motionsplice.precompute.hands.splice import splice_hands
-from motionsplice.precompute.job.entries import Rig
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.seam import bent_onto
 from motionsplice.runtime.format.rows import Layout

@@ -9,30 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.files import Reading
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Alignment, Baseline
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.cache import Arrays, Said
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 
 LARGE = ("lower", "upper", "upright")
-
-
-@dataclass(frozen=True, eq=False)
-class Rig:
-    """A skeleton and its roles: a bank's are those of its baseline's file."""
-
-    skeleton: Skeleton
-    roles: Roles
-
-    def still(self) -> Clip:
-        """One frame of it in its bind pose."""
-        rotations = np.tile(quaternion.IDENTITY, (1, self.skeleton.joint_count, 1))
-        return Clip("bind pose", self.skeleton, 1.0, np.zeros((1, 3)), rotations)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,12 @@ from itertools import chain
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.formats.files import Reading
 from motionsplice.motion.hand_joints import fingered, has_fingers
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.rows import LaidHands, lay_hands
 from motionsplice.precompute.hands.settings import FILE_NAME, HandSettings, HandsOnBody, read_hand_settings
 from motionsplice.precompute.job.cache import Arrays, Cache, Said, key_of
 from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, kept, read
-from motionsplice.precompute.job.entries import FoundStride, Rig, pack_reading, unpack_reading
+from motionsplice.precompute.job.entries import FoundStride, pack_reading, unpack_reading
 from motionsplice.precompute.job.sources import Source
 from motionsplice.runtime.format.rows import Layout
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.transition_kernels import UNKNOWN, action, is_own_clock, leave_action, locomotion
+from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
+from motionsplice.runtime.characters.transition_kernels import UNKNOWN, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE
@@ -22,11 +23,11 @@ def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: 
     if count > 0:
         gaits, phase = 0.0, UNKNOWN
         for number in range(int(s[c + col.LOCOMOTIONS])):
-            slot = locomotion(c, number)
+            slot = locomotion_slot(c, number)
             if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
                 gaits, phase = gaits + s[slot + col.SHARE], s[slot + col.PHASE]
         for number in range(count):
-            slot = action(c, number)
+            slot = action_slot(c, number)
             if s[slot + col.KIND] == SPLICE:
                 advance_splice(bank, s, slot, seconds * s[c + col.SPEED], passed, min(gaits, 1.0), phase)
             elif s[slot + col.KIND] == NAIVE:
@@ -56,7 +57,7 @@ def advance_splice(
 @kernel
 def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
     """Has the newest action faded out in time before it ends, or begun again over itself."""
-    slot = action(c, count - 1)
+    slot = action_slot(c, count - 1)
     clip, kind = int(s[slot + col.CLIP]), s[slot + col.KIND]
     if kind == col.OWN or s[slot + col.LEAVING] > 0.0 or count == col.MOST_ACTIONS:
         return

@@ -8,23 +8,22 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action_kernels import advance_actions
+from motionsplice.runtime.characters.arrays import Ground
+from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import (
-    action,
     begin_waiting,
     drop_actions,
     drop_hands,
     feet_of,
-    hands,
     keep_way,
     leading,
-    locomotion,
     seen,
     share_locomotions,
     way,
 )
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BankArrays, Ground
+from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.phase import frame_after_last, frame_of, own_step, phase_of
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 
@@ -44,10 +43,10 @@ def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
     """Makes phases and ways those of a bank, for characters that come from another one."""
     for c in range(0, len(s), col.COLUMNS):
         for number in range(int(s[c + col.LOCOMOTIONS])):
-            settle_slot(bank, s, locomotion(c, number))
-            keep_way(bank, ground, s, locomotion(c, number))
+            settle_slot(bank, s, locomotion_slot(c, number))
+            keep_way(bank, ground, s, locomotion_slot(c, number))
         for number in range(int(s[c + col.ACTIONS])):
-            settle_slot(bank, s, action(c, number))
+            settle_slot(bank, s, action_slot(c, number))
         if s[c + col.WHEN] > col.NEVER:  # what has begun stays there, and its clip is one of the other bank's
             settle_slot(bank, s, c + col.NEXT_ACTION)
 
@@ -65,7 +64,7 @@ def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
     for c in range(0, len(s), col.COLUMNS):
         s[c + col.EVENTS] = 0.0
-        fade(s, c, seconds, follow)
+        advance_fades(s, c, seconds, follow)
         passed = advance_locomotions(bank, ground, s, c, seconds)
         advance_actions(bank, s, c, seconds, passed)
         downs = step(bank, ground, s, c, passed)
@@ -76,30 +75,30 @@ def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
 
 
 @inlined
-def fade(s: Array, c: int, seconds: float, follow: float) -> None:
+def advance_fades(s: Array, c: int, seconds: float, follow: float) -> None:
     """All fades and weights of a character, `follow` of the way to what they are set to."""
     count = int(s[c + col.LOCOMOTIONS])
     if count > 1:
         for number in range(count):
-            fade_slot(s, locomotion(c, number), seconds, follow)
+            advance_fade(s, locomotion_slot(c, number), seconds, follow)
         share_locomotions(s, c)
     for number in range(int(s[c + col.ACTIONS])):
-        fade_slot(s, action(c, number), seconds, follow)
+        advance_fade(s, action_slot(c, number), seconds, follow)
     if s[c + col.ACTIONS] > 1.0 or (s[c + col.ACTIONS] > 0.0 and s[c + col.FIRST_ACTION + col.KIND] == col.OWN):
         drop_actions(s, c)
     if s[c + col.HANDS] > 0.0:
-        fade_hands(s, c, seconds, follow)
+        advance_hands(s, c, seconds, follow)
 
 
 @kernel
-def fade_hands(s: Array, c: int, seconds: float, follow: float) -> None:
+def advance_hands(s: Array, c: int, seconds: float, follow: float) -> None:
     for number in range(int(s[c + col.HANDS])):
-        fade_slot(s, hands(c, number), seconds, follow)
+        advance_fade(s, hands_slot(c, number), seconds, follow)
     drop_hands(s, c)
 
 
 @inlined
-def fade_slot(s: Array, slot: int, seconds: float, follow: float) -> None:
+def advance_fade(s: Array, slot: int, seconds: float, follow: float) -> None:
     s[slot + col.ELAPSED] += seconds
     s[slot + col.LAGGING] += follow * (s[slot + col.GOAL] - s[slot + col.LAGGING])
     s[slot + col.WEIGHT] += follow * (s[slot + col.LAGGING] - s[slot + col.WEIGHT])
@@ -112,7 +111,7 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
     passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
     x = y = z = turn = 0.0
     for number in range(count):
-        slot = locomotion(c, number)
+        slot = locomotion_slot(c, number)
         clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         rate, phase = bank.clips[clip, arrays.RATE], s[slot + col.PHASE]
         loop, last = end_of(bank, s, slot)
@@ -168,7 +167,7 @@ def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) ->
     """
     gaits = times = 0.0
     for number in range(count):
-        slot = locomotion(c, number)
+        slot = locomotion_slot(c, number)
         clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         loop, last = end_of(bank, s, slot)
         if bank.clips[clip, arrays.GAIT] > 0.0 and (loop > 0.0 or frame < last):
@@ -180,20 +179,20 @@ def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) ->
 @kernel
 def end_locomotion(s: Array, c: int, number: int, before: float, after: float, last: float, rate: float) -> None:
     """What becomes of a clip that does not go on by itself: it is held, or its group begins again over itself."""
-    slot = locomotion(c, number)
+    slot = locomotion_slot(c, number)
     if s[slot + col.LOOP] == 0.0:
         if before < last and after >= last:
             s[c + col.EVENTS] = int(s[c + col.EVENTS]) | col.LOCOMOTION_ENDED
         return
     head = number
-    while s[locomotion(c, head) + col.HEAD] == 0.0:
+    while s[locomotion_slot(c, head) + col.HEAD] == 0.0:
         head -= 1
-    size = int(s[locomotion(c, head) + col.HEAD])
+    size = int(s[locomotion_slot(c, head) + col.HEAD])
     newest = head + size == int(s[c + col.LOCOMOTIONS])
     if newest and s[c + col.NEXT_COUNT] == 0.0 and last - after <= AGAIN * rate * s[c + col.SPEED]:
         for one in range(size):
-            s[c + col.NEXT_CLIPS + one] = s[locomotion(c, head + one) + col.CLIP]
-            s[c + col.NEXT_WEIGHTS + one] = s[locomotion(c, head + one) + col.GOAL]
+            s[c + col.NEXT_CLIPS + one] = s[locomotion_slot(c, head + one) + col.CLIP]
+            s[c + col.NEXT_WEIGHTS + one] = s[locomotion_slot(c, head + one) + col.GOAL]
         s[c + col.NEXT_COUNT], s[c + col.NEXT_TIME], s[c + col.NEXT_LOOP] = size, 0.0, 1.0
         s[c + col.NEXT_LASTING], s[c + col.NEXT_CURVE] = AGAIN, col.SMOOTH
 

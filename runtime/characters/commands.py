@@ -9,7 +9,7 @@ import numpy as np
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.kernels.arrays import Limbs
+from motionsplice.runtime.characters.arrays import Limbs
 from motionsplice.runtime.requests import known
 
 Locomotion = str | Mapping[str, float]

@@ -6,9 +6,9 @@ import numpy as np
 
 from motionsplice.motion.roles import Roles, common_ancestor
 from motionsplice.motion.skeleton import Skeleton
+from motionsplice.runtime.characters.arrays import Limbs
 from motionsplice.runtime.characters.state import HEAD_AND_NECK, LEFT_ARM, PARTS, RIGHT_ARM
 from motionsplice.runtime.format.rows import FIRST_JOINT, Layout
-from motionsplice.runtime.kernels.arrays import Limbs
 
 
 def limbs_of(skeleton: Skeleton, roles: Roles, layout: Layout) -> Limbs:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from motionsplice.runtime.characters.arrays import Mixing
 from motionsplice.runtime.format.rows import CLOUD, SIZE
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BankArrays, Mixing
+from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.posture import between_rows, mixed
-from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real, inlined
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined
 from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread, store
+from motionsplice.runtime.simd.width import LANES
 
 FOUR = np.uint64(4)  # numbers of a rotation
 

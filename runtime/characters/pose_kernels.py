@@ -10,13 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import Limbs, Mixing
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, weigh_lanes
-from motionsplice.runtime.characters.transition_kernels import action, hands, locomotion, seen
+from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.transition_kernels import seen
 from motionsplice.runtime.characters.turning_kernels import turn_limbs, turn_pelvis
 from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays, Limbs, Mixing, Scratch
+from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays, Scratch
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
 from motionsplice.runtime.kernels.lookup import fetch_ahead, fetch_hands
 from motionsplice.runtime.kernels.phase import row_of
@@ -75,7 +77,7 @@ def lanes_of(s: Array, c: int) -> int:
 def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
     """Has the processor fetch the rows of all slots."""
     for number in range(int(s[c + col.LOCOMOTIONS])):
-        slot = locomotion(c, number)
+        slot = locomotion_slot(c, number)
         clip = int(s[slot + col.CLIP])
         row, _ = row_of(bank, clip, s[slot + col.FRAME])
         fetch_ahead(bank.lower, row)
@@ -83,7 +85,7 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
             fetch_ahead(bank.upper, row)
             fetch_worn(bank, s, c, clip, row)
     for number in range(int(s[c + col.ACTIONS])):
-        slot = action(c, number)
+        slot = action_slot(c, number)
         if s[slot + col.KIND] != col.OWN:
             row, _ = row_of_action(bank, s, slot)
             fetch_ahead(bank.upper, row)
@@ -94,7 +96,7 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
 def fetch_worn(bank: BankArrays, s: Array, c: int, clip: int, row: Index) -> None:
     """The same of all hands that are worn, on a clip."""
     for number in range(int(s[c + col.HANDS])):
-        fetch_hands(bank, int(s[hands(c, number) + col.CLIP]), clip, row)
+        fetch_hands(bank, int(s[hands_slot(c, number) + col.CLIP]), clip, row)
 
 
 @inlined
@@ -116,7 +118,7 @@ def mix_lower(
     first_joint = np.uint64(4 * FIRST_JOINT)
     x = y = z = 0.0
     for number in range(count):
-        slot = locomotion(c, number)
+        slot = locomotion_slot(c, number)
         clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         row, t = row_of(bank, clip, frame)
         px, py, pz = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2]

@@ -11,48 +11,17 @@ import math
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import Ground
+from motionsplice.runtime.characters.slots import action_slot, fade_of, hands_slot, locomotion_slot
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BankArrays, Ground
+from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE
 from motionsplice.runtime.kernels.phase import frame_of, phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 
 UNKNOWN = np.inf  # a phase that nothing says
-
-
-@inlined
-def locomotion(c: int, number: int) -> int:
-    """Where a slot of locomotion begins, of the character whose row begins at c."""
-    return c + col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS
-
-
-@inlined
-def action(c: int, number: int) -> int:
-    """Where a slot of action begins."""
-    return c + col.FIRST_ACTION + number * col.ACTION_COLUMNS
-
-
-@inlined
-def hands(c: int, number: int) -> int:
-    """Where a slot of hands begins."""
-    return c + col.FIRST_HANDS + number * col.HANDS_COLUMNS
-
-
-@inlined
-def faded(elapsed: float, lasting: float, curve: float) -> float:
-    """How far something is faded in, from 0 to 1."""
-    if elapsed >= lasting:
-        return 1.0
-    t = elapsed / lasting
-    if curve == col.SMOOTH:
-        return t * t * (3.0 - 2.0 * t)
-    if curve == col.EASE_IN:
-        return t * t
-    if curve == col.EASE_OUT:
-        return t * (2.0 - t)
-    return t
 
 
 @inlined
@@ -88,11 +57,11 @@ def keep_way(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
 def reference(bank: BankArrays, s: Array, c: int) -> float:
     """The phase that what begins has to be in step with: the newest gait's, or else the newest spliced action's."""
     for number in range(int(s[c + col.LOCOMOTIONS]) - 1, -1, -1):
-        slot = locomotion(c, number)
+        slot = locomotion_slot(c, number)
         if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
             return s[slot + col.PHASE]
     for number in range(int(s[c + col.ACTIONS]) - 1, -1, -1):
-        slot = action(c, number)
+        slot = action_slot(c, number)
         if s[slot + col.KIND] == SPLICE:
             return s[slot + col.PHASE]
     return UNKNOWN
@@ -127,7 +96,7 @@ def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: fl
 @kernel
 def begin_hands(s: Array, c: int) -> None:
     """Begins the hands that wait, in a slot above all others."""
-    slot = hands(c, int(s[c + col.HANDS]))
+    slot = hands_slot(c, int(s[c + col.HANDS]))
     for column in range(col.HANDS_COLUMNS):
         s[slot + column] = s[c + col.NEXT_HANDS + column]
     s[c + col.HANDS] += 1.0
@@ -138,7 +107,7 @@ def begin_hands(s: Array, c: int) -> None:
 @kernel
 def drop_hands(s: Array, c: int) -> None:
     """Drops hands that those above them have covered, and what covers them once no hands are worn."""
-    top = hands(c, int(s[c + col.HANDS]) - 1)
+    top = hands_slot(c, int(s[c + col.HANDS]) - 1)
     if s[top + col.ELAPSED] >= s[top + col.LASTING]:
         for column in range(col.HANDS_COLUMNS):
             s[c + col.FIRST_HANDS + column] = s[top + column]
@@ -150,7 +119,7 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
     """Begins the group that waits, in the slots from `first` on."""
     count, phase = int(s[c + col.NEXT_COUNT]), reference(bank, s, c)
     for number in range(count):
-        slot, clip = locomotion(c, first + number), int(s[c + col.NEXT_CLIPS + number])
+        slot, clip = locomotion_slot(c, first + number), int(s[c + col.NEXT_CLIPS + number])
         start = phase_of(bank, clip, s[c + col.NEXT_TIME] * bank.clips[clip, arrays.RATE])
         gait = bank.clips[clip, arrays.GAIT] > 0.0
         begun = in_step(bank, clip, start, phase) if gait else start
@@ -173,10 +142,10 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
 @inlined
 def leading(s: Array, c: int) -> int:
     """The slot of the locomotion that gives most."""
-    most = locomotion(c, 0)
+    most = locomotion_slot(c, 0)
     for number in range(1, int(s[c + col.LOCOMOTIONS])):
-        if s[locomotion(c, number) + col.SHARE] > s[most + col.SHARE]:
-            most = locomotion(c, number)
+        if s[locomotion_slot(c, number) + col.SHARE] > s[most + col.SHARE]:
+            most = locomotion_slot(c, number)
     return most
 
 
@@ -203,7 +172,7 @@ def is_time(bank: BankArrays, s: Array, c: int, passed: float, downs: int) -> bo
 @kernel
 def begin_action(bank: BankArrays, s: Array, c: int) -> None:
     """Begins the action that waits, in a slot above all others."""
-    slot, waiting = action(c, int(s[c + col.ACTIONS])), c + col.NEXT_ACTION
+    slot, waiting = action_slot(c, int(s[c + col.ACTIONS])), c + col.NEXT_ACTION
     for column in range(col.ACTION_COLUMNS):
         s[slot + column] = s[waiting + column]
     clip, start, phase = int(s[slot + col.CLIP]), s[slot + col.PHASE], reference(bank, s, c)
@@ -234,17 +203,17 @@ def share_locomotions(s: Array, c: int) -> None:
     first = count
     while first > 0 and rest > 0.0:
         first -= 1
-        head = locomotion(c, first)
+        head = locomotion_slot(c, first)
         if s[head + col.HEAD] > 0.0:
-            risen = faded(s[head + col.ELAPSED], s[head + col.LASTING], s[head + col.CURVE]) if first > 0 else 1.0
+            fade = fade_of(s, head) if first > 0 else 1.0
             for number in range(first, first + int(s[head + col.HEAD])):
-                slot = locomotion(c, number)
-                s[slot + col.SHARE] = rest * risen * s[slot + col.WEIGHT]
-            rest *= 1.0 - risen
+                slot = locomotion_slot(c, number)
+                s[slot + col.SHARE] = rest * fade * s[slot + col.WEIGHT]
+            rest *= 1.0 - fade
     if first > 0:
         kept = (count - first) * col.LOCOMOTION_COLUMNS
         for column in range(kept):
-            s[c + col.FIRST_LOCOMOTION + column] = s[locomotion(c, first) + column]
+            s[c + col.FIRST_LOCOMOTION + column] = s[locomotion_slot(c, first) + column]
         s[c + col.LOCOMOTIONS] = count - first
 
 
@@ -253,7 +222,7 @@ def drop_actions(s: Array, c: int) -> None:
     """Drops actions that those above them have covered, and tells of those that had come to their end."""
     count, covered = int(s[c + col.ACTIONS]), 0
     for number in range(count - 1, -1, -1):
-        slot = action(c, number)
+        slot = action_slot(c, number)
         mask, whole = int(s[slot + col.MASK]), s[slot + col.ELAPSED] >= s[slot + col.LASTING]
         hidden = mask & ~covered == 0
         if whole:
@@ -261,7 +230,7 @@ def drop_actions(s: Array, c: int) -> None:
         if hidden or (whole and number == 0 and s[slot + col.KIND] == col.OWN):
             if s[slot + col.LEAVING] > 0.0:
                 s[c + col.EVENTS], s[c + col.ENDED] = int(s[c + col.EVENTS]) | col.ACTION_ENDED, s[slot + col.CLIP]
-            for column in range(slot, action(c, count - 1)):
+            for column in range(slot, action_slot(c, count - 1)):
                 s[column] = s[column + col.ACTION_COLUMNS]
             count -= 1
     s[c + col.ACTIONS] = count

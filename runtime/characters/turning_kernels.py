@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.transition_kernels import action
+from motionsplice.runtime.characters.arrays import Limbs, Mixing
+from motionsplice.runtime.characters.slots import action_slot
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, SPLICED, BankArrays, Limbs, Mixing
+from motionsplice.runtime.kernels.arrays import BLOCK, SPLICED, BankArrays
 from motionsplice.runtime.kernels.lookup import SPLICE
 from motionsplice.runtime.kernels.posture import RUNNING
 from motionsplice.runtime.kernels.rotations import TINY, product
@@ -29,7 +30,7 @@ def turn_pelvis(
     own = max(own, 0.0) if own > 1e-9 else 0.0
     x, y, z, w = own * ax, own * ay, own * az, own * aw
     for number in range(count):
-        lane, slot, share = k + number, action(c, number), mixing.shares[k + number, 0]
+        lane, slot, share = k + number, action_slot(c, number), mixing.shares[k + number, 0]
         kind = s[slot + col.KIND]
         if kind == SPLICE:
             keep_memory(s, slot, lane, mixing)
@@ -87,10 +88,10 @@ def turn_limbs(
     for part in range(1, col.PARTS):
         length, rest = limbs.lengths[part], 1.0  # the share of what is in the pose already
         for number in range(int(s[c + col.ACTIONS])):
-            rest -= mixing.shares[k + number, part] if is_apart(s, action(c, number)) else 0.0
+            rest -= mixing.shares[k + number, part] if is_apart(s, action_slot(c, number)) else 0.0
         rest = max(rest, 0.0)
         for number in range(int(s[c + col.ACTIONS])):
-            lane, slot = k + number, action(c, number)
+            lane, slot = k + number, action_slot(c, number)
             share = mixing.shares[lane, part]
             if length > 0 and share > 0.0 and is_apart(s, slot):
                 x, y, z, w = quaternion_at(rotations, character, pelvis)

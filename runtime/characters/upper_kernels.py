@@ -8,24 +8,15 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import Limbs, Mixing
 from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, weigh_lanes
-from motionsplice.runtime.characters.transition_kernels import action, faded, locomotion
+from motionsplice.runtime.characters.slots import action_slot, fade_of, locomotion_slot
 from motionsplice.runtime.characters.turning_kernels import is_apart, keep_limbs
+from motionsplice.runtime.characters.worn_kernels import wear_hands
 from motionsplice.runtime.format.rows import PELVIS
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import (
-    BLOCK,
-    ROW_L,
-    ROW_U,
-    SHARE_L,
-    SHARE_U,
-    SPLICED,
-    BankArrays,
-    Limbs,
-    Mixing,
-)
+from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_upper
-from motionsplice.runtime.kernels.hands import wear_hands
 from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, locate, repeated
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RUNNING, correlate
@@ -84,7 +75,7 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
     rig, count = bank.rig, int(s[c + col.LOCOMOTIONS])
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     for number in range(count):
-        slot = locomotion(c, number)
+        slot = locomotion_slot(c, number)
         clip = int(s[slot + col.CLIP])
         row, t = row_of(bank, clip, s[slot + col.FRAME])
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
@@ -112,7 +103,7 @@ def sample_action(
     bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing
 ) -> None:
     """An action's upper half into lanes, and what its splice needs into lane k of the block."""
-    rig, slot = bank.rig, action(c, number)
+    rig, slot = bank.rig, action_slot(c, number)
     above, first = np.uint64(4) * rig[arrays.LOWER_WIDTH], k - number
     row, t = row_of_action(bank, s, slot)
     sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
@@ -150,7 +141,7 @@ def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> 
     for i in range(6):
         mixing.memory[k, arrays.MEAN_POSTURE + i] = 0.0
     for number in range(int(s[c + col.LOCOMOTIONS])):
-        slot = locomotion(c, number)
+        slot = locomotion_slot(c, number)
         for i in range(6):
             stored = bank.clips[int(s[slot + col.CLIP]), arrays.POSTURE + i]
             mixing.memory[k, arrays.MEAN_POSTURE + i] += s[slot + col.SHARE] * stored
@@ -172,7 +163,7 @@ def mix_actions(
         weigh_parts(limbs, width, mixing, 0, False)
         add_lanes(lanes, above, width, mixing, True)
     for number in range(count):
-        slot = action(c, number)
+        slot = action_slot(c, number)
         mixing.requests[k + number]["method"] = 0
         if s[slot + col.KIND] != col.OWN:
             sample_action(bank, s, c, number, k + number, lanes, block, mixing)
@@ -194,11 +185,11 @@ def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
     for part in range(col.PARTS):
         weights[part], weights[left + part] = 0.0, 1.0
     for number in range(count - 1, -1, -1):
-        slot, at = action(c, number), col.PARTS * (number + 1)
-        mask, risen = int(s[slot + col.MASK]), faded(s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE])
+        slot, at = action_slot(c, number), col.PARTS * (number + 1)
+        mask, fade = int(s[slot + col.MASK]), fade_of(s, slot)
         given = 0.0 if s[slot + col.KIND] == col.OWN else s[slot + col.WEIGHT]
         for part in range(col.PARTS):
-            share = weights[left + part] * (risen if mask >> part & 1 else 0.0)
+            share = weights[left + part] * (fade if mask >> part & 1 else 0.0)
             weights[left + part] -= share
             weights[part] += share * (1.0 - given)
             weights[at + part] = share * given

@@ -17,7 +17,7 @@ from motionsplice.motion.hand_joints import SIDES, elbow_of, has_fingers
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
-from motionsplice.runtime.simd.compiled import LANES
+from motionsplice.runtime.simd.width import LANES
 
 Float32s = NDArray[np.float32]
 

@@ -83,22 +83,22 @@ def bank_arrays(bank: Bank) -> BankArrays:
         hand_rows[bank.hand_number(one.name), bank.number(one.body)] = one.first_row
     lanes = [4 * (FIRST_JOINT + layout.upper.joints.index(joint)) for joint in layout.hands.joints]
     return BankArrays(
-        lower=_constant(bank.tables["lower"]),
-        upper=_constant(bank.tables["upper"]),
-        phases=_constant(bank.tables["phase_of_frame"]),
-        frames=_constant(bank.tables["frame_of_phase"]),
+        lower=constant(bank.tables["lower"]),
+        upper=constant(bank.tables["upper"]),
+        phases=constant(bank.tables["phase_of_frame"]),
+        frames=constant(bank.tables["frame_of_phase"]),
         clips=clips,
         rig=np.array(
             [*widths, layout.points, 4 * layout.pelvis, len(layout.lower.joints), layout.hands.width, *columns],
             np.uint64,
         ),
-        hands=_constant(bank.tables["hands"]),
+        hands=constant(bank.tables["hands"]),
         hand_rows=hand_rows,
         hand_lanes=np.array(lanes, np.uint64),
     )
 
 
-def _constant(table: Array) -> Array:
+def constant(table: Array) -> Array:
     """A view that cannot be written: a kernel is compiled anew for arrays that can."""
     view = table.view()
     view.flags.writeable = False
@@ -113,42 +113,3 @@ def scratch(bank: BankArrays, threads: int) -> Scratch:
 
 def rig_arrays(skeleton: Skeleton) -> RigArrays:
     return RigArrays(skeleton.parents, skeleton.offsets.astype(np.float32))
-
-
-class Ground(NamedTuple):
-    """Of each row of a bank, what the motion of characters over the ground takes: paths [rows, 4], contacts [rows]."""
-
-    paths: Array
-    contacts: Array
-
-
-def ground(bank: Bank) -> Ground:
-    return Ground(_constant(bank.tables["paths"]), _constant(bank.tables["contacts"]))
-
-
-class Limbs(NamedTuple):
-    """Which joints of an upper half belong to which of its parts, and by which each limb hangs on the trunk.
-
-    part_of_lane [width]; of each part: attachments, the lane of that joint (-1: none), and the way to it from the
-    pelvis's child: lengths, chains [parts, longest] in lanes and columns [parts, longest] in a pose.
-    """
-
-    part_of_lane: Array
-    attachments: Array
-    lengths: Array
-    chains: Array
-    columns: Array
-
-
-class Mixing(NamedTuple):
-    """Room for what is mixed of the characters of a block."""
-
-    requests: Array  # [BLOCK] REQUEST: what each lane splices
-    memory: Array  # [BLOCK, MEMORY_COLUMNS]: what is remembered of it
-    sum: Array  # [4, lanes of a half] float32: rotations
-    lane_weights: Array  # [1, lanes of a half] float32: of what is added to that
-    row: Array  # [2, columns] float32: a row of `lower`, and one of zeros, which no one is on the way to
-    weights: Array  # [1 + actions + 1, parts]
-    shares: Array  # [BLOCK, parts]
-    kept: Array  # [BLOCK, 4 parts]: rotations
-    limbs_turn: Array  # [BLOCK]

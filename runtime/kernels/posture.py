@@ -27,8 +27,9 @@ from motionsplice.runtime.kernels.arrays import (
 )
 from motionsplice.runtime.kernels.lookup import SPLICE
 from motionsplice.runtime.kernels.rotations import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
-from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import load, spread, total
+from motionsplice.runtime.simd.width import LANES
 
 OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
 GIVEN = 4  # towards what is remembered, as it is: characters that mix locomotions mix what those have stored

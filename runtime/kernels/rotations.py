@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from motionsplice.runtime.kernels.arrays import ALIGNED, BLOCK, BOUND, CORRELATION, GAP
-from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import interleave, load, spread
+from motionsplice.runtime.simd.width import LANES
 
 Number = Any  # a float, or lanes
 ONWARD, BACK = 1.0, -1.0  # senses of a rotation

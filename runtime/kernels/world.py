@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from motionsplice.runtime.kernels.arrays import RigArrays
 from motionsplice.runtime.kernels.rotations import product, rotated
-from motionsplice.runtime.simd.compiled import LANES, Array, kernel
+from motionsplice.runtime.simd.compiled import Array, kernel
 from motionsplice.runtime.simd.lanes import gather, load, scatter, spread, store
+from motionsplice.runtime.simd.width import LANES
 
 # what the scratch holds of a joint in the world, each in eight lanes: its rotation and its place
 X, Y, Z, W, AT_X, AT_Y, AT_Z, COLUMNS = (np.uint64(LANES * number) for number in range(8))

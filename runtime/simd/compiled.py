@@ -17,7 +17,6 @@ Index = int | np.uint64  # signed indices may count from the end, and the compil
 Real = float | np.float32
 
 FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # not what takes NaN for impossible
-LANES = 8  # float32 that are computed with at once
 ZERO = np.int64(0)  # to begin counting from: kernels are compiled apart for each literal that they are given
 
 UNCOUNTED: dict[str, Any] = {"_nrt": False}  # kernels make no arrays; counting references to them took half the time

@@ -11,7 +11,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
 
-from motionsplice.runtime.simd.compiled import FASTMATH, LANES
+from motionsplice.runtime.simd.compiled import FASTMATH
+from motionsplice.runtime.simd.width import LANES
 
 VECTOR = ir.VectorType(ir.FloatType(), LANES)
 FLAGS = tuple(sorted(FASTMATH))

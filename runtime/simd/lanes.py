@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import overload
 
-from motionsplice.runtime.simd.compiled import LANES, Array, Index, Real
+from motionsplice.runtime.simd.compiled import Array, Index, Real
 from motionsplice.runtime.simd.lane_instructions import (
     llvm_gather,
     llvm_interleave,
@@ -23,6 +23,7 @@ from motionsplice.runtime.simd.lane_instructions import (
     llvm_store,
     llvm_total,
 )
+from motionsplice.runtime.simd.width import LANES
 
 
 def load(table: Array, row: Index, column: Index) -> Array:

@@ -6,16 +6,14 @@ import multiprocessing
 import os
 import signal
 import threading
-from functools import cached_property, partial
+from functools import partial
 from multiprocessing.connection import wait
 from pathlib import Path
 
-import uvicorn
-
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.app import create_app
+from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.http_protocol import HttpProtocol
-from motionsplice.service.edge.ledger import Ledger
 from motionsplice.service.edge.websocket_protocol import WebSocketProtocol
 from motionsplice.service.front import Front
 from motionsplice.service.logs import log_config
@@ -34,7 +32,7 @@ def _end_with(sentinel: int) -> None:
     os.kill(os.getpid(), signal.SIGTERM)
 
 
-class EdgeConfig(uvicorn.Config):
+class EdgeConfig(EdgeContext):
     """The configuration of one process, or of each of several workers, which it is sent to."""
 
     def __init__(self, path: Path, settings: Settings) -> None:
@@ -56,15 +54,3 @@ class EdgeConfig(uvicorn.Config):
             access_log=False,  # the front logs what is worth a line
             log_config=log_config(),
         )
-
-    @cached_property
-    def front(self) -> Front:
-        """The application, loaded."""
-        assert isinstance(self.loaded_app, Front)
-        return self.loaded_app
-
-    @cached_property
-    def ledger(self) -> Ledger:
-        settings = self.settings
-        gauge = self.front.shared.metrics.connections("http")
-        return Ledger(settings.max_connections, settings.max_connections_per_address, gauge)

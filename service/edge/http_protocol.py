@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 from uvicorn.server import ServerState
 
+from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.corked import Corked
 from motionsplice.service.edge.refusal import refusal
 from motionsplice.service.edge.stall import StallGuard
-
-if TYPE_CHECKING:
-    from motionsplice.service.edge.config import EdgeConfig
 
 POSE = b"/v1/pose?"
 MOST_PIPELINED = 16  # requests that wait for the answer to one before them
@@ -26,11 +24,11 @@ NOT_PLAIN = frozenset(
 class HttpProtocol(HttpToolsProtocol):
     """One connection, until it becomes a WebSocket."""
 
-    config: EdgeConfig
+    config: EdgeContext
 
     def __init__(
         self,
-        config: EdgeConfig,
+        config: EdgeContext,
         server_state: ServerState,
         app_state: dict[str, Any],
         _loop: asyncio.AbstractEventLoop | None = None,

@@ -6,7 +6,7 @@ import asyncio
 import socket
 import struct
 from http import HTTPStatus
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
@@ -15,11 +15,9 @@ from websockets.frames import Frame
 from websockets.http11 import Request
 
 from motionsplice.service.characters.connection import TRANSPORT
+from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.refusal import refusal
 from motionsplice.service.edge.stall import StallGuard
-
-if TYPE_CHECKING:
-    from motionsplice.service.edge.config import EdgeConfig
 
 MOST_UNSENT = 32 * 1024  # bytes that the kernel keeps for a slow client: what is more would only grow stale
 MOST_FRAGMENTS = 1024  # of one message: even empty ones take memory
@@ -30,7 +28,7 @@ WHOLE_BINARY = 0x82  # the first byte of a message in one frame
 class WebSocketProtocol(WebSocketsSansIOProtocol):
     """One connection, once it has become a WebSocket."""
 
-    config: EdgeConfig
+    config: EdgeContext
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)

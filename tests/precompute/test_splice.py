@@ -12,6 +12,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError, SkeletonError
 from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.procedural.variants import local_axes, uneven_time, warped, with_local_axes
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.baseline import WORKING_RATE, align, find_baseline
@@ -23,7 +24,6 @@ from motionsplice.precompute.splice import Posture, align_in_time, splice_exact,
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from tests.conftest import CLIPS
-from tests.rigs import local_axes, uneven_time, warped, with_local_axes
 
 WALK, BOX, CURVE = CLIPS["walk"], CLIPS["carry_box"], CLIPS["turn_180"]
 ROLES = find_roles(WALK.skeleton)

@@ -3,11 +3,12 @@ from __future__ import annotations
 import subprocess
 import sys
 
-FOREIGN = {"fastapi", "uvicorn", "pydantic", "matplotlib", "rich", "typer", "precompute", "service", "motionsplice"}
+FOREIGN = {"fastapi", "uvicorn", "pydantic", "matplotlib", "rich", "typer"}
+ABOVE = ("precompute", "service", "commands", "pictures", "cli", "runtime.character")
 HEAVY = {"scipy.spatial", "scipy.interpolate", "scipy.optimize", "scipy.sparse", "scipy.linalg", "scipy.ndimage"}
 
 
-def test_the_runtime_imports_neither_scipy_nor_the_service() -> None:
+def test_the_evaluator_imports_neither_scipy_nor_characters_nor_the_service() -> None:
     listed = subprocess.run(
         [sys.executable, "-c", "import motionsplice.runtime.evaluator, sys; print('\\n'.join(sys.modules))"],
         capture_output=True,
@@ -17,6 +18,7 @@ def test_the_runtime_imports_neither_scipy_nor_the_service() -> None:
     modules = set(listed.stdout.split())
     assert "motionsplice.runtime.kernels.evaluate" in modules
     assert not modules & (FOREIGN | HEAVY)  # Numba itself asks SciPy for its version
+    assert not [one for one in modules if one.startswith(tuple(f"motionsplice.{name}" for name in ABOVE))]
 
 
 def test_importing_the_runtime_compiles_nothing() -> None:

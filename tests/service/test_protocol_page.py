@@ -31,7 +31,9 @@ def test_its_batch_is_answered(hands_client: TestClient) -> None:
     (batch,) = re.findall(r"```json\n({\"clips\".*?)```", PAGE, re.DOTALL)
     told = hands_client.post("/v1/poses", json=json.loads(batch.replace("directions", "counting"))).json()
     shown, bare, walk = told["rotations"]
-    assert shown != bare != walk
+    assert shown != bare
+    assert shown != walk
+    assert bare != walk
 
 
 def test_it_names_every_parameter_column_and_command(service: Running) -> None:

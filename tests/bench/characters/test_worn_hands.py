@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from bench.characters import worn_hands
-from bench.characters.__main__ import played
+from bench.characters.costs import played
 from bench.findings import Findings
 from bench.generated import Size, generate
 from bench.speed.workload import Scene

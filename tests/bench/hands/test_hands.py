@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from bench.findings import Findings
-from bench.hands.__main__ import constrained, errors, seen, warped
+from bench.hands.accuracy import constrained, errors
 from bench.hands.sequences import Sequence, captured, sequence
+from bench.hands.warping import seen, warped
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.gestures import sample_gestures
 from motionsplice.motion.quaternion import about, rotate

@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 
 from bench.quality import __main__ as quality
 from bench.quality.claims import CLAIMS, Performance
-from bench.quality.pair_list import Pair, grid_pairs, read_pairs, truth_of
+from bench.quality.judge import claimed, judge
+from bench.quality.pair_list import EXAMPLES, Pair, grid_pairs, read_pairs, truth_of
 from bench.quality.report import Cell, means_table, pair_table
 from bench.quality.scores import ClipScore, Form, MethodScore, PairScore, score_clip, score_pair, splice_pair
 from bench.quality.targets import BUILT_IN, REAL, targets
@@ -41,7 +42,7 @@ def samples(tmp_path_factory: pytest.TempPathFactory) -> Bank:
 def grid(samples: Bank) -> list[PairScore]:
     """Every built-in action on every built-in locomotion, scored."""
     evaluator = Evaluator(samples)
-    return [quality.judge(evaluator, pair, FORMS).score for pair in grid_pairs()]
+    return [judge(evaluator, pair, FORMS).score for pair in grid_pairs()]
 
 
 def test_splices_of_built_in_motion_meet_every_target(samples: Bank, grid: list[PairScore]) -> None:
@@ -75,13 +76,13 @@ def test_on_a_walk_every_form_keeps_what_it_promises_and_relative_is_nearest(sam
 
 
 def test_the_thesis_examples_are_all_there_and_come_true(samples: Bank) -> None:
-    evaluator, pairs = Evaluator(samples), read_pairs(quality.EXAMPLES)
+    evaluator, pairs = Evaluator(samples), read_pairs(EXAMPLES)
     assert len(pairs) == 9
     assert {pair.claim for pair in pairs} <= CLAIMS.keys()
     for pair in pairs:
         if CLAIMS[pair.claim].unit != "°":
             continue
-        values = quality.claimed(samples, quality.judge(evaluator, pair, FORMS))
+        values = claimed(samples, judge(evaluator, pair, FORMS))
         assert values["splice"] == pytest.approx(values["truth"], abs=4.0), pair.example
 
 

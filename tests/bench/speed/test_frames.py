@@ -71,7 +71,8 @@ def test_the_floor_copies_the_rows_of_the_splices_and_as_much_as_the_poses(gener
     sets = request_sets(generated, 7, MANY)
     copy = Copy(generated, sets)
     columns = generated.layout.lower.columns + generated.layout.upper.columns
-    assert copy.bytes_per_character == 2 * 4 * columns + 4 * (3 + 4 * 22)
+    assert sum(room.nbytes for room in copy._room) == 7 * 2 * 4 * columns
+    assert copy._out.shape == (7, 3 + 4 * 22)
     copy.run(3)
     for room, table, place in zip(copy._room, ("lower", "upper"), NumpyTwin(generated).places(sets[3]), strict=True):
         copied = np.frombuffer(room.tobytes(), np.float32).reshape(7, 2, -1)

@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.procedural.variants import local_axes, with_local_axes
 from motionsplice.precompute.body.joint_paths import joint_paths, joint_transforms
 from tests.conftest import CLIPS
-from tests.rigs import local_axes, with_local_axes
 
 WALK = with_local_axes(CLIPS["walk"].frames(0, 4), local_axes(CLIPS["walk"].skeleton.joint_count, seed=1))
 JOINTS = st.lists(st.integers(0, WALK.skeleton.joint_count - 1), min_size=1, max_size=6)

@@ -12,6 +12,7 @@ from scipy.ndimage import gaussian_filter1d
 from motionsplice.motion.errors import BaselineError, ClipError
 from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.procedural.variants import local_axes, uneven_time, warped, with_local_axes
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.splice import splice_exact, splice_naive
@@ -31,7 +32,6 @@ from motionsplice.precompute.study.correlation import (
 )
 from motionsplice.precompute.study.periodic import Period, drift, trend
 from tests.conftest import CLIPS
-from tests.rigs import local_axes, uneven_time, warped, with_local_axes
 
 ROLES = find_roles(CLIPS["walk"].skeleton)
 WALK = study(CLIPS["walk"], ROLES)

@@ -19,7 +19,7 @@ from motionsplice.runtime.kernels import lookup as lookup_kernels
 from motionsplice.runtime.kernels.posture import LEAST_GAP
 from motionsplice.runtime.kernels.rotations import horn, sample
 from motionsplice.runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Memory, Requests
-from motionsplice.runtime.simd.compiled import LANES
+from motionsplice.runtime.simd.width import LANES
 from tests import naive, random_bank
 
 seeds = st.integers(0, 2**32 - 1)

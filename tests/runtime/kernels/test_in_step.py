@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,7 +10,7 @@ from hypothesis import strategies as st
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.kernels import evaluate as kernels
-from motionsplice.runtime.kernels.in_step import action_phase, cycles_to, phase_at
+from motionsplice.runtime.kernels.lookup import IN_STEP
 from motionsplice.runtime.requests import Requests
 
 
@@ -22,18 +24,17 @@ def shown(bank: Bank, locomotion: int, time: float, action: int, cycles: int) ->
 
 
 @given(data=st.data(), share=st.floats(0.0, 1.0), start=st.floats(0.0, 1.0))
-def test_an_action_begins_at_a_moment_or_less_than_a_cycle_after(
+def test_cycles_bring_an_action_to_a_moment_in_step(
     bank: Bank, data: st.DataObject, share: float, start: float
 ) -> None:
     locomotion, action = (data.draw(st.integers(0, len(bank.clips) - 1)) for _ in range(2))
     entry_l, entry_u = bank.clips[locomotion], bank.clips[action]
-    arrays, time, begin = Evaluator(bank).arrays, share * entry_l.duration, start * entry_u.duration
-    wanted = phase_at(arrays, action, begin)
-    cycles = int(cycles_to(arrays, locomotion, time, action, wanted))
-    phase = action_phase(arrays, locomotion, time, action, cycles)
+    time = share * entry_l.duration
+    phase_l, wanted = bank.phase_at(entry_l.name, time), bank.phase_at(entry_u.name, start * entry_u.duration)
+    first = math.ceil(entry_u.first_phase - entry_l.first_phase - IN_STEP)  # cycles when both begin together
+    cycles = math.ceil(wanted - phase_l - IN_STEP) - first
+    phase = phase_l + first + cycles
     assert wanted - 0.0011 <= phase < wanted + 0.9991
-    ahead = phase - phase_at(arrays, locomotion, time)
-    assert ahead == pytest.approx(np.round(ahead), abs=1e-9)
     if phase <= entry_u.last_phase:
         rows = slice(entry_u.first_row, entry_u.first_row + entry_u.row_count)
         own = bank.tables["phase_of_frame"][rows]
@@ -41,10 +42,9 @@ def test_an_action_begins_at_a_moment_or_less_than_a_cycle_after(
         assert max(0.0, shown(bank, locomotion, time, action, cycles)) == pytest.approx(frame, abs=1e-4)
 
 
-def test_many_characters_are_each_of_them_alone(bank: Bank) -> None:
-    arrays, draw = Evaluator(bank).arrays, np.random.default_rng(0)
-    locomotion, action = draw.integers(0, len(bank.clips), (2, 50))
-    time, phase = draw.uniform(-1.0, 6.0, 50), draw.uniform(0.0, 5.0, 50)
-    together = cycles_to(arrays, locomotion, time, action, phase)
-    alone = [int(cycles_to(arrays, *one)) for one in zip(locomotion, time, action, phase, strict=True)]
-    assert together.tolist() == alone
+@given(data=st.data(), seconds=st.floats(-1.0, 20.0))
+def test_the_phase_at_a_time_lies_between_those_of_its_frames(bank: Bank, data: st.DataObject, seconds: float) -> None:
+    clip = data.draw(st.sampled_from(bank.clips))
+    phase = bank.phase(clip.name)
+    wanted = np.interp(seconds * clip.rate, np.arange(len(phase)), phase)
+    assert bank.phase_at(clip.name, seconds) == pytest.approx(wanted, abs=1e-12)

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motionsplice.runtime.simd.compiled import LANES, Array, Real, kernel
+from motionsplice.runtime.simd.compiled import Array, Real, kernel
 from motionsplice.runtime.simd.lanes import (
     gather,
     interleave,
@@ -19,6 +19,7 @@ from motionsplice.runtime.simd.lanes import (
     store,
     total,
 )
+from motionsplice.runtime.simd.width import LANES
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -1,4 +1,4 @@
-"""The same motion on rigs that differ, for tests that the answer does not."""
+"""The same motion on rigs that differ and at other times, for tests and benchmarks that the answer does not differ."""
 
 from __future__ import annotations
 

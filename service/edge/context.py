@@ -1,0 +1,29 @@
+"""What the protocols know of the process that they serve in."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import uvicorn
+
+from motionsplice.service.edge.ledger import Ledger
+from motionsplice.service.front import Front
+from motionsplice.service.settings import Settings
+
+
+class EdgeContext(uvicorn.Config):
+    """uvicorn's configuration, which each protocol gets: settings, the application, and who is connected."""
+
+    settings: Settings
+
+    @cached_property
+    def front(self) -> Front:
+        """The application, loaded."""
+        assert isinstance(self.loaded_app, Front)
+        return self.loaded_app
+
+    @cached_property
+    def ledger(self) -> Ledger:
+        settings = self.settings
+        gauge = self.front.shared.metrics.connections("http")
+        return Ledger(settings.max_connections, settings.max_connections_per_address, gauge)

@@ -1,5 +1,21 @@
-"""`python -m motionsplice`."""
+"""Where the command `motionsplice` begins."""
 
-from motionsplice.cli import main
+from __future__ import annotations
 
-main()
+import sys
+
+from motionsplice import __version__
+
+
+def main() -> None:
+    """Runs the command line. `--version` alone does not load what the commands need."""
+    if sys.argv[1:] == ["--version"]:
+        print(f"motionsplice {__version__}")
+        return
+    from motionsplice import cli
+
+    cli.main()
+
+
+if __name__ == "__main__":
+    main()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from typing import Annotated
 
 import typer
 from rich.console import Console
 from rich.markup import escape
 
+from motionsplice import __version__
 from motionsplice.commands import bank as command_bank
 from motionsplice.commands import demo as command_demo
 from motionsplice.commands import hands as command_hands
@@ -18,7 +20,6 @@ from motionsplice.commands import study as command_study
 from motionsplice.motion.errors import MotionError
 
 app = typer.Typer(
-    help="Splice the upper body of any motion clip onto the lower body of any other.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -26,6 +27,21 @@ app = typer.Typer(
 )
 for group in (command_bank, command_motion, command_hands, command_study, command_serve, command_demo):
     group.register(app)
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"motionsplice {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Splice the upper body of any motion clip onto the lower body of any other."""
 
 
 def main() -> None:

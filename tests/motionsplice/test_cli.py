@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner, Result
 
+import motionsplice
 from motionsplice.cli import app, main
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import read_clip
@@ -40,6 +42,20 @@ def failure(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help_with_an_example(command: str) -> None:
     assert f"Example: motionsplice {command}" in run(command, "--help").output
+
+
+def test_version_is_printed_and_is_an_option_of_the_help() -> None:
+    assert run("--version").output == f"motionsplice {motionsplice.__version__}\n"
+    assert "--version" in run("--help").output
+
+
+def test_version_loads_neither_numba_nor_the_commands() -> None:
+    code = "import runpy, sys; sys.argv[1:] = ['--version']; runpy.run_module('motionsplice', run_name='__main__');"
+    code += "print(*{name.split('.')[0] for name in sys.modules}, 'motionsplice.cli' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    version, modules = done.stdout.splitlines()
+    assert version == f"motionsplice {motionsplice.__version__}"
+    assert not {"numba", "numpy", "typer", "True"} & set(modules.split())
 
 
 def test_precompute_shows_what_it_made(clip_folder: Path, tmp_path: Path) -> None:

@@ -33,6 +33,6 @@ def test_the_python_of_hands_works(
 @pytest.mark.parametrize("page", ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md")))])
 def test_links_lead_somewhere(page: str) -> None:
     targets = re.findall(r"\]\((?!https?:)([^)#]+)", (ROOT / page).read_text())
-    folders = ((ROOT / page).parent, ROOT / "motionsplice" / "commands")  # an sdist has `runtime` in `motionsplice` only
+    folders = ((ROOT / page).parent, ROOT / "motionsplice" / "commands")  # in an sdist, `runtime` is in `motionsplice`
     missing = [target for target in targets if not any((folder / target).exists() for folder in folders)]
     assert not missing

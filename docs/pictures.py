@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -32,8 +33,10 @@ from motionsplice.precompute.hands.splice import splice_hands
 from motionsplice.precompute.study.body_angles import View
 from motionsplice.precompute.study.correlation import study
 from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Posture
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 
 IMAGES = Path(__file__).parent / "images"
@@ -52,19 +55,19 @@ def main() -> None:
             (IMAGES / picture).write_bytes((Path(folder) / "demo" / picture).read_bytes())
         bank = bank_of(None, "walk", Path(folder))
         evaluator, real = Evaluator(bank), truth("stairs_up", "carry_box")
-        rows = [(form, evaluator.clip("stairs_up", "carry_box", posture=form), bank.roles) for form in FORMS]
+        rows = [(form, evaluator.clip(Splice("stairs_up", "carry_box", posture=form)), bank.roles) for form in FORMS]
         contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=real).save(IMAGES / "postures.png")
         draw_characters(evaluator)
         draw_quality(evaluator)
 
 
-SCENE = {
-    1.5: ("act", "carry_box", {}),
+SCENE: dict[float, tuple[str, Any, dict[str, float]]] = {
+    1.5: ("act", Action("carry_box"), {}),
     4.5: ("play", "run", {"blend": 0.5}),
     7.5: ("stop", None, {}),
-    9.0: ("act", "wave", {"mask": "right_arm", "loop": False}),
+    9.0: ("act", Action("wave", mask="right_arm", loop=False), {}),
     11.5: ("play", {"walk": 0.5, "run": 0.5}, {"blend": 0.5}),
-    14.0: ("act", "punch", {"when": "left_foot"}),
+    14.0: ("act", Action("punch", when="left_foot"), {}),
     16.0: ("play", "curve", {"blend": 0.5}),
     18.0: ("stop", None, {}),
 }  # seconds: what is commanded

@@ -18,23 +18,19 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action, waiting_action
 from motionsplice.runtime.characters.clip_references import newest_mix, played_clips, strange_rows, worn_hands
-from motionsplice.runtime.characters.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
+from motionsplice.runtime.characters.commands import BLEND, Locomotion, at_least_0, part_of_1, shares_of
 from motionsplice.runtime.requests import (
     FLOAT64,
-    METHODS,
-    POSTURES,
     Memory,
-    Method,
     Poses,
-    Posture,
     check_array,
     known,
     time_fault,
 )
 from motionsplice.runtime.stage import Stage
 
-BLEND = 0.3  # seconds
 States = NDArray[np.float64]
 Rows = NDArray[np.int64] | NDArray[np.bool_] | Sequence[int] | slice | int
 
@@ -132,7 +128,7 @@ class Characters:
         self.state[rows, col.NEXT_COUNT : col.HANDS] = part
         self._begin(rows)
 
-    def weigh(self, rows: Rows, weights: Mapping[str, float]) -> None:
+    def mix(self, rows: Rows, weights: Mapping[str, float]) -> None:
         """Changes the weights of the newest mix, of whose clips those left out get none: each frame, if you like, for
         they are followed within about a tenth of a second. Raises UnknownClipError or SettingsError."""
         given = shares_of(self.stage.bank, weights)
@@ -146,51 +142,15 @@ class Characters:
         for row, at, weighed in goals:
             self.state[row, at] = weighed
 
-    def act(
-        self,
-        rows: Rows,
-        action: str,
-        *,
-        when: col.When = "now",
-        start: float = 0.0,
-        blend: float = BLEND,
-        blend_out: float = BLEND,
-        curve: col.Curve = "smooth",
-        weight: float = 1.0,
-        loop: bool = True,
-        own_clock: bool | tuple[float, float] = False,
-        mask: col.Mask = "upper_body",
-        method: Method = "splice",
-        posture: Posture = "relative",
-    ) -> None:
-        """Begins an action over what is played, within `blend` seconds, in place of one that waits.
+    def act(self, rows: Rows, action: Action) -> None:
+        """Begins an action over what is played, in place of one that waits.
 
-        It begins `now`, in step, at the first moment from `start` on that is; or in `phase`, when `start` itself is in
-        step; or when a foot comes down. Its speed follows the locomotion's phase, but for where it goes by its
-        `own_clock`: always, or between two times of its own, after which it comes back into step. Without `loop` it is
-        faded out within `blend_out` before it ends, and ACTION_ENDED tells when it is gone. Raises UnknownClipError,
+        Its speed follows the locomotion's phase, but for where it has its own clock, after which it comes back into
+        step. The event ACTION_ENDED reports when an action that does not loop has faded out. Raises UnknownClipError,
         TimeRangeError or SettingsError.
         """
-        bank = self.stage.bank
-        clip = bank.number(action)
-        entry = bank.clips[clip]
-        if (fault := time_fault("start", start, entry)) is not None:
-            raise fault
-        own = (0.0, np.inf) if own_clock is True else own_clock or (np.inf, np.inf)
-        if not 0.0 <= own[0] <= own[1]:
-            raise SettingsError(f"own_clock {own} should be two times, the earlier first")
-        part = np.zeros(col.ACTION_COLUMNS)
-        part[col.CLIP], part[col.KIND] = clip, known(METHODS, "method", method)
-        part[col.PHASE] = self.stage.bank.phase_at(action, start)
-        part[col.FRAME] = start * entry.rate
-        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
-        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
-        part[col.FADING_OUT], part[col.LOOP] = at_least_0("blend_out", blend_out), loop
-        part[col.MASK] = mask_of(self.stage.limbs, mask)
-        part[col.POSTURE] = known(POSTURES, "posture", posture)
-        part[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
-        part[col.REMEMBERED :] = Memory.begin(1, self.rate).state[0]
-        self._wait(rows, part, known(col.WHENS, "moment", when))
+        part = waiting_action(action, self.stage.bank, self.stage.limbs, self.rate)
+        self._wait(rows, part, known(col.WHENS, "moment", action.when))
 
     def stop(self, rows: Rows, *, blend: float = BLEND, curve: col.Curve = "smooth") -> None:
         """Fades all actions out within `blend` seconds. Raises SettingsError."""
@@ -268,7 +228,7 @@ class Characters:
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 
-    def lacking(self, bank: Bank) -> set[str]:
+    def missing_clips(self, bank: Bank) -> set[str]:
         """The names of clips that are played, or wait to be, and of hands that are worn, which another bank has not."""
         clips = {self.stage.bank.clips[number].name for number in np.unique(played_clips(self.state)[1]).tolist()}
         worn = {self.stage.bank.hand_clips[number] for number in np.unique(worn_hands(self.state)[1]).tolist()}

@@ -22,14 +22,13 @@ from motionsplice.runtime.requests import (
     POSTURES,
     Float32s,
     Memory,
-    Method,
     Poses,
-    Posture,
     Requests,
     check_array,
     known,
     time_fault,
 )
+from motionsplice.runtime.splice import Splice
 
 NO_MEMORY = Memory(np.empty((0, arrays.MEMORY_COLUMNS)), 0.0)
 ONE_AT_A_TIME = Lock()  # not every threading layer of numba's bears two parallel calls at once
@@ -87,84 +86,52 @@ class Evaluator:
         flat = out.reshape(count, 3 * self._joints)
         world_kernels.world_positions(self._rig, poses.root_positions, poses.flat, self._world, flat)
 
-    def pose(
-        self,
-        locomotion: str,
-        time: float,
-        action: str | None = None,
-        *,
-        start: float = 0.0,
-        method: Method = "splice",
-        posture: Posture = "relative",
-        hands: str | None = None,
-    ) -> Poses:
-        """One character's pose, by name. Without an action it is the locomotion alone.
+    def pose(self, splice: Splice, time: float) -> Poses:
+        """The pose of one character `time` seconds into the locomotion.
 
-        With `hands`, which must be aligned to the clip that gives the upper body, its hands are theirs. Raises
-        UnknownClipError, TimeRangeError or SettingsError.
+        Raises UnknownClipError, also for hands that are not aligned to the clip that gives the upper body;
+        TimeRangeError; or SettingsError.
         """
         out = self.poses(1)
-        self._one.records[0] = self.record(locomotion, action, time, start, method, posture, hands)
+        self._one.records[0] = self.record(splice)
+        self._one.time[0] = time
         self._evaluate_one(self._one, out, None)
         return out
 
     def sequence(
-        self,
-        locomotion: str,
-        times: NDArray[np.float64] | list[float],
-        action: str | None = None,
-        *,
-        start: float = 0.0,
-        method: Method = "splice",
-        posture: Posture = "relative",
-        hands: str | None = None,
-        memory: Memory | None = None,
+        self, splice: Splice, times: NDArray[np.float64] | list[float], *, memory: Memory | None = None
     ) -> Poses:
-        """The poses of one splice at many times [n] in order, seconds into the locomotion. Raises as `pose` does.
+        """The poses of one character at `times` [n], in order, seconds into the locomotion.
 
-        With `memory`, of one character, that is carried on to the last of them.
+        A memory of one character is carried on to the last of them. Raises as `pose` does.
         """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
-        requests.records[:] = self.record(locomotion, action, 0.0, start, method, posture, hands)
+        requests.records[:] = self.record(splice)
         requests.time[:] = times
         self._evaluate_one(requests, out, memory)
         return out
 
-    def clip(
-        self,
-        locomotion: str,
-        action: str | None = None,
-        *,
-        start: float = 0.0,
-        method: Method = "splice",
-        posture: Posture = "relative",
-        hands: str | None = None,
-    ) -> Clip:
-        """A whole splice, at the locomotion's own frames, as a clip. Raises as `pose` does."""
-        times, rate = self.frame_times(locomotion), self.bank.clip(locomotion).rate
-        memory = Memory.begin(1, rate)
-        poses = self.sequence(
-            locomotion, times, action, start=start, method=method, posture=posture, hands=hands, memory=memory
-        )
+    def clip(self, splice: Splice) -> Clip:
+        """The whole splice at the locomotion's own frames, as a clip. Raises as `pose` does."""
+        rate = self.bank.clip(splice.locomotion).rate
+        poses = self.sequence(splice, self.frame_times(splice.locomotion), memory=Memory.begin(1, rate))
         return Clip(
-            name=locomotion if action is None else f"{locomotion}+{action}",
+            name=splice.name,
             skeleton=self.bank.skeleton,
             rate=rate,
             root_positions=poses.root_positions.astype(np.float64),
             rotations=poses.rotations.astype(np.float64),
         )
 
-    def action_frames(
-        self, locomotion: str, times: NDArray[np.float64], action: str, *, start: float = 0.0
-    ) -> NDArray[np.float64]:
-        """The time alignment curve: which frame of the action a splice shows at `times` [n] -> [n], real-valued.
+    def action_frames(self, splice: Splice, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The time alignment curve: the real-valued frame of the action that is played at `times` [n] -> [n].
 
         Frames past the action's last one lie in its seam (docs/bank.md). Raises as `pose` does.
         """
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        requests.records[:] = self.record(locomotion, action, 0.0, start, "splice", "off", None)
+        requests.records[:] = self.record(splice)
         requests.time[:] = times
-        if (fault := kernels.first_at_fault(self.arrays, requests.records, False)) >= 0:
+        if (fault := kernels.first_at_fault(self.arrays, requests.records, True)) >= 0:
             raise self._fault(requests, fault)
         kernels.action_frames(self.arrays, requests.records, frames)
         return frames
@@ -184,26 +151,17 @@ class Evaluator:
             self.evaluate(Requests.empty(2), self.poses(2))
         self.world_positions(poses, np.empty((1, joints, 3), np.float32))
 
-    def record(
-        self,
-        locomotion: str,
-        action: str | None,
-        time: float,
-        start: float,
-        method: str,
-        posture: str,
-        hands: str | None,
-    ) -> tuple[int, int, float, float, int, int, int, int]:
-        """A record of Requests by name. Raises UnknownClipError or SettingsError."""
-        number = self.bank.number(locomotion)
-        played = number if action is None else self.bank.number(action)
-        form = NONE if action is None else known(METHODS, "method", method)
-        worn = 0
-        if hands is not None:
-            worn, upper = 1 + self.bank.hand_number(hands), number if form == NONE else played
-            if self.arrays.hand_rows[worn - 1, upper] < 0:
-                raise self.bank.no_hands(hands, self.bank.clips[upper].name)
-        return number, played, time, start, 0, form, known(POSTURES, "posture", posture), worn
+    def record(self, splice: Splice) -> tuple[int, int, float, float, int, int, int, int]:
+        """The splice as a record of Requests, at time 0. Raises UnknownClipError or SettingsError."""
+        locomotion = self.bank.number(splice.locomotion)
+        action = locomotion if splice.action is None else self.bank.number(splice.action)
+        method = NONE if splice.action is None else known(METHODS, "method", splice.method)
+        hands = 0
+        if splice.hands is not None:
+            hands, upper = 1 + self.bank.hand_number(splice.hands), locomotion if method == NONE else action
+            if self.arrays.hand_rows[hands - 1, upper] < 0:
+                raise self.bank.no_hands(splice.hands, self.bank.clips[upper].name)
+        return locomotion, action, 0.0, splice.start, 0, method, known(POSTURES, "posture", splice.posture), hands
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """As `evaluate`, for requests about one character, whose number says nothing in an error."""

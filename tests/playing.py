@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 
 RATE = 60.0
 Setup = Callable[[], Characters]
@@ -32,3 +34,14 @@ def layer(characters: Characters, number: int, column: int, row: int = 0) -> flo
 def passed(characters: Characters, frames: int) -> list[int]:
     """The events of so many frames."""
     return [characters.advance() for _ in range(frames)]
+
+
+def command(characters: Characters, do: str, values: Mapping[str, Any]) -> None:
+    """Adds a character, or commands the only one, by the keys of a WebSocket's command."""
+    if do == "add":
+        characters.add(1, **values)
+    elif do == "act":
+        keys = dict(values)
+        characters.act([0], Action(keys.pop("action"), **keys))
+    else:
+        getattr(characters, do)([0], **values)

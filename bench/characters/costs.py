@@ -10,6 +10,7 @@ from bench.rounds import Work, interleaved, paired_ratio
 from bench.speed.workload import Scene, evaluation, request_sets
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.stage import Stage
 
 FOREVER = 1e6  # seconds of a fade that is held where it is
@@ -60,10 +61,12 @@ def crowd(stage: Stage, count: int, fading: int, do: tuple[str, ...]) -> Charact
     last = stage.bank.clips[0].duration
     for row in range(len(characters)):
         characters.play([row], str(draw.choice(names)), time=draw.random() * last, blend=0.0)
-        characters.act([row], str(draw.choice(names)), blend=0.0)
+        characters.act([row], Action(str(draw.choice(names)), blend=0.0))
     for row in range(fading):
-        for one in do:
-            getattr(characters, one)([row], str(draw.choice(names)), blend=FOREVER)
+        if "play" in do:
+            characters.play([row], str(draw.choice(names)), blend=FOREVER)
+        if "act" in do:
+            characters.act([row], Action(str(draw.choice(names)), blend=FOREVER))
     fades = characters.state[:fading]
     for column in (col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS, col.FIRST_ACTION + col.ACTION_COLUMNS):
         fades[:, column + col.ELAPSED] = 0.5 * FOREVER

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.requests import Poses
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 
 RATE = 60.0  # frames a second, of all that is watched
@@ -29,7 +30,7 @@ def in_the_world(stage: Stage, poses: Poses) -> Floats:
 def fastest_of_clip(stage: Stage, name: str) -> float:
     """Metres a second of the fastest joint of a clip by itself."""
     times = np.arange(0.0, stage.bank.clip(name).duration, 1.0 / RATE)
-    positions = in_the_world(stage, stage.evaluator.sequence(name, times))
+    positions = in_the_world(stage, stage.evaluator.sequence(Splice(name), times))
     return float(np.linalg.norm(np.diff(positions, axis=0), axis=-1).max()) * RATE
 
 

@@ -14,6 +14,7 @@ from motionsplice.motion.quaternion import Floats, about, rotate
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.stage import Stage
 
 
@@ -25,7 +26,7 @@ def masks(stage: Stage) -> Findings:
         arm = bank.skeleton.subtree(bank.skeleton.parents[roles.right_shoulder])
         characters = Characters(stage, RATE)
         characters.add(1, locomotion)
-        characters.act([0], action, mask="right_arm", blend=0.0)
+        characters.act([0], Action(action, mask="right_arm", blend=0.0))
         turned, plain, wanted = [], [], []
         wanted_all = from_hips(joint_positions(real), bank)
         for frame in range(200):

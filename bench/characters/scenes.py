@@ -18,6 +18,7 @@ from bench.findings import Findings
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.stage import Stage
 
 FRAMES = 360
@@ -116,8 +117,13 @@ def drawn(names: Sequence[str], draw: np.random.Generator) -> Command:
     if kind == 1:
         return Command("play", ({first: 0.5, second: 0.5},), blend, frozenset([first, second]))
     if kind == 2:
-        how = {"when": str(draw.choice(list(col.WHENS))), "loop": bool(draw.integers(2)), "blend_out": blend["blend"]}
-        return Command("act", (first,), how | blend, frozenset([first]))
+        how: dict[str, Any] = {
+            "when": str(draw.choice(list(col.WHENS))),
+            "loop": bool(draw.integers(2)),
+            "blend_out": blend["blend"],
+        }
+        return Command("act", (Action(first, **how, **blend),), {}, frozenset([first]))
     if kind == 3:
-        return Command("act", (first,), {"mask": str(draw.choice(list(col.MASKS))), **blend}, frozenset([first]))
+        mask: Any = str(draw.choice(list(col.MASKS)))
+        return Command("act", (Action(first, mask=mask, **blend),), {}, frozenset([first]))
     return Command("stop", (), blend, frozenset())

@@ -21,6 +21,7 @@ from bench.rounds import Work, evict_caches, interleaved, paired_ratio
 from bench.speed.workload import RATE, Scene, evaluation, request_sets
 from motionsplice.cli import run
 from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Requests
 from motionsplice.runtime.stage import Stage
@@ -72,7 +73,7 @@ def dressed(stage: Stage, hands: Sequence[str]) -> Characters:
     characters.add(COUNT, names[0])
     for row in range(COUNT):
         characters.play([row], str(draw.choice(names)), blend=0.0)
-        characters.act([row], str(draw.choice(names)), blend=0.0)
+        characters.act([row], Action(str(draw.choice(names)), blend=0.0))
     for number, name in enumerate(hands):
         characters.wear(range(COUNT), name, blend=FOREVER if number else 0.0)
     return characters

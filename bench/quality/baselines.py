@@ -22,6 +22,7 @@ from bench.quality.scores import score_clip
 from motionsplice.cli import run
 from motionsplice.motion.errors import BaselineError
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 
 
 def main(
@@ -46,7 +47,7 @@ def main(
                 assert truth is not None
                 naive, splice = (
                     upper_body_errors(
-                        evaluator.clip(pair.locomotion, pair.action, method=method), truth, bank.roles
+                        evaluator.clip(Splice(pair.locomotion, pair.action, method=method)), truth, bank.roles
                     ).mean()
                     for method in ("naive", "splice")
                 )

@@ -31,6 +31,7 @@ from motionsplice.precompute.splice import align_in_time, splice_exact
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.splice import Splice
 
 
 def main(
@@ -69,11 +70,11 @@ def main(
             turned = with_local_axes(ring_clip, axes), with_local_axes(clip, axes)
             exact = [splice_exact(a, b, bank.roles, posture="absolute").clip for a, b in (pair, turned)]
             banks = [_bank(Path(folder) / f"axes{n}", bank, *both) for n, both in enumerate((pair, turned))]
-            splice = [Evaluator(one).clip(ring_clip.name, entry.name, posture="absolute") for one in banks]
+            splice = [Evaluator(one).clip(Splice(ring_clip.name, entry.name, posture="absolute")) for one in banks]
             table.add_row(
                 entry.name,
                 f"{_apart(own, clip):.4f}",
-                f"{_apart(evaluator.clip(entry.name, entry.name), clip):.3f}",
+                f"{_apart(evaluator.clip(Splice(entry.name, entry.name)), clip):.3f}",
                 _percentiles((pairwise - frames[: len(pairwise)]) * working),
                 _percentiles(_slip(small, uneven.name, clip.name, frames) * working),
                 f"{_apart(*exact):.1e}",

@@ -33,6 +33,7 @@ from motionsplice.precompute.splice import transfer_posture
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory
+from motionsplice.runtime.splice import Splice
 
 TIME_CONSTANTS = (0.5, 1.0, 2.0, 4.0, 8.0)  # seconds
 DRIFTS = {"walk": (8.0, 40.0), "carry_box": (8.0, 25.0)}  # degrees either way, seconds
@@ -51,12 +52,12 @@ def main(
         evaluator, roles = Evaluator(bank), bank.roles
         chosen = [(one.locomotion, one.action) for one in read_pairs(pairs)] if clips else [("walk", "carry_box")]
         for locomotion, action in chosen:
-            so_far, wanted = evaluator.clip(locomotion, action, posture="off"), bank.motion(action)
+            so_far, wanted = evaluator.clip(Splice(locomotion, action, posture="off")), bank.motion(action)
             torso = measure_torso(so_far, roles)
             exact = transfer_posture(
                 so_far, torso, horn_rotation(measure_torso(wanted, roles).posture, torso.posture), roles
             )
-            ways = {"stored": evaluator.clip(locomotion, action, posture="absolute")}
+            ways = {"stored": evaluator.clip(Splice(locomotion, action, posture="absolute"))}
             ways |= {f"running, {c:g} s": followed(evaluator, locomotion, action, c) for c in TIME_CONSTANTS}
             for way, clip in ways.items():
                 apart = np.degrees(quaternion.angle(clip.rotations[:, roles.pelvis], exact.rotations[:, roles.pelvis]))
@@ -69,10 +70,10 @@ def main(
 
 def followed(evaluator: Evaluator, locomotion: str, action: str, time_constant: float) -> Clip:
     """A whole splice whose posture follows its own with a time constant in seconds."""
-    plain = evaluator.clip(locomotion, action, posture="off")
+    plain = evaluator.clip(Splice(locomotion, action, posture="off"))
     memory = Memory.begin(1, plain.rate, time_constant)
     times = evaluator.frame_times(locomotion)
-    poses = evaluator.sequence(locomotion, times, action, posture="running", memory=memory)
+    poses = evaluator.sequence(Splice(locomotion, action, posture="running"), times, memory=memory)
     return replace(plain, rotations=poses.rotations.astype(np.float64))
 
 

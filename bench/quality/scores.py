@@ -25,6 +25,7 @@ from motionsplice.precompute.splice import sampled_offsets, splice_exact
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Posture
+from motionsplice.runtime.splice import Splice
 
 WRAP = -0.5  # action frames: a step back that is longer goes back by whole strides
 
@@ -114,10 +115,10 @@ def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) 
     """Splices a pair in one way. Raises MotionError."""
     bank = evaluator.bank
     if form.how == "naive":
-        return Spliced(form, evaluator.clip(locomotion, action, method="naive"), None)
+        return Spliced(form, evaluator.clip(Splice(locomotion, action, method="naive")), None)
     if form.how == "splice":
-        frames = evaluator.action_frames(locomotion, evaluator.frame_times(locomotion), action)
-        return Spliced(form, evaluator.clip(locomotion, action, posture=form.posture), frames)
+        frames = evaluator.action_frames(Splice(locomotion, action), evaluator.frame_times(locomotion))
+        return Spliced(form, evaluator.clip(Splice(locomotion, action, posture=form.posture)), frames)
     assert form.posture != "running"
     clips = bank.motion(locomotion), bank.motion(action)
     offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets

@@ -34,6 +34,7 @@ def mark():
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 mark()
 bank = Bank.open(sys.argv[1])
@@ -41,7 +42,7 @@ mark()
 evaluator = Evaluator(bank)
 mark()
 for _ in range(2):
-    evaluator.pose(bank.clips[0].name, 0.5, bank.clips[-1].name)
+    evaluator.pose(Splice(bank.clips[0].name, bank.clips[-1].name), 0.5)
     mark()
 Characters.warm(Stage(evaluator))
 mark()

@@ -42,6 +42,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import POSTURES, Memory
+from motionsplice.runtime.splice import Splice
 
 Tables = dict[str, list[Summary]]
 
@@ -175,7 +176,7 @@ def single_calls(evaluator: Evaluator, rounds: int) -> list[Summary]:
     work = methods(evaluator, 1, ANY)
     first, last = evaluator.bank.clips[0], evaluator.bank.clips[-1]
     times = np.random.default_rng(0).random(SETS) * first.duration
-    work["by name"] = lambda number: evaluator.pose(first.name, times[number % SETS], last.name)
+    work["by name"] = lambda number: evaluator.pose(Splice(first.name, last.name), times[number % SETS])
     return summaries(warm(work, 1, rounds), 1)
 
 

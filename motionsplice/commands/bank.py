@@ -19,7 +19,8 @@ from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.roles import read_roles_file
 from motionsplice.precompute.hands.settings import HandsOnBody
-from motionsplice.precompute.job.job import Outcome, build_bank
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.precompute.job.outcome import Outcome
 from motionsplice.runtime.bank import Bank
 
 AUTOMATIC = "auto"

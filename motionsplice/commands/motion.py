@@ -21,6 +21,7 @@ from motionsplice.precompute import splice as whole_clip
 from motionsplice.runtime import requests
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 
 console = Console(emoji=False)
 
@@ -103,7 +104,9 @@ def spliced(
     """A whole splice by any method. Raises MotionError."""
     if method is not Method.EXACT:
         form = RUN_TIME_METHODS[method]
-        return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
+        return Evaluator(bank).clip(
+            Splice(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
+        )
     if hands is not None:
         raise SettingsError("the exact splice lays no hands", mend="Leave out --hands, or use --method splice")
     if start != 0.0:

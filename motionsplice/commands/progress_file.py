@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from motionsplice.precompute.job.job import Outcome
+from motionsplice.precompute.job.outcome import Outcome
 
 INTERVAL = 0.1  # seconds between two writes
 

@@ -12,6 +12,8 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs
 from motionsplice.runtime.requests import known
 
+BLEND = 0.3  # seconds of a fade, unless a command says otherwise
+
 Locomotion = str | Mapping[str, float]
 
 

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Poses
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
+from motionsplice.service.wire.parameters import splice_of
 from motionsplice.service.wire.query import integer, number
 
 BLOCK = 256  # frames that are evaluated at once: a tenth of a millisecond
@@ -28,7 +30,7 @@ class Frames:
     """Which frames of which splice: `count` from `first` on, `rate` per second of the locomotion."""
 
     edition: Edition
-    splice: dict[str, Any]
+    splice: Splice
     rate: float
     first: int
     count: int
@@ -45,15 +47,14 @@ class Frames:
         if count > most or (values["posture"] == "running" and first + count > most):
             problem = f"{count} frames from frame {first} on are more than the {most} of one answer"
             raise LimitError(problem, mend="Ask for some of them with first and count, or for a lower rate")
-        splice = {key: values[key] for key in ("locomotion", "action", "start", "method", "posture", "hands")}
-        frames = cls(edition, splice, rate, first, count)
+        frames = cls(edition, splice_of(values), rate, first, count)
         frames._evaluated(frames._times(0, 1), Memory.begin(1, rate))
         return frames
 
     def blocks(self, size: int) -> Iterator[tuple[int, Poses]]:
         """The number of each block's first frame, and at most `size` poses."""
         memory, last = Memory.begin(1, self.rate), self.first + self.count
-        if self.splice["posture"] == "running":  # which follows all frames before
+        if self.splice.posture == "running":  # which follows all frames before
             for first in range(0, self.first, BLOCK):
                 self._evaluated(self._times(first, min(first + BLOCK, self.first)), memory)
         for first in range(self.first, last, size):
@@ -64,7 +65,7 @@ class Frames:
         return self.edition.evaluator
 
     def _times(self, first: int, end: int) -> NDArray[np.float64]:
-        return np.minimum(np.arange(first, end) / self.rate, self.edition.bank.clip(self.splice["locomotion"]).duration)
+        return np.minimum(np.arange(first, end) / self.rate, self.edition.bank.clip(self.splice.locomotion).duration)
 
     def _evaluated(self, times: NDArray[np.float64], memory: Memory) -> Poses:
-        return self.evaluator.sequence(times=times, memory=memory, **self.splice)
+        return self.evaluator.sequence(self.splice, times, memory=memory)

@@ -15,7 +15,7 @@ from motionsplice.service.answers.answer import Answer
 from motionsplice.service.serving import Edition
 from motionsplice.service.wire.encoding import Encoding
 from motionsplice.service.wire.messages import FORMS, Form
-from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
+from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter, splice_of
 from motionsplice.service.wire.query import REQUIRED, Query, number
 
 POSE = Query(*WHAT, number("time", "seconds into the locomotion", REQUIRED), *HOW, format_parameter("json", "msgpack"))
@@ -73,13 +73,5 @@ def _seconds(value: bytes) -> float | None:
 
 def _made_ready(edition: Edition, values: dict[str, Any]) -> Ready:
     evaluator, requests = edition.evaluator, Requests.empty(1)
-    requests.records[0] = evaluator.record(
-        values["locomotion"],
-        values["action"],
-        0.0,
-        values["start"],
-        values["method"],
-        values["posture"],
-        values["hands"],
-    )
+    requests.records[0] = evaluator.record(splice_of(values))
     return Ready(requests, evaluator.poses(1), encoding(values), FORMS[values["format"]])

@@ -91,7 +91,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "act": ("action",),
     "stop": (),
     "wear": ("hands",),
-    "weigh": ("weights",),
+    "mix": ("weights",),
     "weight": ("weight",),
     "speed": ("speed",),
     "place": ("position",),

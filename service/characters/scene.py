@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.characters.state import (
     ACTION_BEGAN,
     ACTION_ENDED,
@@ -99,14 +100,14 @@ class Scene:
             self.characters.remove(rows)
             self.ids = np.delete(self.ids, rows)
             return
-        do, values = getattr(self.characters, command.do), dict(command.values)
-        if "own_clock" in values and not isinstance(values["own_clock"], bool):
-            values["own_clock"] = tuple(values["own_clock"])
-        do(rows, **values)
+        if command.do == "act":
+            self.characters.act(rows, _action(**command.values))
+        else:
+            getattr(self.characters, command.do)(rows, **command.values)
 
     def missing(self, edition: Edition) -> list[str]:
         """Those of the clips and hands played here that another edition has not."""
-        return sorted(self.characters.lacking(edition.bank))
+        return sorted(self.characters.missing_clips(edition.bank))
 
     def move(self, edition: Edition) -> None:
         """Plays on from another edition, which has all clips and hands that are played here."""
@@ -134,3 +135,9 @@ class Scene:
         if missing:
             raise RequestError(f"id: there is no character {missing[0]}")
         return rows
+
+
+def _action(action: str, own_clock: bool | list[float] = False, **values: Any) -> Action:
+    """The record of a command `act`, whose JSON has lists for tuples."""
+    clock = own_clock if isinstance(own_clock, bool) else (own_clock[0], own_clock[1])
+    return Action(action, own_clock=clock, **values)

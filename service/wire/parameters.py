@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, get_args
 
 from motionsplice.runtime.requests import Method, Posture
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.wire.axes import AXES
 from motionsplice.service.wire.encoding import NUMBERS, PARTS, Encoding
 from motionsplice.service.wire.query import REQUIRED, Parameter, choice, number, text
@@ -27,6 +29,11 @@ HOW = (
 def format_parameter(*formats: str) -> Parameter:
     """The form of an answer; the first is the default."""
     return choice("format", "JSON for people, MessagePack for engines", formats, formats[0])
+
+
+def splice_of(values: Mapping[str, Any]) -> Splice:
+    """What is spliced, of the values of a query with the parameters WHAT."""
+    return Splice(**{parameter.name: values[parameter.name] for parameter in WHAT})
 
 
 def encoding(values: dict[str, Any]) -> Encoding:

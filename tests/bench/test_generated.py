@@ -12,6 +12,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.roles import find_roles
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 
 
 @pytest.mark.parametrize("joints", [FEWEST_JOINTS, 16, 17, 18, 19, 20, 21, 22, 31, 64, 200, MOST_JOINTS])
@@ -43,9 +44,9 @@ def test_an_action_of_a_generated_bank_goes_on_in_step_past_its_end(tmp_path: Pa
     bank = generate(tmp_path / "bank", Size(joints=22, clips=2, seconds=5.0), seed=3)
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
     evaluator, (own, other) = Evaluator(bank), (clip.name for clip in bank.clips)
-    frames = evaluator.action_frames(own, evaluator.frame_times(own), other, start=4.0)
+    frames = evaluator.action_frames(Splice(own, other, start=4.0), evaluator.frame_times(own))
     assert np.diff(frames).min() < 0.0  # it was repeated
-    shown = evaluator.clip(own, other, start=4.0).rotations[:, upper]
+    shown = evaluator.clip(Splice(own, other, start=4.0)).rotations[:, upper]
     assert quaternion.angle(shown[1:], shown[:-1]).max() < 0.2  # and no jump is seen
 
 
@@ -66,7 +67,9 @@ def test_hands_lie_on_every_clip_and_show_where_there_are_fingers(tmp_path: Path
     bank = generate(tmp_path / "bank", Size(joints, clips=3, seconds=3.0, hands=True))
     assert [(one.name, one.body) for one in bank.hands] == [(HANDS, clip.name) for clip in bank.clips]
     evaluator, name = Evaluator(bank), bank.clips[1].name
-    apart = np.abs(evaluator.pose(name, 1.0, hands=HANDS).rotations - evaluator.pose(name, 1.0).rotations)[0]
+    apart = np.abs(
+        evaluator.pose(Splice(name, hands=HANDS), 1.0).rotations - evaluator.pose(Splice(name), 1.0).rotations
+    )[0]
     changed = np.flatnonzero(apart.max(axis=1) > 1e-4).tolist()
     assert changed == list(bank.layout.hands.joints)
     assert bool(changed) == (joints == 52)

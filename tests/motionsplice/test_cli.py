@@ -15,6 +15,7 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.precompute.hands.settings import read_hand_settings
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 
 COMMANDS = ("precompute", "inspect", "splice", "hands", "render", "study", "serve", "demo")
 
@@ -98,7 +99,7 @@ def test_splice_writes_the_motion(bank: Bank, tmp_path: Path, method: str, postu
         "--posture", posture)  # fmt: skip
     clip = read_clip(out, unit="m").clip
     if method != "exact":
-        expected = Evaluator(bank).clip("walk", "carry_box", method=method, posture=posture)  # type: ignore[arg-type]
+        expected = Evaluator(bank).clip(Splice("walk", "carry_box", method=method, posture=posture))  # type: ignore[arg-type]
         np.testing.assert_allclose(joint_positions(clip), joint_positions(expected), atol=1e-4)
     else:
         assert 0.5 * bank.clip("walk").frame_count < clip.frame_count <= bank.clip("walk").frame_count

@@ -23,6 +23,7 @@ from motionsplice.precompute.preparation.torso_offset import MeanStride, torso_o
 from motionsplice.precompute.splice import Posture, align_in_time, splice_exact, splice_naive
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 WALK, BOX, CURVE = CLIPS["walk"], CLIPS["carry_box"], CLIPS["turn_180"]
@@ -93,7 +94,9 @@ def test_the_answer_does_not_depend_on_local_axes(posture: Posture, tmp_path: Pa
     other = splice_exact(turned[1], turned[2], ROLES, posture=posture, torso_offsets=offsets).clip
     np.testing.assert_allclose(joint_positions(other), joint_positions(plain), atol=1e-6)
     banks = bank_of(tmp_path / "plain", WALK, CURVE, BOX), bank_of(tmp_path / "turned", *turned)
-    first, second = (joint_positions(Evaluator(bank).clip(CURVE.name, BOX.name, posture=posture)) for bank in banks)
+    first, second = (
+        joint_positions(Evaluator(bank).clip(Splice(CURVE.name, BOX.name, posture=posture))) for bank in banks
+    )
     np.testing.assert_allclose(first, second, atol=1e-4)
 
 
@@ -101,7 +104,7 @@ def test_absolute_posture_is_the_actions(bank: Bank) -> None:
     for locomotion in ("walk", "run", "side_step", "stairs_up"):
         exact = splice_exact(CLIPS[locomotion], BOX, ROLES, posture="absolute").clip
         assert np.degrees(posture_error(exact, BOX, ROLES)) < 0.5
-        result = Evaluator(bank).clip(locomotion, "carry_box", posture="absolute")
+        result = Evaluator(bank).clip(Splice(locomotion, "carry_box", posture="absolute"))
         assert np.degrees(posture_error(result, bank.motion("carry_box"), bank.roles)) < 1.5
 
 

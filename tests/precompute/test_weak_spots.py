@@ -19,6 +19,7 @@ from motionsplice.precompute.alignment.baseline import align, find_baseline
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 WALK = CLIPS["walk"]
@@ -46,17 +47,17 @@ def test_it_makes_no_difference_which_foot_an_action_starts_with(tmp_path: Path)
     bank = bank_of(tmp_path, **cuts)
     evaluator = Evaluator(bank)
     for name in cuts:
-        lag = lag_error(evaluator.clip("curve", name), TRUTH, bank.phase("curve"), bank.roles)
+        lag = lag_error(evaluator.clip(Splice("curve", name)), TRUTH, bank.phase("curve"), bank.roles)
         assert np.degrees(lag) < 8.0, name
 
 
 def test_clips_of_any_rate_go_together(tmp_path: Path) -> None:
     bank = bank_of(tmp_path, slow=WAVE.resampled(30.0), own=WAVE, fast=WAVE.resampled(120.0))
     evaluator = Evaluator(bank)
-    results = [joint_positions(evaluator.clip("curve", name)) for name in ("slow", "own", "fast")]
+    results = [joint_positions(evaluator.clip(Splice("curve", name))) for name in ("slow", "own", "fast")]
     for result in results[1:]:
         assert np.median(np.linalg.norm(result - results[0], axis=-1)) < 0.01
-    assert np.degrees(lag_error(evaluator.clip("curve", "slow"), TRUTH, bank.phase("curve"), bank.roles)) < 8.0
+    assert np.degrees(lag_error(evaluator.clip(Splice("curve", "slow")), TRUTH, bank.phase("curve"), bank.roles)) < 8.0
 
 
 @pytest.mark.parametrize("seconds", [0.5, 1.5])

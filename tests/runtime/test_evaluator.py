@@ -9,11 +9,12 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import POSTURES, Memory, Poses, Requests
+from motionsplice.runtime.splice import Splice
 
 
 def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:
     for clip in bank.clips:
-        result = Evaluator(bank).clip(clip.name, clip.name)
+        result = Evaluator(bank).clip(Splice(clip.name, clip.name))
         apart = joint_positions(result) - joint_positions(bank.motion(clip.name))
         assert np.linalg.norm(apart, axis=-1).max() < 1e-3, clip.name
 
@@ -22,7 +23,7 @@ def test_both_halves_keep_their_rotations(bank: Bank) -> None:
     evaluator, pelvis = Evaluator(bank), bank.roles.pelvis
     upper = [joint for joint in bank.skeleton.subtree(pelvis) if joint != pelvis]
     lower = [joint for joint in range(bank.skeleton.joint_count) if joint not in bank.skeleton.subtree(pelvis)]
-    splice, walk, box = evaluator.clip("walk", "carry_box"), bank.motion("walk"), bank.motion("carry_box")
+    splice, walk, box = evaluator.clip(Splice("walk", "carry_box")), bank.motion("walk"), bank.motion("carry_box")
     np.testing.assert_allclose(splice.root_positions, walk.root_positions, atol=1e-6)
     assert quaternion.angle(splice.rotations, walk.rotations)[:, lower].max() < 1e-6
     for frame in range(0, splice.frame_count, 17):
@@ -31,9 +32,9 @@ def test_both_halves_keep_their_rotations(bank: Bank) -> None:
 
 
 def test_none_is_the_locomotion_alone(bank: Bank) -> None:
-    alone = Evaluator(bank).clip("run")
+    alone = Evaluator(bank).clip(Splice("run"))
     assert quaternion.angle(alone.rotations, bank.motion("run").rotations).max() < 1e-6
-    none = Evaluator(bank).clip("run", "wave", method="none")
+    none = Evaluator(bank).clip(Splice("run", "wave", method="none"))
     np.testing.assert_array_equal(none.rotations, alone.rotations)
 
 
@@ -41,7 +42,7 @@ def test_an_action_shorter_than_the_locomotion_goes_on_in_step(bank: Bank) -> No
     walk, wave = bank.clip("walk"), bank.clip("wave")
     assert wave.duration < walk.duration
     late = walk.duration - 0.1
-    poses = Evaluator(bank).pose("walk", late, "wave")
+    poses = Evaluator(bank).pose(Splice("walk", "wave"), late)
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
     apart = quaternion.angle(bank.motion("wave").rotations[:, upper], poses.rotations[0, upper]).max(axis=1)
     frame = int(np.argmin(apart))
@@ -56,7 +57,7 @@ def test_start_is_where_the_action_begins_at_the_next_step_in_phase(bank: Bank) 
     rows = slice(wave.first_row, wave.first_row + wave.frame_count)
     phase = bank.tables["phase_of_frame"][rows]
     for start in (0.0, 0.4, 0.9):
-        poses = evaluator.pose("walk", 0.0, "wave", start=start)
+        poses = evaluator.pose(Splice("walk", "wave", start=start), 0.0)
         apart = quaternion.angle(bank.motion("wave").rotations[:, upper], poses.rotations[0, upper]).max(axis=1)
         frame = int(np.argmin(apart))
         assert frame / wave.rate >= start - 1.0 / wave.rate
@@ -70,7 +71,7 @@ def test_a_time_outside_the_clip_is_refused_by_name(bank: Bank, label: str, time
     at = {"time": 0.0, "start": 0.0, label: time}
     clip = "walk" if label == "time" else "wave"
     with pytest.raises(TimeRangeError, match=f"{label} .* outside clip '{clip}'.*Give a {label} from 0 to"):
-        Evaluator(bank).pose("walk", at["time"], "wave", start=at["start"])
+        Evaluator(bank).pose(Splice("walk", "wave", start=at["start"]), at["time"])
 
 
 def test_a_batch_names_the_character_at_fault(bank: Bank) -> None:
@@ -92,9 +93,9 @@ def test_a_batch_names_the_character_at_fault(bank: Bank) -> None:
 def test_an_unknown_name_is_answered_with_the_near_ones(
     bank: Bank, wrong: dict[str, str], kind: type[MotionError], words: str
 ) -> None:
-    request = {"locomotion": "walk", "time": 0.0, "action": "wave"} | wrong
+    splice = Splice(**{"locomotion": "walk", "action": "wave"} | wrong)  # type: ignore[arg-type]
     with pytest.raises(kind, match=words):
-        Evaluator(bank).pose(**request)  # type: ignore[arg-type]
+        Evaluator(bank).pose(splice, 0.0)
 
 
 def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> None:
@@ -110,8 +111,8 @@ def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> N
 
 def test_action_frames_are_the_frames_that_a_splice_shows(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    frames = evaluator.action_frames("walk", evaluator.frame_times("walk"), "carry_box")
-    box, splice = bank.motion("carry_box"), evaluator.clip("walk", "carry_box")
+    frames = evaluator.action_frames(Splice("walk", "carry_box"), evaluator.frame_times("walk"))
+    box, splice = bank.motion("carry_box"), evaluator.clip(Splice("walk", "carry_box"))
     own = frames <= box.frame_count - 1
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
     shown = box.sampled(frames[own])[1]
@@ -122,7 +123,7 @@ def test_action_frames_are_the_frames_that_a_splice_shows(bank: Bank) -> None:
 
 def test_a_running_posture_starts_from_the_stored_one_and_follows_the_splices_own(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    absolute, running = (evaluator.clip("walk", "carry_box", posture=form) for form in ("absolute", "running"))
+    absolute, running = (evaluator.clip(Splice("walk", "carry_box", posture=form)) for form in ("absolute", "running"))
     apart = quaternion.angle(absolute.rotations[:, bank.roles.pelvis], running.rotations[:, bank.roles.pelvis])
     assert apart[0] < np.radians(0.2)
     assert 0.0 < apart.max() < np.radians(4.0)
@@ -144,7 +145,7 @@ def test_characters_with_running_postures_do_not_share_them(bank: Bank) -> None:
 
 def test_a_running_posture_without_a_history_is_refused(bank: Bank) -> None:
     with pytest.raises(SettingsError, match="no memory of them"):
-        Evaluator(bank).pose("walk", 1.0, "wave", posture="running")
+        Evaluator(bank).pose(Splice("walk", "wave", posture="running"), 1.0)
     evaluator = Evaluator(bank)
     with pytest.raises(SettingsError, match="Memory of as many characters"):
         evaluator.evaluate(Requests.empty(3), evaluator.poses(3), Memory.begin(2, rate=30.0))

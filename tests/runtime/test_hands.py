@@ -19,8 +19,10 @@ from motionsplice.precompute.hands.splice import splice_hands
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Requests
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 from tests import naive, naive_character, playing
 from tests.conftest import COUNTING
@@ -44,13 +46,13 @@ def fingers(skeleton: Skeleton, roles: Roles) -> list[int]:
 def test_locomotion_action_and_hands_are_composed_by_look_up(hands_bank: Bank) -> None:
     evaluator, body = Evaluator(hands_bank), COUNTING.body
     times = np.linspace(0.0, hands_bank.clip("run").duration, 40)
-    at = evaluator.action_frames("run", times, "counting")
+    at = evaluator.action_frames(Splice("run", "counting"), times)
     at = np.where(at > body.frame_count - 1, np.nan, at)  # in the seam hands go over into what follows
     frames = hands_bank.hand_frames("counting_hands", "counting")[:, 0]
     own = np.interp(at, np.arange(body.frame_count), frames)
     wanted = COUNTING.hands.sampled(np.nan_to_num(own))[1]
-    poses = evaluator.sequence("run", times, "counting", hands="counting_hands").rotations
-    plain = evaluator.sequence("run", times, "counting").rotations
+    poses = evaluator.sequence(Splice("run", "counting", hands="counting_hands"), times).rotations
+    plain = evaluator.sequence(Splice("run", "counting"), times).rotations
     joints, rig = fingers(hands_bank.skeleton, hands_bank.roles), COUNTING.hands.skeleton
     their_joints = fingers(rig, find_roles(rig))
     others = [joint for joint in range(hands_bank.skeleton.joint_count) if joint not in joints]
@@ -67,10 +69,10 @@ def test_three_clips_are_composed_as_offline_to_a_frame(hands_bank: Bank, locomo
     offline = splice_hands(body, find_roles(body.skeleton), hands, find_roles(hands.skeleton), HandSettings())
     evaluator = Evaluator(hands_bank)
     times = np.linspace(0.0, hands_bank.clip(locomotion).duration, 80)
-    action = evaluator.action_frames(locomotion, times, "counting")
+    action = evaluator.action_frames(Splice(locomotion, "counting"), times)
     within = action <= body.frame_count - 1
     assert within.sum() > 30
-    shown = evaluator.sequence(locomotion, times, "counting", hands="counting_hands").rotations[within]
+    shown = evaluator.sequence(Splice(locomotion, "counting", hands="counting_hands"), times).rotations[within]
     wanted = offline.clip.sampled(action[within])[1]
     for number, side in enumerate(SIDES):
         ours, theirs = (
@@ -88,14 +90,14 @@ def test_a_bank_shows_what_is_merged_offline(hands_bank: Bank) -> None:
     frames = hands_bank.hand_frames("counting_hands", "counting")
     at = {side: frames[:, number] for number, side in enumerate(SIDES)}
     merged, _ = merge_hands(body, roles, hands, their_roles, at)
-    laid = Evaluator(hands_bank).clip("counting", hands="counting_hands")
+    laid = Evaluator(hands_bank).clip(Splice("counting", hands="counting_hands"))
     assert quaternion.angle(laid.rotations, merged.rotations).max() < 1e-3
     assert np.abs(frames[:, 0] - COUNTING.hand_frames).mean() < 3.0
 
 
 def test_hands_with_wrists_move_forearms_by_their_twist_alone(hands_bank: Bank) -> None:
     evaluator, roles = Evaluator(hands_bank), hands_bank.roles
-    bare, laid = evaluator.clip("run"), evaluator.clip("run", hands="counting_hands")
+    bare, laid = evaluator.clip(Splice("run")), evaluator.clip(Splice("run", hands="counting_hands"))
     for elbow, wrist in ((roles.left_elbow, roles.left_wrist), (roles.right_elbow, roles.right_wrist)):
         bone = hands_bank.skeleton.offsets[wrist]
         own, theirs = (quaternion.rotate(one.rotations[:, elbow], bone) for one in (bare, laid))
@@ -107,7 +109,7 @@ def test_a_looping_action_wears_hands_over_its_seam_without_a_jump(hands_bank: B
     assert hands_bank.clip("counting").loop > 0
     characters = Characters(Stage(Evaluator(hands_bank)), RATE)
     characters.add(1, "walk")
-    characters.act([0], "counting", blend=0.0)
+    characters.act([0], Action("counting", blend=0.0))
     characters.wear([0], "counting_hands", blend=0.0)
     joints, turns = fingers(hands_bank.skeleton, hands_bank.roles), []
     for _ in range(700):
@@ -131,7 +133,7 @@ def test_poses_are_those_of_the_twin(one: Setup, hands_bank: Bank, seed: int) ->
             if kind < 0.04:
                 characters.wear([row], worn[draw.integers(3)], blend=blend, weight=draw.uniform(0.3, 1.0))
             elif kind < 0.06:
-                characters.act([row], str(draw.choice(names)), blend=blend)
+                characters.act([row], Action(str(draw.choice(names)), blend=blend))
             elif kind < 0.08:
                 characters.play([row], str(draw.choice(names)), blend=blend)
         characters.advance()
@@ -174,7 +176,7 @@ def test_hands_of_weight_0_are_the_clips_own_and_of_weight_1_the_hands(one: Setu
     bare, none, whole = one(), one(), one()
     for characters in (bare, none, whole):
         characters.add(1, "walk")
-        characters.act([0], "counting", blend=0.0)
+        characters.act([0], Action("counting", blend=0.0))
     none.wear([0], "counting_hands", blend=0.0, weight=0.0)
     whole.wear([0], "counting_hands", blend=0.0)
     bank = whole.stage.bank
@@ -251,8 +253,8 @@ def test_characters_keep_their_hands_on_another_bank(one: Setup, hands_bank: Ban
     characters = one()
     characters.add(2, "counting")
     characters.wear([1], "other_hands", blend=0.0)
-    assert characters.lacking(bank) == {"counting", "other_hands"}
-    assert not characters.lacking(hands_bank)
+    assert characters.missing_clips(bank) == {"counting", "other_hands"}
+    assert not characters.missing_clips(hands_bank)
     moved = characters.moved(Stage(Evaluator(hands_bank)))
     np.testing.assert_array_equal(shown(moved), shown(characters))
 
@@ -277,11 +279,11 @@ def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Any, erro
 def test_requests_for_hands_that_cannot_be_laid_are_refused(hands_bank: Bank, bank: Bank) -> None:
     evaluator = Evaluator(hands_bank)
     with pytest.raises(UnknownClipError, match=r"not aligned to clip 'wave'. They are to 'counting', 'run'"):
-        evaluator.pose("walk", 0.0, "wave", hands="counting_hands")
+        evaluator.pose(Splice("walk", "wave", hands="counting_hands"), 0.0)
     with pytest.raises(UnknownClipError, match="no hands 'wave'"):
-        evaluator.pose("walk", 0.0, hands="wave")
+        evaluator.pose(Splice("walk", hands="wave"), 0.0)
     with pytest.raises(UnknownClipError, match="--hands BODY:HANDS"):
-        Evaluator(bank).pose("walk", 0.0, hands="counting_hands")
+        Evaluator(bank).pose(Splice("walk", hands="counting_hands"), 0.0)
     requests = Requests.empty(3)
     requests.action[:] = hands_bank.number("wave")
     for number, said in ((9, "hands number 9 lies outside 0 to 2"), (1, "not aligned")):

@@ -15,7 +15,9 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
+from tests.playing import command
 from tests.service.characters.player import Player
 from tests.service.messages import arrays, unpacked
 from tests.service.running import Running
@@ -43,8 +45,8 @@ def test_a_pose_has_the_evaluators_hands(
 ) -> None:
     query = f"locomotion={locomotion}&time=1.25&hands={hands}&method={method}" + (f"&action={action}" if action else "")
     evaluator = Evaluator(hands_bank)
-    wanted = evaluator.pose(locomotion, 1.25, action, method=method, hands=hands)
-    bare = evaluator.pose(locomotion, 1.25, action, method=method)
+    wanted = evaluator.pose(Splice(locomotion, action, method=method, hands=hands), 1.25)
+    bare = evaluator.pose(Splice(locomotion, action, method=method), 1.25)
     for _ in range(2):  # the second is from a query that is kept ready
         packed = msgpack.unpackb(hands_client.get(f"/v1/pose?{query}&format=msgpack").content)
         found = arrays(packed, hands_bank.skeleton.joint_count)
@@ -80,10 +82,10 @@ def test_each_character_of_a_batch_has_its_own_hands(hands_client: TestClient, h
     for number in range(5):
         locomotion, action, hands = (batch[key][number] for key in ("locomotion", "action", "hands"))
         wanted = evaluator.pose(
-            names[locomotion],
+            Splice(
+                names[locomotion], names[action] if action >= 0 else None, hands=names[hands] if hands >= 0 else None
+            ),
             batch["time"][number],
-            names[action] if action >= 0 else None,
-            hands=names[hands] if hands >= 0 else None,
         )
         np.testing.assert_allclose(told["rotations"][number], wanted.rotations[0], atol=1e-7)
 
@@ -93,7 +95,7 @@ def test_splice_and_stream_have_the_evaluators_hands(hands_client: TestClient, h
     evaluator, joints = Evaluator(hands_bank), hands_bank.skeleton.joint_count
     memory = Memory.begin(1, hands_bank.clip("run").rate)
     times = evaluator.frame_times("run")
-    wanted = evaluator.sequence("run", times, "counting", hands="counting_hands", memory=memory).rotations
+    wanted = evaluator.sequence(Splice("run", "counting", hands="counting_hands"), times, memory=memory).rotations
     packed = msgpack.unpackb(hands_client.get(f"/v1/splice?{query}&format=msgpack").content)
     np.testing.assert_array_equal(arrays(packed, joints, len(times))["rotations"], wanted)
     header, *frames = unpacked(hands_client.get(f"/v1/stream?{query}&ahead=9").content)
@@ -173,10 +175,7 @@ def commanded(bank: Bank, commands: dict[int, list[tuple[str, dict[str, Any]]]],
     characters, shown = Characters(Stage(Evaluator(bank)), 60.0), []
     for frame in range(frames):
         for do, values in commands.get(frame, []):
-            if do == "add":
-                characters.add(1, **values)
-            else:
-                getattr(characters, do)([0], **values)
+            command(characters, do, values)
         poses = characters.stage.evaluator.poses(1)
         characters.evaluate(poses)
         characters.advance()

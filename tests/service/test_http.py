@@ -18,6 +18,7 @@ from motionsplice.motion.formats.bvh import parse
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Posture
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.answers.frames import Frames
 from motionsplice.service.answers.stream import STREAM, Clock, messages
 from motionsplice.service.app import create_app
@@ -71,7 +72,7 @@ def test_a_pose_is_the_evaluators(client: TestClient, bank: Bank, method: Any, p
     told = client.get(f"/v1/pose?{query}").json()
     blobs = arrays(msgpack.unpackb(client.get(f"/v1/pose?{query}&format=msgpack").content), bank.skeleton.joint_count)
     evaluator = Evaluator(bank)
-    poses = evaluator.pose("run", 1.25, "wave", start=0.5, method=method, posture=posture)
+    poses = evaluator.pose(Splice("run", "wave", start=0.5, method=method, posture=posture), 1.25)
     world = np.empty((1, bank.skeleton.joint_count, 3), np.float32)
     evaluator.world_positions(poses, world)
     for name, wanted in (
@@ -126,7 +127,7 @@ def test_a_batch_has_to_be_of_a_known_type_and_size(client: TestClient) -> None:
 def expected(bank: Bank, locomotion: str, action: str, posture: Posture = "relative") -> Any:
     evaluator = Evaluator(bank)
     times, memory = evaluator.frame_times(locomotion), Memory.begin(1, bank.clip(locomotion).rate)
-    return evaluator.sequence(locomotion, times, action, posture=posture, memory=memory)
+    return evaluator.sequence(Splice(locomotion, action, posture=posture), times, memory=memory)
 
 
 @pytest.mark.parametrize("posture", ["relative", "running"])

@@ -18,6 +18,7 @@ from bench.speed.workload import SETS, Copy, Scene, request_sets
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import METHODS, Requests
+from motionsplice.runtime.splice import Splice
 
 MANY = Scene()
 
@@ -48,7 +49,7 @@ def test_the_twin_says_where_characters_are(generated: Bank) -> None:
         own, other = (generated.clips[number[k]] for number in (requests.locomotion, requests.action))
         assert below.rows[k] + below.shares[k] == pytest.approx(own.first_row + requests.time[k] * own.rate)
         expected = {
-            0: other.first_row + evaluator.action_frames(own.name, requests.time[k : k + 1], other.name)[0],
+            0: other.first_row + evaluator.action_frames(Splice(own.name, other.name), requests.time[k : k + 1])[0],
             1: other.first_row + (requests.time[k] % other.duration) * other.rate,
             2: own.first_row + requests.time[k] * own.rate,
         }[k]

@@ -23,6 +23,7 @@ from motionsplice.precompute.study.correlation import Survival, study, survival
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Method
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 ROLES = find_roles(CLIPS["walk"].skeleton)
@@ -99,7 +100,7 @@ def test_a_chart_draws_what_goes_with_the_legs_and_the_swing(tmp_path: Path) -> 
 @pytest.mark.parametrize(("method", "least", "most"), [("splice", 0.85, 1.0), ("naive", 0.0, 0.3)])
 def test_a_splice_keeps_what_a_naive_one_loses(bank: Bank, method: Method, least: float, most: float) -> None:
     first = study(make("walk", "wave", seed=1, seconds=5.0), ROLES)  # how the walk's own actor waves
-    other = study(Evaluator(bank).clip("walk", "wave", method=method), bank.roles)
+    other = study(Evaluator(bank).clip(Splice("walk", "wave", method=method)), bank.roles)
     fates = [survival(one, other) for one in first.found.values()]
     assert least <= fates.count(Survival.KEPT) / len(fates) <= most
 

@@ -16,7 +16,8 @@ from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import clip_work, job
 from motionsplice.precompute.job.clip_work import Identified, Preparation
-from motionsplice.precompute.job.job import CACHE, Outcome, build_bank
+from motionsplice.precompute.job.job import CACHE, build_bank
+from motionsplice.precompute.job.outcome import Outcome
 from motionsplice.runtime.bank import Bank
 from tests.conftest import CLIPS
 from tests.precompute.job.test_job import files_of

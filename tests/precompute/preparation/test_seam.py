@@ -14,6 +14,7 @@ from motionsplice.precompute.alignment.baseline import align, find_baseline
 from motionsplice.precompute.preparation.seam import Seamed, add_seam
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 ROLES = find_roles(CLIPS["walk"].skeleton)
@@ -84,6 +85,6 @@ def test_one_arm_that_is_elsewhere_a_stride_before_makes_no_seam() -> None:
 
 def test_an_action_goes_on_past_its_end_without_a_jump(bank: Bank) -> None:
     assert bank.clip("wave").duration < 0.6 * bank.clip("walk").duration
-    splice = Evaluator(bank).clip("walk", "wave")
+    splice = Evaluator(bank).clip(Splice("walk", "wave"))
     own = max(np.percentile(accelerations(bank.motion(name)), 99) for name in ("walk", "wave"))
     assert accelerations(splice).max() < 2.0 * own

@@ -18,7 +18,9 @@ from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 from tests import naive_character
 from tests.playing import RATE, Setup, layer, passed, shown, slot
@@ -45,11 +47,11 @@ def command(characters: Characters, rows: list[int], draw: np.random.Generator) 
         characters.play(rows, {first: 0.4, second: 0.6}, blend=blend)
     elif kind == 2:
         when: Any = draw.choice(list(col.WHENS))
-        characters.act(rows, first, blend=blend, blend_out=blend, loop=bool(draw.integers(2)), when=when)
+        characters.act(rows, Action(first, blend=blend, blend_out=blend, loop=bool(draw.integers(2)), when=when))
     elif kind == 3:
         mask: Any = draw.choice(list(col.MASKS))
         posture: Any = draw.choice(["relative", "absolute", "off"])
-        characters.act(rows, first, blend=blend, mask=mask, weight=draw.uniform(0.3, 1.0), posture=posture)
+        characters.act(rows, Action(first, blend=blend, mask=mask, weight=draw.uniform(0.3, 1.0), posture=posture))
     elif kind == 4:
         characters.stop(rows, blend=blend)
     else:
@@ -59,7 +61,7 @@ def command(characters: Characters, rows: list[int], draw: np.random.Generator) 
 def test_one_locomotion_is_the_clip_put_elsewhere(one: Setup, bank: Bank) -> None:
     characters = one()
     characters.add(1, "turn_180")
-    clip = characters.stage.evaluator.clip("turn_180")
+    clip = characters.stage.evaluator.clip(Splice("turn_180"))
     path = bank.root_path("turn_180")
     for frame in range(200):
         root, rotations = shown(characters)
@@ -76,14 +78,14 @@ def test_an_action_of_weight_0_is_the_locomotion_and_of_weight_1_the_splice(one:
     alone, none, whole = one(), one(), one()
     for characters in (alone, none, whole):
         characters.add(1, "walk", time=0.5)
-    none.act([0], "carry_box", blend=0.0, weight=0.0)
-    whole.act([0], "carry_box", blend=0.0)
+    none.act([0], Action("carry_box", blend=0.0, weight=0.0))
+    whole.act([0], Action("carry_box", blend=0.0))
     evaluator = whole.stage.evaluator
     for frame in range(90):
         np.testing.assert_allclose(shown(none)[1], shown(alone)[1], atol=1e-6)
-        splice = evaluator.pose("walk", 0.5 + frame / RATE, "carry_box").rotations[0, 1:]
+        splice = evaluator.pose(Splice("walk", "carry_box"), 0.5 + frame / RATE).rotations[0, 1:]
         if whole.state[0, col.ACTIONS] == 1:
-            frames = evaluator.action_frames("walk", np.array([0.5 + frame / RATE]), "carry_box")
+            frames = evaluator.action_frames(Splice("walk", "carry_box"), np.array([0.5 + frame / RATE]))
             if abs(frames[0] - layer(whole, 0, col.FRAME)) < 1e-6:
                 np.testing.assert_allclose(shown(whole)[1][0, 1:], splice, atol=1e-6)
         for characters in (alone, none, whole):
@@ -141,7 +143,7 @@ def test_in_place_stays_and_looks_the_same(one: Setup) -> None:
 def test_an_own_clock_keeps_time_and_comes_back_into_step(one: Setup, bank: Bank) -> None:
     characters = one()
     characters.add(1, "run", time=0.3)
-    characters.act([0], "wave", own_clock=(0.2, 0.9), start=0.2)
+    characters.act([0], Action("wave", own_clock=(0.2, 0.9), start=0.2))
     rate = bank.clip("wave").rate
     passed(characters, 30)
     assert layer(characters, 0, col.FRAME) / rate == pytest.approx(0.2 + 30 / RATE, abs=0.02)
@@ -164,7 +166,7 @@ def test_same_commands_same_bytes_alone_and_among_others_and_after_a_restore(one
     for frame in range(60):
         if frame == 20:
             for characters, rows in ((together, [row]), (twice, [row]), (alone, [0])):
-                characters.act(rows, "carry_box", when="foot")
+                characters.act(rows, Action("carry_box", when="foot"))
         roots, rotations = shown(together)
         assert roots[row].tobytes() == shown(alone)[0][0].tobytes()
         assert rotations[row].tobytes() == shown(alone)[1][0].tobytes()
@@ -194,7 +196,7 @@ def test_without_a_gait_an_action_goes_by_its_own_clock(standing: Stage) -> None
     assert not standing.bank.clip("idle").gait
     characters = Characters(standing, RATE)
     characters.add(1, "idle")
-    characters.act([0], "wave", blend=0.2)
+    characters.act([0], Action("wave", blend=0.2))
     passed(characters, 60)
     assert layer(characters, 0, col.FRAME) / standing.bank.clip("wave").rate == pytest.approx(1.0, abs=0.03)
     np.testing.assert_allclose(characters.state[0, col.PLACE : col.PLACE + 3], 0.0, atol=1e-9)
@@ -212,11 +214,11 @@ def test_without_a_gait_an_action_goes_by_its_own_clock(standing: Stage) -> None
         (lambda one: one.play([0], "walk", blend=-1.0), SettingsError),
         (lambda one: one.play([0], {}), SettingsError),
         (lambda one: one.play([0], {"walk": -1.0, "run": 2.0}), SettingsError),
-        (lambda one: one.act([0], "wave", when="soon"), SettingsError),
-        (lambda one: one.act([0], "wave", mask="tail"), SettingsError),
-        (lambda one: one.act([0], "wave", weight=np.nan), SettingsError),
-        (lambda one: one.act([0], "wave", own_clock=(2.0, 1.0)), SettingsError),
-        (lambda one: one.act([0], "wave", own_clock=(np.nan, 1.0)), SettingsError),
+        (lambda one: one.act([0], Action("wave", when="soon")), SettingsError),  # type: ignore[arg-type]
+        (lambda one: one.act([0], Action("wave", mask="tail")), SettingsError),  # type: ignore[arg-type]
+        (lambda one: one.act([0], Action("wave", weight=np.nan)), SettingsError),
+        (lambda one: one.act([0], Action("wave", own_clock=(2.0, 1.0))), SettingsError),
+        (lambda one: one.act([0], Action("wave", own_clock=(np.nan, 1.0))), SettingsError),
         (lambda one: one.place([0], [np.nan, 0.0, 0.0]), SettingsError),
         (lambda one: one.place([0], [0.0, 0.0]), SettingsError),
         (lambda one: one.place([0], [0.0, 0.0, 0.0], np.inf), SettingsError),
@@ -238,7 +240,7 @@ def test_what_has_waited_is_not_looked_up_in_another_bank(one: Setup, hands_bank
     """It stays in its row after it has begun, and the other bank may have fewer clips."""
     characters = one()
     characters.add(1, "walk")
-    characters.act([0], "wave", loop=False)
+    characters.act([0], Action("wave", loop=False))
     passed(characters, 400)
     assert characters.state[0, col.NEXT_ACTION + col.CLIP] >= len(hands_bank.clips)
     moved = characters.moved(Stage(Evaluator(hands_bank)))
@@ -254,8 +256,8 @@ def test_rows_are_any_that_numpy_takes(one: Setup, rows: Any) -> None:
     for characters, which in ((plain, [2]), (other, rows)):
         characters.add(3, "walk")
         characters.play(which, {"run": 1.0, "side_step": 1.0})
-        characters.weigh(which, {"run": 1.0})
-        characters.act(which, "wave")
+        characters.mix(which, {"run": 1.0})
+        characters.act(which, Action("wave"))
         characters.weight(which, 0.5)
     assert other.state.tobytes() == plain.state.tobytes()
 
@@ -281,9 +283,9 @@ def test_a_state_with_more_slots_than_there_are_is_refused(one: Setup, column: i
 def test_a_state_of_clips_that_the_bank_has_not_is_refused(one: Setup, number: float) -> None:
     characters = one()
     characters.add(2, "walk")
-    characters.act([0, 1], "wave", when="left_foot")
+    characters.act([0, 1], Action("wave", when="left_foot"))
     waits = characters.state.copy()
-    characters.act([0, 1], "wave")
+    characters.act([0, 1], Action("wave"))
     characters.play([0, 1], "run")
     while not characters.state[1, col.NEXT_COUNT]:  # until one has to wait
         characters.play([0, 1], {"walk": 1.0, "side_step": 2.0})
@@ -328,7 +330,7 @@ def test_several_frames_in_one_step_are_nearly_those_one_by_one(one: Setup, fram
     for characters in (steps, apart):
         characters.add(2, "walk")
         characters.play([1], {"walk": 1.0, "run": 1.0}, blend=0.0)
-        characters.act([0], "wave")
+        characters.act([0], Action("wave"))
     for _ in range(120 // frames):
         apart.advance(frames)
     passed(steps, 120)

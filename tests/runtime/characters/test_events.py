@@ -9,13 +9,14 @@ import pytest
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from tests.playing import RATE, Setup, layer, passed, shown
 
 
 def test_an_action_that_is_played_once_ends_and_tells(one: Setup, bank: Bank) -> None:
     characters = one()
     characters.add(1, "walk")
-    characters.act([0], "wave", loop=False, blend_out=0.3)
+    characters.act([0], Action("wave", loop=False, blend_out=0.3))
     assert characters.events[0] & col.ACTION_BEGAN
     events = passed(characters, 400)
     ended = [frame for frame, bits in enumerate(events) if bits & col.ACTION_ENDED]
@@ -29,12 +30,12 @@ def test_an_action_begins_when_it_is_told(one: Setup, bank: Bank) -> None:
     for when, event in (("left_foot", col.LEFT_DOWN), ("right_foot", col.RIGHT_DOWN)):
         characters = one()
         characters.add(1, "walk")
-        characters.act([0], "wave", when=when)  # type: ignore[arg-type]
+        characters.act([0], Action("wave", when=when))  # type: ignore[arg-type]
         begun = next(bits for bits in passed(characters, 200) if bits & col.ACTION_BEGAN)
         assert begun & event
     characters = one()
     characters.add(1, "walk")
-    characters.act([0], "wave", when="phase", start=0.7)
+    characters.act([0], Action("wave", when="phase", start=0.7))
     for _ in range(200):
         if characters.advance() & col.ACTION_BEGAN:
             break
@@ -70,7 +71,7 @@ def test_a_foot_that_stands_from_the_beginning_does_not_come_down(one: Setup, ba
     stance = next(one for one in bank.contacts("walk") if one.foot == "left" and one.down > 0.1)
     characters = one()
     characters.add(1, locomotion, time=0.5 * (stance.down + stance.up))
-    characters.act([0], "wave", when="left_foot")
+    characters.act([0], Action("wave", when="left_foot"))
     events = passed(characters, 90)
     assert events[0] & (col.LEFT_DOWN | col.RIGHT_DOWN | col.ACTION_BEGAN) == 0
     down = next(frame for frame, bits in enumerate(events) if bits & col.LEFT_DOWN)

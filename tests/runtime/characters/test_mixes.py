@@ -68,14 +68,14 @@ def test_weights_are_followed_and_speed_lies_between(one: Setup) -> None:
     characters.add(1, {"walk": 1.0, "run": 0.0})
     speeds = []
     for weight in (0.0, 0.5, 1.0):
-        characters.weigh([0], {"walk": 1.0 - weight, "run": weight})
+        characters.mix([0], {"walk": 1.0 - weight, "run": weight})
         passed(characters, 60)
         before = characters.state[0, col.PLACE + 2]
         passed(characters, 120)
         speeds.append((characters.state[0, col.PLACE + 2] - before) / 2.0)
     assert speeds[0] < speeds[1] - 0.3 < speeds[2] - 0.6
     with pytest.raises(SettingsError, match="not one of the locomotions"):
-        characters.weigh([0], {"side_step": 1.0})
+        characters.mix([0], {"side_step": 1.0})
 
 
 def test_what_has_no_room_waits(one: Setup) -> None:

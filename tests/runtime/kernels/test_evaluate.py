@@ -20,6 +20,7 @@ from motionsplice.runtime.kernels.posture import LEAST_GAP
 from motionsplice.runtime.kernels.rotations import horn, sample
 from motionsplice.runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Memory, Requests
 from motionsplice.runtime.simd.width import LANES
+from motionsplice.runtime.splice import Splice
 from tests import naive, random_bank
 
 seeds = st.integers(0, 2**32 - 1)
@@ -155,15 +156,15 @@ def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: in
 def test_where_no_alignment_is_the_best_the_last_one_is_held() -> None:
     clear, unclear = (random_bank.random_bank(5, 9, 1, 6, clouds) for clouds in ("torso", "line"))
     memory, pelvis = Memory.begin(1, rate=30.0), clear.roles.pelvis
-    ask = {"locomotion": "clip 0", "times": [0.0], "action": "clip 0", "start": 0.0, "posture": "off"}
+    splice = Splice("clip 0", "clip 0", posture="off")
     memory.turns[:] = held = quaternion.about([0.0, 0.0, 1.0], 0.3)
-    turned = Evaluator(unclear).sequence(**ask, memory=memory).rotations[0, pelvis]  # type: ignore[arg-type]
+    turned = Evaluator(unclear).sequence(splice, [0.0], memory=memory).rotations[0, pelvis]
     own = unclear.motion("clip 0").rotations[0, pelvis]
     assert quaternion.angle(turned, quaternion.multiply(own, held)) < 1e-6
     np.testing.assert_array_equal(memory.turns[0], held)
-    alone = Evaluator(unclear).sequence(**ask).rotations[0, pelvis]  # type: ignore[arg-type]
+    alone = Evaluator(unclear).sequence(splice, [0.0]).rotations[0, pelvis]
     assert quaternion.angle(alone, own) < 1e-6
-    Evaluator(clear).sequence(**ask, memory=memory)  # type: ignore[arg-type]
+    Evaluator(clear).sequence(splice, [0.0], memory=memory)
     assert quaternion.angle(memory.turns[0], quaternion.IDENTITY) < 1e-5  # its clouds are one cloud
 
 
@@ -178,8 +179,8 @@ def test_no_number_in_a_table_leads_out_of_the_clip(seed: int, value: float) -> 
             flat = bank.tables[name].reshape(-1)
             flat[draw.integers(0, flat.size, flat.size // 4)] = value
         for time in np.linspace(0.0, locomotion.duration, 7):
-            evaluator.pose(locomotion.name, time, action.name, start=action.duration / 2.0)
-        frames = evaluator.action_frames(locomotion.name, np.linspace(0.0, locomotion.duration, 7), action.name)
+            evaluator.pose(Splice(locomotion.name, action.name, start=action.duration / 2.0), time)
+        frames = evaluator.action_frames(Splice(locomotion.name, action.name), np.linspace(0.0, locomotion.duration, 7))
     rows = [lookup_kernels.locate(frame, action.first_row, action.row_count) for frame in frames]
     assert all(action.first_row <= row < action.first_row + action.row_count - 1 for row, _ in rows)
 
@@ -188,14 +189,16 @@ def test_no_number_in_a_table_leads_out_of_the_clip(seed: int, value: float) -> 
 @settings(max_examples=6)
 def test_a_running_posture_is_that_of_its_twin(bank: Bank, locomotion: str, action: str) -> None:
     evaluator = Evaluator(bank)
-    found = evaluator.clip(locomotion, action, posture="running")
-    twin = naive.followed(bank, evaluator.clip(locomotion, action, posture="off"), locomotion, action, TIME_CONSTANT)
+    found = evaluator.clip(Splice(locomotion, action, posture="running"))
+    twin = naive.followed(
+        bank, evaluator.clip(Splice(locomotion, action, posture="off")), locomotion, action, TIME_CONSTANT
+    )
     assert quaternion.angle(found.rotations, twin.rotations).max() < 5e-5
 
 
 def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    poses = evaluator.sequence("walk", evaluator.frame_times("walk"), "wave")
+    poses = evaluator.sequence(Splice("walk", "wave"), evaluator.frame_times("walk"))
     positions = np.empty((len(poses.rotations), bank.skeleton.joint_count, 3), np.float32)
     evaluator.world_positions(poses, positions)
     expected = world_transforms(bank.skeleton, poses.root_positions, poses.rotations)[0]

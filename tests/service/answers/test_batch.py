@@ -15,6 +15,7 @@ from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeErro
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import METHODS, POSTURES
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.answers.batch import Batch
 from motionsplice.service.problems import LimitError, RequestError
 
@@ -95,7 +96,7 @@ def test_any_hands_on_any_clips_are_shown_or_refused(
         evaluator.evaluate(requests, poses)
         np.testing.assert_allclose(np.linalg.norm(poses.rotations, axis=-1), 1.0, atol=1e-5)
         for pose, (name, second, worn), time in zip(poses.rotations, named, times, strict=True):
-            alone = evaluator.pose(name, time, second, method=method, hands=worn)  # type: ignore[arg-type]
+            alone = evaluator.pose(Splice(name, second, method=method, hands=worn), time)  # type: ignore[arg-type]
             np.testing.assert_array_equal(pose, alone.rotations[0])
 
 

@@ -12,6 +12,7 @@ from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 from motionsplice.service.settings import Settings
+from tests.playing import command
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
 
@@ -23,10 +24,7 @@ def twin(bank: Bank, *commands: tuple[str, dict[str, Any]], frames: int = 0) -> 
     """Root position [3] and rotations [J, 4] of a character that was added and commanded, after so many frames."""
     characters = Characters(Stage(Evaluator(bank)), 60.0)
     for do, values in commands:
-        if do == "add":
-            characters.add(1, **values)
-        else:
-            getattr(characters, do)([0], **values)
+        command(characters, do, values)
     for _ in range(frames):
         characters.evaluate(characters.stage.evaluator.poses(1))
         characters.advance()
@@ -84,7 +82,7 @@ def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
 def test_locomotions_are_mixed_by_weight(service: Running) -> None:
     with Player(service) as player:
         first = player.do({**WALK, "locomotion": {"walk": 1, "run": 0}})["frame"]
-        told = player.do({"do": "weigh", "id": 7, "weights": {"run": 1}})
+        told = player.do({"do": "mix", "id": 7, "weights": {"run": 1}})
         assert told["event"] == "done"
         frames = player.frames_until(first + 60)
         ahead = np.diff([frame["root_positions"][0, 0, 2] for frame in frames])
@@ -122,7 +120,7 @@ def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank
         ([{"do": "play", "id": 7, "locomotion": "walk", "time": 99}], "time-range", "Give a time from 0 to 5.000"),
         ([{"do": "play", "id": 7, "locomotion": "walk", "time": -1}], "request", "time: it is -1, and should be"),
         ([{"do": "play", "id": 7, "locomotion": {}}], "request", "0 locomotions cannot be mixed"),
-        ([{"do": "weigh", "id": 7, "weights": {"run": 1}}], "request", "not one of the locomotions"),
+        ([{"do": "mix", "id": 7, "weights": {"run": 1}}], "request", "not one of the locomotions"),
         ([{"do": "act", "id": 7, "action": "wave", "own_clock": [1]}], "request", "own_clock: it is [1]"),
         ([{"do": "set", "events": ["boom"]}], "request", "a list of left_down"),
         ([{"do": "act", "id": 7, "action": "wave", "start": 9}], "time-range", "start 9 s lies outside clip 'wave'"),

@@ -65,7 +65,7 @@ likely = st.sampled_from(
         {"do": "act", "id": 1, "action": "counting", "method": "naive", "start": 0.5},
         {"do": "play", "id": 1, "locomotion": "counting"},
         {"do": "play", "id": 1, "locomotion": {"walk": 1, "run": 2}, "blend": 0.1},
-        {"do": "weigh", "id": 1, "weights": {"run": 1}},
+        {"do": "mix", "id": 1, "weights": {"run": 1}},
         {"do": "act", "id": 1, "action": "wave", "when": "foot", "mask": "left_arm", "loop": False},
         {"do": "set", "events": ["left_down", "right_up", "stride"]},
         {"do": "wear", "id": 1, "hands": "counting_hands"},

@@ -16,6 +16,7 @@ from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.format.manifest import MANIFEST
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.exchange import watch as watching
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition, Serving
@@ -121,7 +122,7 @@ def test_twenty_exchanges_tear_no_frame(service: Running, bank: Bank, other: Ban
     numbers = [frame["frame"] for frame in frames]
     assert numbers == sorted(set(numbers))  # a slow machine leaves some out
     for digest, evaluator in evaluators.items():
-        wanted = evaluator.pose("run", 0.0).rotations[0, 1:]  # but for the heading
+        wanted = evaluator.pose(Splice("run"), 0.0).rotations[0, 1:]  # but for the heading
         some = [frame["rotations"][0, 0, 1:] for frame in frames if frame["bank"] == digest]
         assert len(some) > 5
         assert all(abs(one - wanted).max() < 1e-6 for one in some)

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.encode_kernels import convert, shorten
 from motionsplice.service.wire.encoding import INT16_ERROR, Encoding
@@ -57,7 +58,7 @@ def test_axes_are_those_of_the_engines(
 @every
 def test_joints_placed_from_what_is_sent_lie_where_positions_say(bank: Bank, axes: Axes) -> None:
     evaluator = Evaluator(bank)
-    poses = evaluator.sequence("run", [0.0, 0.7, 1.9], "wave")
+    poses = evaluator.sequence(Splice("run", "wave"), [0.0, 0.7, 1.9])
     sent = Encoding(axes, "float32", "both").arrays(evaluator, poses)
     offsets = axes.positions(bank.skeleton.offsets)
     for root, rotations, positions in zip(*sent.values(), strict=True):

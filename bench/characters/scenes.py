@@ -110,20 +110,17 @@ class Command(NamedTuple):
 def drawn(names: Sequence[str], draw: np.random.Generator) -> Command:
     """Any command."""
     first, second = (str(name) for name in draw.choice(names, 2, replace=False))
-    blend = {"blend": float(draw.uniform(0.2, 0.6))}
+    blend = float(draw.uniform(0.2, 0.6))
     kind = draw.integers(5)
     if kind == 0:
-        return Command("play", (first,), blend, frozenset([first]))
+        return Command("play", (first,), {"blend": blend}, frozenset([first]))
     if kind == 1:
-        return Command("play", ({first: 0.5, second: 0.5},), blend, frozenset([first, second]))
+        return Command("play", ({first: 0.5, second: 0.5},), {"blend": blend}, frozenset([first, second]))
     if kind == 2:
-        how: dict[str, Any] = {
-            "when": str(draw.choice(list(col.WHENS))),
-            "loop": bool(draw.integers(2)),
-            "blend_out": blend["blend"],
-        }
-        return Command("act", (Action(first, **how, **blend),), {}, frozenset([first]))
+        when: Any = str(draw.choice(list(col.WHENS)))
+        action = Action(first, when=when, loop=bool(draw.integers(2)), blend=blend, blend_out=blend)
+        return Command("act", (action,), {}, frozenset([first]))
     if kind == 3:
         mask: Any = str(draw.choice(list(col.MASKS)))
-        return Command("act", (Action(first, mask=mask, **blend),), {}, frozenset([first]))
-    return Command("stop", (), blend, frozenset())
+        return Command("act", (Action(first, mask=mask, blend=blend),), {}, frozenset([first]))
+    return Command("stop", (), {"blend": blend}, frozenset())

@@ -21,7 +21,7 @@ from motionsplice.service.front import Front
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi import document
-from motionsplice.service.problems import MEDIA_TYPE, problem, told
+from motionsplice.service.problems import MEDIA_TYPE, kind_of, problem
 from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
 from motionsplice.service.settings import Settings
@@ -74,7 +74,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
 
 async def _motion_problem(_: Request, error: Exception) -> Response:
     assert isinstance(error, MotionError)
-    return _problem(*told(error), str(error))
+    return _problem(*kind_of(error), str(error))
 
 
 async def _request_problem(_: Request, error: Exception) -> Response:

@@ -21,7 +21,7 @@ from motionsplice.service.answers.splice import splice
 from motionsplice.service.answers.stream import stream
 from motionsplice.service.characters.hub import Hub
 from motionsplice.service.logs import request_id, request_ids
-from motionsplice.service.problems import MEDIA_TYPE, UnknownBankError, problem, told
+from motionsplice.service.problems import MEDIA_TYPE, UnknownBankError, kind_of, problem
 from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)
@@ -124,7 +124,7 @@ class Front:
                 inner = {**scope, "path": path, "method": method}
                 status = await self._fastapi(inner, receive, send, headers, cached)
         except MotionError as error:
-            status, kind = told(error)
+            status, kind = kind_of(error)
             await _refuse(send, status, kind, str(error), headers)
             logger.info("refused", extra={"path": path, "status": status, "detail": str(error)})
         except Exception:
@@ -174,7 +174,7 @@ class Front:
                 return
             await self.hub.serve(scope, receive, send)
         except MotionError as error:
-            status, kind = told(error)
+            status, kind = kind_of(error)
             await _refuse_handshake(send, status, kind, str(error), identity)
 
 

@@ -14,6 +14,7 @@ from motionsplice.runtime.format.manifest import ClipEntry
 from motionsplice.service.settings import Settings
 from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
+from motionsplice.service.wire.messages import PROTOCOL
 
 LIMITS = tuple(name for name in Settings.model_fields if name.startswith("max_") or name.endswith("_seconds"))
 
@@ -22,7 +23,7 @@ class AxesInfo(BaseModel):
     """One way to have axes and units: component i is `order[i]` of glTF's times `signs[i]`, in `unit`."""
 
     name: str
-    told: str
+    description: str
     unit: str
     metres: float = Field(description="in one unit")
     order: tuple[int, int, int]
@@ -32,7 +33,7 @@ class AxesInfo(BaseModel):
     def of(cls, axes: Axes) -> AxesInfo:
         return cls(
             name=axes.name,
-            told=axes.told,
+            description=axes.description,
             unit=axes.unit,
             metres=1.0 / axes.scale,
             order=axes.order,
@@ -44,6 +45,7 @@ class ServerInfo(BaseModel):
     """The service: what it serves, in which forms, and how much of it."""
 
     version: str
+    protocol: int = Field(description="version of docs/protocol.md")
     bank: str = Field(description="digest")
     ready: bool
     axes: list[AxesInfo]
@@ -51,12 +53,13 @@ class ServerInfo(BaseModel):
     int16_error: float = Field(description="degrees by which a rotation in int16 is off at most")
     parts: list[str]
     uploads: bool
-    limits: dict[str, float]
+    limits: dict[str, int | float]
 
     @classmethod
     def of(cls, bank: Bank, settings: Settings, *, ready: bool) -> ServerInfo:
         return cls(
             version=version("motionsplice"),
+            protocol=PROTOCOL,
             bank=bank.digest,
             ready=ready,
             axes=[AxesInfo.of(axes) for axes in AXES.values()],

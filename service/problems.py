@@ -93,8 +93,8 @@ def at_most(name: str, given: float, most: float) -> None:
         raise LimitError(f"{name}: {given:g} is more than {most:g}", mend="Ask for less")
 
 
-def told(error: MotionError) -> tuple[int, str]:
-    """The status and the kind of an error."""
+def kind_of(error: MotionError) -> tuple[int, str]:
+    """Returns the HTTP status and the problem type of an error."""
     return next(PROBLEMS[kind] for kind in type(error).__mro__ if kind in PROBLEMS)
 
 

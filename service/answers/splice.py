@@ -16,7 +16,7 @@ from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.problems import RequestError
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
-from motionsplice.service.wire.messages import FORMS, json, packed, told_of
+from motionsplice.service.wire.messages import FORMS, frame_fields, json, packed
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
@@ -48,7 +48,7 @@ async def splice(shared: Shared, query: bytes) -> Answer:
 
 
 def _told(frames: Frames) -> dict[str, Any]:
-    return told_of(frames.edition.bank.digest, frames.first, frames.count, frames.rate)
+    return frame_fields(frames.edition.bank.digest, frames.first, frames.count, frames.rate)
 
 
 def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:

@@ -15,13 +15,12 @@ from motionsplice.service.answers.frames import WHICH, Frames
 from motionsplice.service.problems import at_most
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Encoding
-from motionsplice.service.wire.messages import length_delimited, packed, told_of
+from motionsplice.service.wire.messages import PROTOCOL, frame_fields, length_delimited, packed
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding
 from motionsplice.service.wire.query import Query, choice, integer
 
 logger = logging.getLogger(__name__)
 
-STREAM_VERSION = 2
 MEDIA_TYPE = b"application/vnd.motionsplice.stream"
 BLOCK = 64  # frames that are evaluated and, if as fast as it goes, sent at once
 LONGER = 100  # times as many frames as one splice may have, for they are not held at once
@@ -89,7 +88,7 @@ async def messages(
         for row in range(0, count, ahead):
             some = {name: one[row : row + ahead] for name, one in arrays.items()}
             few = min(ahead, count - row)
-            message = length_delimited(packed(told_of(bank, first + row, few, frames.rate), some))
+            message = length_delimited(packed(frame_fields(bank, first + row, few, frames.rate), some))
             if paced:
                 await clock.sleep(max(0.0, began + (first + row - frames.first) / frames.rate - clock.now()))
                 yield few, message
@@ -108,9 +107,9 @@ async def _gone(receive: Receive) -> None:
 
 def _header(frames: Frames, how: Encoding) -> dict[str, Any]:
     return {
-        "stream": STREAM_VERSION,
+        "stream": PROTOCOL,
         **frames.edition.rig,
-        **how.told,
+        **how.fields,
         "locomotion": frames.splice.locomotion,
         "action": frames.splice.action,
         "hands": frames.splice.hands,

@@ -18,7 +18,7 @@ class Axes:
     """
 
     name: str
-    told: str
+    description: str
     unit: str
     order: tuple[int, int, int]
     signs: tuple[int, int, int]

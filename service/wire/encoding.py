@@ -32,8 +32,8 @@ class Encoding:
     parts: str = "local"
 
     @property
-    def told(self) -> dict[str, str]:
-        """The same by name, as clients ask for it."""
+    def fields(self) -> dict[str, str]:
+        """The query parameters that ask for this encoding."""
         return {"axes": self.axes.name, "encoding": self.numbers, "parts": self.parts}
 
     def arrays(self, evaluator: Evaluator, poses: Poses) -> Arrays:

@@ -12,6 +12,7 @@ import orjson
 
 from motionsplice.service.wire.encoding import Arrays
 
+PROTOCOL = 3  # version of docs/protocol.md
 JSON, MSGPACK = "application/json", "application/msgpack"
 FIXMAP, MOST_KEYS, BIN32 = 0x80, 15, b"\xc6"  # of MessagePack
 LENGTH = 4  # bytes of the length of a message in a stream, or of a blob
@@ -57,7 +58,7 @@ class Form(NamedTuple):
 FORMS = {"json": Form(JSON.encode(), json), "msgpack": Form(MSGPACK.encode(), packed)}
 
 
-def told_of(bank: str, first: int, count: int, rate: float) -> dict[str, Any]:
+def frame_fields(bank: str, first: int, count: int, rate: float) -> dict[str, Any]:
     """What a message says of its frames: the bank's digest, the first one's number, how many, how many a second."""
     return {"bank": bank, "frame": first, "count": count, "rate": rate}
 

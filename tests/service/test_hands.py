@@ -216,10 +216,14 @@ def test_a_mistake_about_hands_is_refused_and_nothing_worn(hands_service: Runnin
         for wear, kind, words in (
             ({"hands": "conting_hands"}, "unknown-clip", "Did you mean 'counting_hands'"),
             ({"hands": "wave"}, "unknown-clip", "no hands 'wave'"),
-            ({}, "request", "hands: wear needs it"),
-            ({"hands": 3}, "request", "hands: it is 3, and should be the name of hands, or null"),
-            ({"hands": "counting_hands", "weight": 2}, "request", "weight: it is 2"),
-            ({"hands": "counting_hands", "mask": "arms"}, "request", "wear takes no 'mask'. It takes hands, blend"),
+            ({}, "request", "hands: missing, but wear requires it"),
+            ({"hands": 3}, "request", "hands: expected the name of a hands clip, or null for none, found 3"),
+            ({"hands": "counting_hands", "weight": 2}, "request", "weight: expected a number from 0 to 1, found 2"),
+            (
+                {"hands": "counting_hands", "mask": "arms"},
+                "request",
+                "wear has no key 'mask'. Its keys are hands, blend",
+            ),
         ):
             told = player.do({"do": "wear", "id": 7, **wear})
             assert (told["event"], told["type"]) == ("refused", f"urn:motionsplice:{kind}")
@@ -242,8 +246,8 @@ def test_a_connection_keeps_a_bank_whose_hands_are_gone(hands_service: Running, 
         with Player(hands_service) as player:
             player.do({"do": "create", "id": 7, "locomotion": "walk"}, {"do": "wear", "id": 7, "hands": "other_hands"})
             loop.call_soon_threadsafe(serving.exchange, newer)
-            told = player.event("kept")
-            assert (told["bank"], told["gone"]) == (bank.digest, ["other_hands"])
+            told = player.event("bank_kept")
+            assert (told["bank"], told["missing"]) == (bank.digest, ["other_hands"])
             player.do({"do": "wear", "id": 7, "hands": None, "blend": 0})
             assert player.event("bank")["bank"] == bank.digest
     finally:

@@ -61,8 +61,22 @@ def test_a_clip_tells_when_its_feet_stand(client: TestClient, bank: Bank) -> Non
 def test_the_service_tells_its_limits(client: TestClient, bank: Bank) -> None:
     told = client.get("/v1/server").json()
     assert (told["bank"], told["ready"], told["uploads"]) == (bank.digest, True, False)
-    assert told["limits"]["max_frames"] == 5000
+    assert told["protocol"] == 3
     assert [axes["name"] for axes in told["axes"]] == ["gltf", "unity", "unreal", "godot"]
+    assert told["axes"][1]["description"] == "left-handed, Y up, Z forward"
+
+
+def test_limits_are_whole_numbers_where_the_settings_are(client: TestClient) -> None:
+    settings, limits = Settings(max_frames=5000), client.get("/v1/server").json()["limits"]
+    for name, limit in limits.items():
+        assert (limit, type(limit)) == (getattr(settings, name), type(getattr(settings, name)))
+    assert (type(limits["max_frames"]), type(limits["max_load"])) == (int, float)
+    document = client.get("/openapi.json").json()
+    example = document["paths"]["/v1/server"]["get"]["responses"]["200"]["content"]["application/json"]["example"]
+    assert example["limits"] == limits
+    assert type(example["limits"]["max_frames"]) is int
+    limit = document["components"]["schemas"]["ServerInfo"]["properties"]["limits"]["additionalProperties"]
+    assert limit == {"anyOf": [{"type": "integer"}, {"type": "number"}]}
 
 
 @pytest.mark.parametrize("method", ["splice", "naive", "none"])
@@ -167,7 +181,7 @@ def test_a_stream_is_the_splice_in_messages(client: TestClient, bank: Bank, ahea
     answer = client.get(f"/v1/stream?{query}&parts=both&axes=unity&encoding=int16")
     assert answer.headers["content-type"] == "application/vnd.motionsplice.stream"
     header, *frames = unpacked(answer.content)
-    assert (header["stream"], header["bank"], header["first"], header["frames"]) == (2, bank.digest, 10, 150)
+    assert (header["stream"], header["bank"], header["first"], header["frames"]) == (3, bank.digest, 10, 150)
     assert (header["axes"], header["encoding"], header["parts"]) == ("unity", "int16", "both")
     assert header["joints"] == list(bank.skeleton.names)
     assert header["parents"] == bank.skeleton.parents.tolist()

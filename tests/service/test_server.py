@@ -67,7 +67,7 @@ def test_workers_share_a_port_and_their_numbers_and_stop_together(bank: Bank, tm
         with connect(url.replace("http", "ws") + "/v1/characters", compression=None) as client:
             client.send('{"do": "create", "id": 1, "locomotion": "walk"}')
             server.send_signal(signal.SIGTERM)
-            while '"bye"' not in str(client.recv(timeout=PATIENCE)):
+            while '"closing"' not in str(client.recv(timeout=PATIENCE)):
                 pass
             with pytest.raises(ConnectionClosed) as caught:
                 client.recv(timeout=PATIENCE)

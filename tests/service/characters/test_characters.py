@@ -36,6 +36,7 @@ def twin(bank: Bank, *commands: tuple[str, dict[str, Any]], frames: int = 0) -> 
 def test_frames_are_those_of_the_runtime_numbered_by_their_own_clock(service: Running, bank: Bank) -> None:
     with Player(service, "?rate=60") as player:
         assert player.welcome["bank"] == bank.digest
+        assert player.welcome["protocol"] == 3
         assert (player.welcome["rate"], player.welcome["ahead"]) == (60.0, 1)
         act = {"do": "act", "id": 7, "action": "wave", "when": "foot", "mask": "arms"}
         first = player.do({**WALK, "position": [1, 0, 2], "heading": 0.5}, act)["frame"]
@@ -111,30 +112,46 @@ def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank
     ("commands", "kind", "words"),
     [
         ([{"do": "create", "id": 8, "locomotion": "wlak"}], "unknown-clip", "Did you mean 'walk'"),
-        ([{"do": "create", "id": 7, "locomotion": "walk"}], "request", "there is a character 7 already"),
-        ([{"do": "create", "id": -1, "locomotion": "walk"}], "request", "id: it should be a whole number"),
-        ([{"do": "create", "id": [8, 8], "locomotion": "walk"}], "request", "in the list twice"),
-        ([{"do": "create", "id": 8}], "request", "locomotion: create needs it"),
-        ([{"do": "create", "id": 8, "locomotion": "walk", "sped": 2}], "request", "create takes no 'sped'"),
-        ([{"do": "dance", "id": 7}], "request", "there is no command 'dance'"),
+        ([{"do": "create", "id": 7, "locomotion": "walk"}], "request", "character 7 already exists"),
+        (
+            [{"do": "create", "id": -1, "locomotion": "walk"}],
+            "request",
+            "id: expected a whole number from 0 to 4294967295, or a list of them that is not empty, found -1",
+        ),
+        ([{"do": "create", "id": [8, 8], "locomotion": "walk"}], "request", "id: the list has a number twice"),
+        ([{"do": "create", "id": 8}], "request", "locomotion: missing, but create requires it"),
+        ([{"do": "create", "id": 8, "locomotion": "walk", "sped": 2}], "request", "create has no key 'sped'"),
+        ([{"do": "dance", "id": 7}], "request", "unknown command 'dance'"),
         ([{"do": "play", "id": 7, "locomotion": "walk", "time": 99}], "time-range", "Give a time from 0 to 5.000"),
-        ([{"do": "play", "id": 7, "locomotion": "walk", "time": -1}], "request", "time: it is -1, and should be"),
+        (
+            [{"do": "play", "id": 7, "locomotion": "walk", "time": -1}],
+            "request",
+            "time: expected at least 0 seconds, found -1",
+        ),
         ([{"do": "play", "id": 7, "locomotion": {}}], "request", "0 locomotions cannot be mixed"),
         ([{"do": "mix", "id": 7, "weights": {"run": 1}}], "request", "not one of the locomotions"),
-        ([{"do": "act", "id": 7, "action": "wave", "own_clock": [1]}], "request", "own_clock: it is [1]"),
-        ([{"do": "set", "events": ["boom"]}], "request", "a list of left_down"),
+        (
+            [{"do": "act", "id": 7, "action": "wave", "own_clock": [1]}],
+            "request",
+            "own_clock: expected true, false or two times of the action in seconds, found [1]",
+        ),
+        ([{"do": "set", "events": ["boom"]}], "request", "events: expected a list of left_down"),
         ([{"do": "act", "id": 7, "action": "wave", "start": 9}], "time-range", "start 9 s lies outside clip 'wave'"),
-        ([{"do": "act", "id": 7, "action": "wave", "posture": "up"}], "request", "posture: it is 'up'"),
-        ([{"do": "speed", "id": 6, "speed": 1}], "request", "there is no character 6"),
-        ([{"do": "speed", "id": 7, "speed": 9}], "request", "speed: it is 9, and should be a number from 0 to 8"),
+        (
+            [{"do": "act", "id": 7, "action": "wave", "posture": "up"}],
+            "request",
+            "posture: expected one of relative, absolute, running, off, found 'up'",
+        ),
+        ([{"do": "speed", "id": 6, "speed": 1}], "request", "character 6 not found"),
+        ([{"do": "speed", "id": 7, "speed": 9}], "request", "speed: expected a number from 0 to 8, found 9"),
         ([{"do": "set", "rate": 121}], "limit", "rate: 121 is more than 120"),
         ([{"do": "set", "ahead": 121}], "limit", "ahead: 121 is more than 120"),
-        ([{"do": "set", "id": 7, "rate": 30}], "request", "set takes no 'id'"),
+        ([{"do": "set", "id": 7, "rate": 30}], "request", "set has no key 'id'"),
         ([{"do": "create", "id": list(range(10, 400)), "locomotion": "walk"}], "busy", "at most 20000 characters"),
-        ([{"do": "remove", "id": 7}, {"do": "remove", "id": 6}], "request", "there is no character 6"),
-        ([{"do": "remove", "id": 7}, {"do": "remoov", "id": 6}], "request", "command 1: do: there is no command"),
-        ([3], "request", "a command is a map"),
-        ([{"id": 7}], "request", "there is no command None"),
+        ([{"do": "remove", "id": 7}, {"do": "remove", "id": 6}], "request", "character 6 not found"),
+        ([{"do": "remove", "id": 7}, {"do": "remoov", "id": 6}], "request", "command 1: do: unknown command"),
+        ([3], "request", "expected a command, which is a map, found 3"),
+        ([{"id": 7}], "request", "do: unknown command None"),
     ],
 )
 def test_what_is_wrong_is_refused_and_nothing_of_it_done(
@@ -150,6 +167,28 @@ def test_what_is_wrong_is_refused_and_nothing_of_it_done(
         assert told["ref"] == ("mine" if isinstance(commands[0], dict) else None)
         player.frames.clear()
         assert player.frame()["ids"] == [7]
+
+
+@pytest.mark.parametrize("ref", [0, -(2**63), 2**64 - 1, 1.5, "", "mine", None])
+def test_a_ref_is_repeated(service: Running, ref: Any) -> None:
+    with Player(service) as player:
+        assert player.do({**WALK, "ref": ref})["ref"] == ref
+        refused = player.do({**WALK, "ref": ref})
+        assert (refused["event"], refused["ref"]) == ("refused", ref)
+
+
+@pytest.mark.parametrize("ref", [True, False, {"x": 1}, [], ["mine"]])
+def test_a_ref_that_is_not_a_number_or_text_is_refused(service: Running, ref: Any) -> None:
+    with Player(service) as player:
+        for commands in ([{**WALK, "ref": ref}], [{**WALK, "ref": ref}, {**WALK, "id": 8, "ref": 3}]):
+            refused = player.do(*commands)
+            assert (refused["event"], refused["ref"]) == ("refused", None)
+            assert refused["type"] == "urn:motionsplice:request"
+            assert "ref: expected a number or text, found" in refused["detail"]
+        later = player.do({**WALK, "ref": 3}, {**WALK, "id": 8, "ref": ref})
+        assert (later["event"], later["ref"]) == ("refused", 3)
+        assert later["detail"].startswith("command 1: ref: ")
+        assert player.do(WALK)["event"] == "done"  # so none of those created it
 
 
 @pytest.mark.parametrize(
@@ -260,7 +299,7 @@ def test_a_service_that_stops_tells_its_clients(bank: Bank) -> None:
         player = Player(service)
         player.do(WALK)
         service.server.should_exit = True
-        assert "stops" in player.event("bye")["reason"]
+        assert "stops" in player.event("closing")["reason"]
         with pytest.raises(ConnectionClosed) as caught:
             player.frames_until(10**6)
         assert caught.value.rcvd is not None

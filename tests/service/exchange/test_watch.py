@@ -71,8 +71,8 @@ def test_a_new_bank_is_served_and_streams_move_over(service: Running, bank: Bank
         assert numbers == sorted(set(numbers))  # a slow machine leaves some out
         assert {frame["bank"] for frame in frames if frame["frame"] < told["frame"]} <= {bank.digest}
         assert {frame["bank"] for frame in frames if frame["frame"] >= told["frame"]} == {other.digest}
-        kept = stayer.event("kept")
-        assert (kept["bank"], kept["gone"]) == (other.digest, ["side_step"])
+        kept = stayer.event("bank_kept")
+        assert (kept["bank"], kept["missing"]) == (other.digest, ["side_step"])
         stayer.frames.clear()
         assert stayer.frame()["bank"] == bank.digest
         assert stayer.do({"do": "play", "id": 1, "locomotion": "walk"})["event"] == "done"

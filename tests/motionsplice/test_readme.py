@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from motionsplice.commands.sample_folder import write_sample_clips, write_sample_gestures
 from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.samples import write_sample_clips, write_sample_gestures
 
 ROOT = Path(__file__).parents[2]
 

@@ -58,7 +58,7 @@ class HandAlignment:
 
     @property
     def mismatch(self) -> float:
-        """Mean phase cost along the path divided by the mean over the band: 0 for identical gestures, 1 for unrelated.
+        """Mean phase cost along the path divided by the mean over the band: 0 for identical gestures, about 1 for unrelated.
 
         It is 0.1 to 0.4 where both performers make the same gestures, and above STRANGE where they hardly seem to
         (docs/hands.md).
@@ -80,9 +80,9 @@ def align_hands(
 ) -> HandAlignment:
     """Aligns one hand, or both together, at `rate` frames per second.
 
-    body, hands: the same one or two hands of both clips. pairs: frames that the user wants to meet; the rest follows from the
-    motion. bands: half widths of the two bands, as parts of the body's frames. by_trunk: turn the hands to face as the
-    body does by the headings of the trunks, instead of by the best fit of the points.
+    body, hands: the same one or two hands of both clips. pairs: frames that the user wants to meet; the rest follows
+    from the motion. bands: half widths of the two passes' bands, as parts of the body's frames. by_trunk: turn the
+    hands onto the body's by the headings of the trunks, instead of by the best fit of the points.
 
     Raises SettingsError for impossible pairs, bands outside 0 to 1, or unknown trunk headings; ClipError for clips that
     are too long or whose points are too far apart to be compared.

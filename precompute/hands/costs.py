@@ -38,7 +38,7 @@ class Comparison:
         self._facing = ours, theirs, np.concatenate([theirs[:, half:], -theirs[:, :half]], axis=1)
 
     def phases(self, band: Band) -> Costs:
-        """Returns equation 6 in each cell of a band [F, width]: the difference in sign of both derivatives of all points."""
+        """Returns equation 6 in each cell of a band [F, width]: by how much the signs of both derivatives differ."""
         costs = np.zeros((len(band.low), band.width), np.float32)
         ours, theirs = self._changes
         for change, their_change, zone, their_zone in (
@@ -71,7 +71,8 @@ class Comparison:
 def _headings(motion: HandMotion) -> Floats:
     """Returns the heading of the trunk as a window of one point ahead of it [F, 2]."""
     if motion.trunk is None:
-        raise SettingsError("the heading of the trunk is unknown", mend='Use turn = "window"')
+        mend = "Give its angles, or turn the hands by a window of frames"
+        raise SettingsError("the heading of the trunk is unknown", mend=mend)
     return np.stack([np.sin(motion.trunk), np.cos(motion.trunk)], axis=1)
 
 

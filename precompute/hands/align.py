@@ -58,10 +58,10 @@ class HandAlignment:
 
     @property
     def mismatch(self) -> float:
-        """Mean phase cost along the path divided by the mean over the band: 0 for identical gestures, about 1 for unrelated.
+        """Mean phase cost along the path divided by the mean over the band.
 
-        It is 0.1 to 0.4 where both performers make the same gestures, and above STRANGE where they hardly seem to
-        (docs/hands.md).
+        It is 0 for identical gestures and about 1 for unrelated ones: 0.1 to 0.4 where both performers make the same
+        gestures, above STRANGE where they hardly seem to (docs/hands.md).
         """
         costs, band, path = self.passes[0].costs, self.passes[0].band, self.passes[0].path
         within = np.arange(band.width) <= (band.high - band.low)[:, None]

@@ -41,7 +41,7 @@ class Derivatives(NamedTuple):
 
 
 def derivatives(points: Floats, rate: float) -> Derivatives:
-    """Returns the derivatives of points [F, 4, 3], metres, at `rate` frames per second; all 0 for less than 3 frames."""
+    """Returns the derivatives of points [F, 4, 3], metres, at `rate` frames per second; 0 for less than 3 frames."""
     if len(points) < 3:
         nothing = np.zeros(points.shape)
         return Derivatives(nothing, nothing, RESTING_SPEED, RESTING_ACCELERATION)

@@ -15,7 +15,15 @@ from motionsplice.precompute.hands.settings import HandsOnBody
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
 from motionsplice.precompute.job.cache import Cache
-from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, StrideSearch, Work, identify, kept
+from motionsplice.precompute.job.clip_work import (
+    Clips,
+    Identified,
+    Preparation,
+    StrideSearch,
+    Work,
+    identify,
+    load_or_run,
+)
 from motionsplice.precompute.job.hand_work import (
     HandsLaying,
     HandsReading,
@@ -111,7 +119,7 @@ def build_bank(
     digest = cache.load(recipe, lambda said, _: str(said["bank"]))
     unchanged = digest is not None and _holds_bank(out, digest)
     if digest is None or not unchanged:
-        prepared = {name: kept(work, one) for name, one in aligned.items()}
+        prepared = {name: load_or_run(work, one) for name, one in aligned.items()}
         _choose_neutrals(prepared, work.ring.name)
         digest = write_bank(
             out,
@@ -119,7 +127,7 @@ def build_bank(
             work.rig.roles,
             work.ring,
             list(prepared.values()),
-            [kept(laid, task) for task in tasks.values()],
+            [load_or_run(laid, task) for task in tasks.values()],
         )
         cache.store(recipe, {"bank": digest}, {})
     used = {one_work.key(one) for one_work in (search, work) for one in clips.values()}

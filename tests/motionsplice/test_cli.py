@@ -80,7 +80,7 @@ def test_inspect_shows_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank
     fit = {(one.name, one.body): one.mismatch for one in hands_bank.hands}
     assert fit["counting_hands", "counting"] < 0.4 < fit["counting_hands", "run"]
     assert f"{fit['counting_hands', 'counting']:.2f}" in shown
-    assert "counting_hands: its gestures hardly seem to be those of 'run'" in shown
+    assert "counting_hands: its gestures do not seem to match those of 'run'" in shown
 
 
 def test_inspect_shows_clips_and_their_alignment(bank: Bank) -> None:

@@ -27,7 +27,7 @@ LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
 MOST_CANDIDATES = 16  # strides that are compared with all others
-SHORTEST_CLIP = 0.3  # seconds: too few frames to align a shorter clip
+SHORTEST_CLIP = 0.3  # seconds: shorter clips have too few frames to align
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +117,9 @@ def no_stride(name: str) -> BaselineError:
 def most_typical(strides: Sequence[Baseline]) -> Baseline:
     """Returns the stride nearest to all `strides`, among the MOST_CANDIDATES whose ends match best.
 
-    Each stride is repeated twice and wound round each candidate's ring, so the cost is linear in the number of strides.
-    The sum is over distances, not their squares: squares would let one run among walks favour a stride in between,
-    which is like neither.
+    Two laps of each stride are wound round each candidate's ring, so the cost is linear in the number of strides. The
+    sum is over distances, not their squares: with squares, one run among walks would favour a stride halfway between
+    walk and run, which is like neither.
     """
 
     twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]

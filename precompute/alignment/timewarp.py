@@ -29,7 +29,7 @@ MOST_CELLS = 30_000_000  # of the grid: three minutes by three at 30 Hz, in abou
 class TimeWarp:
     """The time alignment lambda(t): locomotion frame -> action frame.
 
-    path:       [steps, 2] cells (locomotion frame, action frame) of the uncropped grid, at the working rate.
+    path:       [steps, 2] cells (locomotion frame, action frame) of the uncropped grid.
     curve:      the increasing spline through the path: locomotion frame -> action frame.
     first:      number of frames cropped from the action's start.
     mean_cost:  mean squared distance along the path, square metres.

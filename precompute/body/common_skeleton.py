@@ -21,8 +21,8 @@ def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: 
     """Puts the clip's rotations on `skeleton` and scales its root path by the ratio of the leg lengths.
 
     The rigs may differ in bone lengths, joint order and joint names (CMU's two releases do). Their topology must be the
-    same, except that fingers may be missing. Their bind poses must agree too: in another bind pose the same rotations
-    are another pose. Raises SkeletonError.
+    same, except that fingers may be missing. Their bind poses must agree too: with another bind pose, the same
+    rotations give another pose. Raises SkeletonError.
     """
     if has_fingers(skeleton, skeleton_roles):
         clip, roles = fingered(clip, roles, skeleton, skeleton_roles)

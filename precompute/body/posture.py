@@ -65,8 +65,8 @@ def measure_torso(clip: Clip, roles: Roles) -> Torso:
 def posture_frame(hip_line: Floats) -> Floats:
     """Returns the world rotations H [F, 4] of the posture frame, from the vectors [F, 3] from right to left hip.
 
-    x lies along the hips, z = x cross up, y = z cross x. Seen in this frame, a torso has lost the yaw and roll of the
-    hips, but keeps its lean against gravity (docs/method.md). Over the floor the hips must be HIPS_APART apart.
+    x lies along the hips, z = x cross up, y = z cross x. In this frame a torso is free of the hips' yaw and roll, but
+    keeps its lean against gravity (docs/method.md). The hips must be at least HIPS_APART apart over the floor.
     """
     x, y, z = hip_line[:, 0], hip_line[:, 1], hip_line[:, 2]
     yaw = quaternion.about(UP, np.arctan2(-z, x))

@@ -60,8 +60,8 @@ class HandAlignment:
     def mismatch(self) -> float:
         """Mean phase cost along the path divided by the mean over the band.
 
-        It is 0 for identical gestures and about 1 for unrelated ones: 0.1 to 0.4 where both performers make the same
-        gestures, above STRANGE where they hardly seem to (docs/hands.md).
+        It is 0 for identical gestures and about 1 for unrelated ones. Two performers of the same gestures measure 0.1
+        to 0.4. Above STRANGE they hardly seem to make the same gestures (docs/hands.md).
         """
         costs, band, path = self.passes[0].costs, self.passes[0].band, self.passes[0].path
         within = np.arange(band.width) <= (band.high - band.low)[:, None]

@@ -44,7 +44,7 @@ class FramePair:
         """Parses "BODY:HANDS" or "BODY:HANDS~TOLERANCE".
 
         Args:
-            text: Such as "120:95", or "300:288~5" with a tolerance of 5 frames.
+            text: For example "120:95", or "300:288~5" with a tolerance of 5 frames.
 
         Returns:
             The pair.

@@ -79,7 +79,7 @@ class HandsOnBody:
         """Parses "BODY:HANDS", the names of two clips.
 
         Args:
-            text: Such as "count_steps:count_steps_hands".
+            text: For example "count_steps:count_steps_hands".
 
         Returns:
             The two names, with the default settings.
@@ -135,21 +135,26 @@ def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
         ("wrist", isinstance(entry.get("wrist", False), bool), "true or false"),
         ("turn", entry.get("turn", "window") in get_args(Turn), f"one of {', '.join(get_args(Turn))}"),
         ("bands", _are_numbers(bands), "two parts of the clip, such as [0.3, 0.1]"),
-        ("pairs", isinstance(pairs, list) and all(isinstance(one, str) for one in pairs), 'texts such as ["120:95"]'),
+        ("pairs", _are_texts(pairs), 'a list of frame pairs, such as ["120:95"]'),
     ):
         if not valid:
             raise SettingsError(
                 f"{key} = {entry.get(key)!r} is not valid", file=file, place=where, mend=f"{key} must be {wanted}"
             )
     try:
-        read = tuple(FramePair.parse(one) for one in pairs)
+        parsed = tuple(FramePair.parse(pair) for pair in pairs)
     except MotionError as error:
         raise SettingsError(error.problem, file=file, place=f"{where}, {error.place}", mend=error.mend) from None
     settings = HandSettings(
-        entry.get("hand", "both"), entry.get("wrist", False), entry.get("turn", "window"), (bands[0], bands[1]), read
+        entry.get("hand", "both"), entry.get("wrist", False), entry.get("turn", "window"), (bands[0], bands[1]), parsed
     )
     return HandsOnBody(entry["body"], entry["hands"], settings)
 
 
 def _are_numbers(values: object) -> bool:
-    return isinstance(values, list) and len(values) == 2 and all(type(one) in (int, float) for one in values)
+    """Returns whether `values` is a list of two numbers; a bool is not a number."""
+    return isinstance(values, list) and len(values) == 2 and all(type(value) in (int, float) for value in values)
+
+
+def _are_texts(values: object) -> bool:
+    return isinstance(values, list) and all(isinstance(value, str) for value in values)

@@ -67,7 +67,7 @@ def splice_hands(body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, setti
     """Aligns separately captured hands to a body, and merges them into it (Majkowska, Zordan and Faloutsos 2006).
 
     Args:
-        body: The clip that keeps its body. F frames.
+        body: The clip of the body, F frames. The result has its rate.
         roles: Which joint of the body's skeleton is which.
         hands: The clip that gives the hands. Its rate and skeleton may differ from the body's.
         hand_roles: Which joint of the hands' skeleton is which.

@@ -34,7 +34,7 @@ from motionsplice.precompute.study.periodic import SAMPLES, Complexes, CycleWave
 SHUFFLES = 2999
 SEED = 0
 LEVEL = 0.05  # of p, and of the false discovery rate
-STILL = np.radians(0.3)  # amplitude below which a curve is noise, whatever its p
+STILL = np.radians(0.3)  # a curve of smaller amplitude counts as noise, for any p
 NEAR = np.radians(45.0)  # of a cycle: a lag this near to the swing, or to its opposite, counts as in phase or opposite
 FEWEST_STRIDES = 2
 TINY = np.finfo(np.float64).tiny

@@ -156,7 +156,7 @@ def test_every_key_of_hands_toml_is_read(tmp_path: Path) -> None:
         ("[[hands]]\nbody = 'a'\nhands = 'b'\nhand = 'third'", "hand must be one of left, right, both, each"),
         ("[[hands]]\nbody = 'a'\nhands = 'b'\nbands = [1]", "bands must be two parts of the clip"),
         ("[[hands]]\nbody = 'a'\nhands = 'b'\npairs = ['3']", "pair '3': not a pair of frames"),
-        ("[[hands]]\nbody = 'a'\nhands = 'b'\npairs = [3]", "pairs must be texts such as"),
+        ("[[hands]]\nbody = 'a'\nhands = 'b'\npairs = [3]", "pairs must be a list of frame pairs"),
     ],
 )
 def test_a_bad_hands_toml_is_an_error_with_file_and_place(tmp_path: Path, text: str, words: str) -> None:

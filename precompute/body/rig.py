@@ -1,4 +1,4 @@
-"""A rig: a skeleton and the roles of its joints."""
+"""The rig of a body."""
 
 from __future__ import annotations
 

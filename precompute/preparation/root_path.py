@@ -61,7 +61,7 @@ def _carried(path: Floats, start: Floats) -> Floats:
 
 
 def _loop_end(path: Floats, root: Floats, back: float) -> Floats:
-    """Returns where the path must end so that the last row's step equals the step at row `back`, whose path is [4]."""
+    """Returns the end [4] of a path whose last step equals the step at row `back`, where the path is at `path` [4]."""
     return np.asarray(_carried(np.stack([_at(root, [back])[0], path]), root[-1])[1])
 
 

@@ -13,7 +13,7 @@ from motionsplice.motion.quaternion import Floats
 
 Complexes = NDArray[np.complex128]
 
-TREND_CUTOFF = 6.0  # waves per stride: the trend keeps half of such a wave, and 99 % of the step's wave
+TREND_CUTOFF = 6.0  # waves per stride: a wave that fast keeps half its size in the trend; the step's wave keeps 99 %
 DRIFT_DEGREE = 1  # of the drift's polynomial, plus one per whole stride: enough for a turn, a start and a stop
 SAMPLES = 64  # per cycle
 

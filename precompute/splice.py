@@ -26,7 +26,7 @@ Posture = Literal["relative", "absolute", "off"]
 
 
 @dataclass(frozen=True, eq=False)
-class Splice:
+class WholeClipSplice:
     """A spliced clip, and the time alignment that it was made with.
 
     Attributes:
@@ -47,7 +47,7 @@ def splice_exact(
     *,
     posture: Posture = "relative",
     torso_offsets: tuple[Floats | None, Floats | None] = (None, None),
-) -> Splice:
+) -> WholeClipSplice:
     """Splices the action's upper body onto the locomotion's root and lower body, by the papers' three steps.
 
     The steps are time alignment, spatial alignment and posture transfer (Heck, Kovar and Gleicher 2006, 3.1 to 3.3).
@@ -84,7 +84,7 @@ def splice_exact(
         offsets_u = sampled_offsets(torso_offsets[1], action_frames)
         turn = quaternion.multiply(offsets_u, quaternion.conjugate(offsets_l))
         result = transfer_posture(result, torso_l, turn, roles)
-    return Splice(result, action_frames, warp)
+    return WholeClipSplice(result, action_frames, warp)
 
 
 def splice_naive(locomotion: Clip, action: Clip, roles: Roles) -> Clip:

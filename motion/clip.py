@@ -32,8 +32,8 @@ class Clip:
             world.
 
     Raises:
-        ClipError: Shapes do not match, a number is not finite, a rotation is not within 1e-3 of unit length, the root is
-            farther than 1e6 m from the origin, there are no frames, or the rate is not positive.
+        ClipError: Shapes do not match, a number is not finite, a rotation is not within 1e-3 of unit length, the root
+            is farther than 1e6 m from the origin, there are no frames, or the rate is not positive.
 
     Example:
         ```python

@@ -39,7 +39,7 @@ def hips_heading(positions: Floats, roles: Roles) -> Floats:
 
 
 def heading(hip_line: Floats) -> Floats:
-    """Returns the heading [...], radians about Y from +Z, of hips whose vector from right to left is `hip_line` [..., 3]."""
+    """Returns the heading [...], as `hips_heading`, from the vectors [..., 3] from the right to the left hip."""
     return np.arctan2(-hip_line[..., 2], hip_line[..., 0])
 
 

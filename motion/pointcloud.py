@@ -1,4 +1,4 @@
-"""Point clouds: the distance between two, up to a turn and a shift over the floor, and the best rotation onto another."""
+"""Point clouds: distances up to a turn and a shift over the floor, and the rotation that best aligns two."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ def planar_distances(a: ArrayLike, b: ArrayLike) -> Floats:
     """Returns the least sum of squared distances of every cloud in `a` to every cloud in `b`.
 
     For each pair, the minimum is over all turns about Y and shifts over the floor. The closed form is that of Kovar,
-    Gleicher and Pighin 2002, as used by Heck et al. 2006, 3.1. a [n, p, 3] and b [m, p, 3] metres -> [n, m] square
-    metres.
+    Gleicher and Pighin 2002, as used by Heck et al. 2006, 3.1. [n, p, 3], [m, p, 3] metres -> [n, m] square metres.
     """
     a_floor, a_height = _centred(np.asarray(a, np.float64))
     b_floor, b_height = _centred(np.asarray(b, np.float64))
@@ -40,7 +39,7 @@ def planar_distance(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def planar_lag_distances(clouds: ArrayLike, lags: Iterable[int]) -> dict[int, Floats]:
-    """Returns, for each lag, the `planar_distance` of cloud i to cloud i + lag. [n, p, 3] -> [n - lag] square metres."""
+    """Returns, by lag, the `planar_distance` of cloud i to cloud i + lag. [n, p, 3] -> [n - lag] square metres."""
     floor, height = _centred(np.asarray(clouds, np.float64))
     points = height.shape[1]
     turned = np.concatenate([floor[:, points:], -floor[:, :points]], axis=1)

@@ -1,6 +1,6 @@
 """Unit-quaternion algebra on arrays. Order is xyzw; every function broadcasts over leading axes.
 
-SciPy's `scipy.spatial.transform.Rotation` is slow to import and slow on many frames, so only what is missing here uses it.
+For everything else there is `scipy.spatial.transform.Rotation`, which is slow to import and slow on many frames.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def exp(v: ArrayLike) -> Floats:
 
 
 def one_hemisphere(q: ArrayLike) -> Floats:
-    """Returns the same rotations [frames, ..., 4] with signs such that each is in the hemisphere of the frame before."""
+    """Returns the same rotations [frames, ..., 4], with signs that keep each in the hemisphere of the frame before."""
     q = np.asarray(q, np.float64)
     turns = np.einsum("...i,...i->...", q[1:], q[:-1]) < 0.0
     if not turns.any():

@@ -63,7 +63,7 @@ class Roles:
 
     @property
     def upper_cloud(self) -> tuple[int, ...]:
-        """The joints that spatial alignment compares, without the pelvis: spine and shoulders (Heck et al. 2006, 3.2)."""
+        """The joints that spatial alignment compares, besides the pelvis (Heck et al. 2006, 3.2)."""
         return (*self.spine, self.left_shoulder, self.right_shoulder)
 
     @property

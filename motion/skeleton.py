@@ -45,8 +45,8 @@ class Skeleton:
         end_offsets: [E, 3] metres, from that joint to the end site, in the joint's frame.
 
     Raises:
-        ClipError: Names repeat, shapes do not match, joints are out of order, an end site's parent does not exist, or an
-            offset is not finite.
+        ClipError: Names repeat, shapes do not match, joints are out of order, an end site's parent does not exist, or
+            an offset is not finite.
     """
 
     names: tuple[str, ...]

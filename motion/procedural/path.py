@@ -45,7 +45,7 @@ class Path:
     ground: Callable[[Floats], Floats] = lambda points: points[:, 1]
 
     def lean(self, time: Floats) -> Floats:
-        """Returns the roll to the left [n], radians, that balances the path's curvature, averaged over half a second."""
+        """Returns the roll to the left [n] in radians that balances the path's curvature, averaged over 0.5 s."""
         around = time[:, None] + np.linspace(-0.25, 0.25, 11)
         after, before = around.ravel() + 0.01, around.ravel() - 0.01
         turning = (self.heading(after) - self.heading(before)) / 0.02

@@ -234,7 +234,7 @@ def dump_bvh(clip: Clip, unit: float = 1.0) -> bytes:
     """Writes a clip as a BVH file: ZXY Euler channels in degrees, joints in depth-first order.
 
     Args:
-        clip: The clip, with F frames.
+        clip: The clip.
         unit: The file's unit of length in metres, such as 0.01 for centimetres.
 
     Returns:

@@ -60,7 +60,7 @@ class Gait:
     rising: float = 0.8
 
     def swing(self, u: Floats) -> Floats:
-        """Returns the ankle's offset in swing from even motion between footholds, forward and up, at phases `u`: [n, 2]."""
+        """Returns the swinging ankle's offset from even motion between footholds: forward and up, [n, 2]."""
         s = (u - self.duty) / (1.0 - self.duty)
         lift = self.lift * 64.0 * (s * (1.0 - s)) ** 3
         if self.norm is None:

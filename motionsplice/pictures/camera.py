@@ -59,7 +59,7 @@ class Camera:
         )
 
     def sees(self, points: Floats, middles: Floats) -> Floats:
-        """Projects world points [n, P, 3] around `middles` [n, 3]. Returns [n, P, 3] right, up and towards the viewer."""
+        """Projects world points [n, P, 3] around `middles` [n, 3] -> [n, P, 3] right, up, towards the viewer."""
         return np.asarray((points - middles[:, None]) @ np.swapaxes(self.axes, 1, 2))
 
 
@@ -79,7 +79,7 @@ class Take:
 
     @classmethod
     def of(cls, clip: Clip, figure: Figure, times: Floats, camera: Camera, *, reach: int = 3) -> Take:
-        """Returns `clip` in the view of `camera` at `times` [n] seconds, with floor marks up to `reach` spacings away."""
+        """Returns `clip` as `camera` sees it at `times` [n] seconds, with floor marks up to `reach` spacings away."""
         roots, rotations = clip.sampled(times * clip.rate)
         steps = MARK_SPACING * np.arange(-reach, reach + 1)
         around = np.stack(np.meshgrid(steps, [0.0], steps), axis=-1).reshape(-1, 3)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 DPI = 100
 ROW, WIDTH = 4.6, 13.5  # inches, for each alignment
 PIXELS = 700  # at most, along each side of a matrix
-PASSES = ("first pass: phases", "second pass: palms and speeds too")
+PASSES = ("first pass: phases", "second pass: palms and paces too")
 KIND_COLOURS: Mapping[PhaseKind, str] = {
     "hold": LINE,
     "preparation": shade(SKY),

@@ -63,7 +63,8 @@ def contact_sheet(
         The picture, 1200 pixels wide, or wider if the columns need it.
 
     Raises:
-        SettingsError: A value is out of range, `start` is after `end`, the view is unknown, or the ghost has other joints.
+        SettingsError: A value is out of range, `start` is after `end`, the view is unknown, or the ghost's joints
+            differ.
     """
     if not 1 <= columns <= MAX_COLUMNS:
         raise SettingsError(f"cannot draw {columns} columns", mend=f"Choose 1 to {MAX_COLUMNS} columns")
@@ -124,8 +125,8 @@ def animation(
 
     Args:
         rows: 1 to 8 motions: label, clip and roles.
-        rate: Frames per second, 1 to 50. A GIF's frames last whole hundredths of a second, so the rate is rounded to the
-            nearest of 50, 33.3, 25, 20 ...
+        rate: Frames per second, 1 to 50. A GIF's frames last whole hundredths of a second, so the rate is rounded to
+            the nearest of 50, 33.3, 25, 20 ...
         start: The time of the first frame, in seconds.
         end: The time of the last frame, in seconds; None for the end of the longest motion.
         view, ghost, hand: As in `contact_sheet`.

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import inspect
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -136,3 +139,12 @@ def test_unknown_joint_names_are_answered_with_a_roles_file_to_fill_in(tmp_path:
     with pytest.raises(RoleError, match=r"odd\.bvh: no joint found for left_knee"):
         read_clip(tmp_path / "odd.bvh")
     assert read_clip(tmp_path / "odd.bvh", roles={"left_knee": "Alpha"}).clip.frame_count == 30
+
+
+@pytest.mark.parametrize("documented", [Clip, read_clip, bvh.dump_bvh])
+def test_the_example_in_the_docstring_runs(
+    documented: Callable[..., object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    [example] = re.findall(r"```python\n(.*?)```", inspect.getdoc(documented) or "", re.DOTALL)
+    exec(compile(inspect.cleandoc(example), documented.__name__, "exec"), {})

@@ -110,7 +110,7 @@ def test_fingers_are_still_in_the_body_and_move_in_the_truth() -> None:
 
 @pytest.mark.parametrize("size", [0.2, 0.5, 1.0])
 def test_the_hands_motion_is_scaled_by_the_amplitude(size: float) -> None:
-    """Relative to the motion of the body's wrists. The smaller performer scales it further, variation by a centimetre."""
+    """The scale is relative to the body's wrists, and further reduced by the smaller stature of the performer."""
     for seed in (1, 2, 3):
         pair = gesture_pair(seed, kinds=ALL, seconds=6.0, amplitude=(size, size), locomotion=None, hand="right")
         own, theirs = (wrist(clip, "right") for clip in (pair.body, at_the_bodys_times(pair)))

@@ -226,7 +226,7 @@ def test_adding_fingers_does_not_change_the_motion() -> None:
 
 
 def with_mittens(skeleton: Skeleton) -> Skeleton:
-    """Returns a rig like CMU's: a joint at the wrist, one for all fingers, a thumb; and objects held by hand and fingers."""
+    """Returns a rig with mittens like CMU's: a joint for all fingers and a thumb; and with objects in its hands."""
     added = [
         (name.format(side), above.format(side), (sign * x, 0.0, z))
         for side, sign in (("Left", 1.0), ("Right", -1.0))

@@ -55,7 +55,7 @@ def test_what_is_to_be_said_of_hands_is_in_the_bank(hands_folder: Path, tmp_path
         shutil.copytree(tmp_path / "bank" / "cache", tmp_path / "again" / "cache", dirs_exist_ok=True)
     assert said[0] == said[1]
     for warnings in said[0].values():
-        assert "its first frame looks like a bind pose" in warnings[0]
+        assert "the first frame looks like a bind pose" in warnings[0]
     assert "hardly seem to be those of 'run'" in said[0]["run"][1]
 
 

@@ -126,7 +126,7 @@ class Clip:
         return positions, quaternion.slerp(self.rotations[before], self.rotations[after], t[:, None])
 
     def resampled(self, rate: float) -> Clip:
-        """Returns the same motion at `rate` frames per second. A last frame beyond the clip's end is dropped."""
+        """Returns the same motion at `rate` frames per second. The last sample is at or before the clip's end."""
         if rate == self.rate:
             return self
         count = int(np.floor(self.duration * rate + 1e-9)) + 1

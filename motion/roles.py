@@ -27,13 +27,14 @@ class Roles:
 
     Attributes:
         root: The joint at which the legs and the trunk branch; always joint 0.
-        pelvis: The child of the root that carries the upper body (`LowerBack` on CMU rigs, `Spine` on Mixamo,
-            `spine_01` on Unreal). It is never the root itself.
+        pelvis: The joint by which the upper body hangs on the root, by default the root's child (`LowerBack` on CMU
+            rigs, `Spine` on Mixamo, `spine_01` on Unreal). It is never the root itself.
         spine: The joints from the pelvis's child up to the joint at which the arms branch, in this order. Empty if the
             arms branch at the pelvis.
         neck: The lowest joint of the neck.
         head: The head.
-        left_hip: The left hip; likewise every joint of the legs and arms below.
+        left_hip: The left hip. The other joints of legs and arms are named alike, left and right: knee, ankle, toe,
+            shoulder, elbow and wrist.
     """
 
     root: int

@@ -60,8 +60,8 @@ def read_clip(
     """Reads a BVH or AMC file.
 
     The skeleton of an AMC file is the ASF file in the same folder: `16.asf` for `16_15.amc`, or else the only one.
-    Joints above the root, at which legs and trunk branch, are folded into its motion; joints that do not
-    descend from it are left out.
+    Joints above the root, at which legs and trunk branch, are folded into its motion; joints that do not descend
+    from it are left out.
 
     Args:
         path: The file.

@@ -42,7 +42,7 @@ class _Joint:
 def parse(data: bytes) -> tuple[Nodes, float]:
     """Parses a BVH file: its joints and motion, in the file's unit, and its frames per second. Raises FormatError."""
     if b"\0" in data:
-        raise FormatError("this is a binary file, not BVH text", mend="Export it as BVH")
+        raise FormatError("this is a binary file, not BVH text", mend="Export the motion as BVH")
     lines = data.decode("utf-8-sig", errors="replace").splitlines()
     joints, line = _hierarchy(lines)
     count, rate, line = _motion_header(lines, line)
@@ -60,8 +60,8 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
             case "HIERARCHY" if not started:
                 started = True
             case _ if not started:
-                problem = f"expected HIERARCHY at the start of a BVH file, found {word[:40]!r}"
-                raise FormatError(problem, place=f"line {number + 1}", mend="Check that this is a BVH file")
+                problem = f"expected HIERARCHY, the first word of a BVH file, found {word[:40]!r}"
+                raise FormatError(problem, place=f"line {number + 1}", mend="Export the motion as BVH")
             case "ROOT" | "JOINT" | "END" if not waiting:
                 is_end = word.upper() == "END"
                 if not rest or (not is_end and (word.upper() == "ROOT") != (not joints)) or (is_end and not joints):
@@ -189,9 +189,8 @@ def _first_bad_row(rows: list[tuple[int, str]], width: int) -> FormatError:
         place = f"line {number}, frame {frame}"
         if len(words) != width:
             return FormatError(f"expected {width} values per frame, found {len(words)}", place=place, mend=CUT_SHORT)
-        for word in words:
-            if not is_finite(word):
-                return FormatError(f"{word[:20]!r} is not a finite number", place=place)
+        if invalid := [word for word in words if not is_finite(word)]:
+            return FormatError(f"{invalid[0][:20]!r} is not a finite number", place=place)
     return FormatError(f"expected {width} plain decimal numbers in every frame")
 
 
@@ -246,8 +245,7 @@ def dump_bvh(clip: Clip, unit: float = 1.0) -> bytes:
         from motionsplice import dump_bvh
         from motionsplice.motion.procedural.library import make
 
-        clip = make("walk", "carry_box", seconds=2.0)
-        Path("carry.bvh").write_bytes(dump_bvh(clip, unit=0.01))
+        Path("carry.bvh").write_bytes(dump_bvh(make("walk", "carry_box"), unit=0.01))
         ```
     """
     return b"".join(pieces(clip, unit))

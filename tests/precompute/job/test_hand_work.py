@@ -55,7 +55,7 @@ def test_warnings_about_hands_are_in_the_bank(hands_folder: Path, tmp_path: Path
         shutil.copytree(tmp_path / "bank" / "cache", tmp_path / "again" / "cache", dirs_exist_ok=True)
     assert warnings[0] == warnings[1]
     for of_body in warnings[0].values():
-        assert "its first frame looks like a bind pose" in of_body[0]
+        assert "the first frame looks like a bind pose" in of_body[0]
     assert "do not seem to match those of 'run'" in warnings[0]["run"][1]
 
 

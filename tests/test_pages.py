@@ -17,10 +17,13 @@ from typing import NamedTuple
 
 import pytest
 
+from motionsplice.motion.formats.files import read_clip
+
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"(?:<!-- not run: (?P<reason>[^\n]+) -->\n)?^```(?P<language>\w*)\n(?P<code>.*?)^```", re.S | re.M)
 PAGES = ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md")))]
 ELSEWHERE = {"docs/protocol.md": "tests/service/test_protocol_page.py runs it against a service"}
+WRITTEN = {"README.md": {"box.bvh": 361}, "docs/hands.md": {"directions+hands.bvh": 541}}  # motions, and their frames
 
 
 class Block(NamedTuple):
@@ -62,6 +65,8 @@ def test_what_a_page_says_runs(page: str, demo: Path, tmp_path: Path, monkeypatc
                 check=False,
             )
             assert done.returncode == 0, f"{block.code}\n{done.stdout}\n{done.stderr}"
+    found = {name: read_clip(Path(name)).clip.frame_count for name in WRITTEN.get(page, ())}
+    assert found == WRITTEN.get(page, {})
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motionsplice.commands.sample_folder import write_sample_clips
 from motionsplice.motion.clip_settings import FILE_NAME
+from motionsplice.motion.samples import write_sample_clips
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 

@@ -15,6 +15,8 @@ from .motion.formats.files import Reading as Reading
 from .motion.formats.files import read_clip as read_clip
 from .motion.roles import Roles as Roles
 from .motion.roles import find_roles as find_roles
+from .motion.samples import write_sample_clips as write_sample_clips
+from .motion.samples import write_sample_gestures as write_sample_gestures
 from .motion.skeleton import Skeleton as Skeleton
 from .precompute.hands.banded_warp import FramePair as FramePair
 from .precompute.hands.settings import HandSettings as HandSettings

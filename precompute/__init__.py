@@ -1,4 +1,4 @@
-"""The offline job, and the papers' whole-clip splice.
+"""The offline job and the papers' whole-clip splice.
 
-Imports `runtime` and `motion`; commands and benchmarks import it.
+Imports `runtime` and `motion`. Imported by commands and benchmarks.
 """

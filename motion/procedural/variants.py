@@ -1,4 +1,4 @@
-"""The same motion on rigs that differ and at other times, for tests and benchmarks that the answer does not differ."""
+"""Variants of clips and rigs that must not change a splice: local axes, extra bones, bind poses, timing."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from motionsplice.motion.skeleton import Skeleton
 
 
 def local_axes(joints: int, seed: int) -> Floats:
-    """A random constant rotation for each joint's local frame [joints, 4]."""
+    """Returns a random constant rotation for each joint's local frame [joints, 4]."""
     return np.asarray(Rotation.random(joints, random_state=seed).as_quat())
 
 
 def with_local_axes(clip: Clip, axes: Floats) -> Clip:
-    """The same motion on a rig whose local frames are turned by `axes`: all world positions stay."""
+    """Returns the same motion on a rig with local frames rotated by `axes` [J, 4]; world positions do not change."""
     skeleton = clip.skeleton
     above = np.concatenate([quaternion.IDENTITY[None], axes[skeleton.parents[1:]]])
     turned = replace(
@@ -33,20 +33,23 @@ def with_local_axes(clip: Clip, axes: Floats) -> Clip:
 
 
 def warped(clip: Clip, frames: Floats, name: str) -> Clip:
-    """The same motion at other times: real-valued frames [n] of the clip."""
+    """Returns the clip resampled at its real-valued `frames` [n], at the same rate."""
     positions, rotations = clip.sampled(frames)
     return Clip(name, clip.skeleton, clip.rate, positions, rotations)
 
 
 def uneven_time(frame_count: int) -> Floats:
-    """Frames of a clip played unevenly: between half and one and a half times as fast."""
+    """Returns real-valued frames [frame_count] that play a clip unevenly, at 0.5 to 1.5 times its speed."""
     seconds = np.linspace(0.0, 1.0, frame_count)
     curve = seconds + 0.05 * np.sin(2.0 * np.pi * seconds) + 0.009 * np.sin(6.0 * np.pi * seconds)
     return (curve - curve[0]) / (curve[-1] - curve[0]) * (frame_count - 1)
 
 
 def with_bones_above(clip: Clip, above: Mapping[str, str]) -> Clip:
-    """The same motion with a bone more, half-way up, above each joint named: it is called so, and never turns."""
+    """Returns the same motion with an extra bone, which never turns, half-way to the parent of each named joint.
+
+    above: by joint, the name of its extra bone.
+    """
     skeleton = clip.skeleton
     names, parents, offsets, places = list[str](), list[int](), list[Floats](), list[int]()
     for joint, name in enumerate(skeleton.names):
@@ -69,7 +72,7 @@ def with_bones_above(clip: Clip, above: Mapping[str, str]) -> Clip:
 
 
 def with_arms_turned(skeleton: Skeleton, radians: float) -> Skeleton:
-    """The built-in rig with another bind pose: an A-pose for a positive angle."""
+    """Returns the built-in rig with its arms lowered by `radians` in the bind pose: an A-pose."""
     offsets, ends = skeleton.offsets.copy(), skeleton.end_offsets.copy()
     for side, down in (("Left", -radians), ("Right", radians)):
         arm = skeleton.subtree(skeleton.index(f"{side}Arm"))

@@ -13,9 +13,9 @@ from motionsplice.commands import bank as command_bank
 from motionsplice.commands import hands as command_hands
 from motionsplice.commands import serve as command_serve
 from motionsplice.commands.motion import Method, Posture, spliced
-from motionsplice.commands.sample_folder import write_sample_clips, write_sample_gestures
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import truth
+from motionsplice.motion.samples import write_sample_clips, write_sample_gestures
 from motionsplice.pictures.sheets import animation, contact_sheet
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings

@@ -13,7 +13,15 @@ from motionsplice.precompute.hands.settings import HandsOnBody
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
 from motionsplice.precompute.job.cache import Cache
-from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, StrideSearch, Work, identify, kept
+from motionsplice.precompute.job.clip_work import (
+    Clips,
+    Identified,
+    Preparation,
+    StrideSearch,
+    Work,
+    identify,
+    load_or_run,
+)
 from motionsplice.precompute.job.entries import FoundStride
 from motionsplice.precompute.job.hand_work import (
     HandsLaying,
@@ -166,8 +174,8 @@ class Job:
         self, preparation: Preparation, aligned: Clips, laying: HandsLaying, tasks: Mapping[str, HandsTask]
     ) -> str:
         """Writes the bank, and returns its digest."""
-        prepared = [kept(preparation, one) for one in aligned.values()]
-        hands = [kept(laying, task) for task in tasks.values()]
+        prepared = [load_or_run(preparation, one) for one in aligned.values()]
+        hands = [load_or_run(laying, task) for task in tasks.values()]
         rig, ring = preparation.rig, preparation.ring
         return write_bank(self.out, rig.skeleton, rig.roles, ring, with_neutrals(prepared, ring.name), hands)
 

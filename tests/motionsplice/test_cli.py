@@ -81,7 +81,7 @@ def test_inspect_shows_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank
     fit = {(one.name, one.body): one.mismatch for one in hands_bank.hands}
     assert fit["counting_hands", "counting"] < 0.4 < fit["counting_hands", "run"]
     assert f"{fit['counting_hands', 'counting']:.2f}" in shown
-    assert "counting_hands: its gestures hardly seem to be those of 'run'" in shown
+    assert "counting_hands: its gestures do not seem to match those of 'run'" in shown
 
 
 def test_inspect_shows_clips_and_their_alignment(bank: Bank) -> None:
@@ -144,7 +144,7 @@ def test_errors_are_one_paragraph(
     splice = ["splice", bank.path, "--action", "wave", "--out", tmp_path / "out.bvh", "--locomotion"]
     assert "Did you mean 'walk'" in told(*splice, "wlak")
     assert "no such folder" in told("inspect", tmp_path / "absent")
-    assert "no such file" in told("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
+    assert "file or folder not found" in told("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
     unnamed = tmp_path / "unnamed.bvh"
     unnamed.write_bytes(dump_bvh(bank.motion("walk")).replace(b"LeftUpLeg", b"Alpha"))
     assert '[roles]\nleft_hip = ""' in told("render", unnamed, "--out", tmp_path / "x.png")

@@ -18,10 +18,10 @@ from bench.quality.pair_list import EXAMPLES, Pair, grid_pairs, read_pairs, trut
 from bench.quality.report import Cell, means_table, pair_table
 from bench.quality.scores import ClipScore, Form, MethodScore, PairScore, score_clip, score_pair, splice_pair
 from bench.quality.targets import BUILT_IN, REAL, targets
-from motionsplice.commands.sample_folder import write_sample_clips
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import SettingsError, UnknownClipError
 from motionsplice.motion.procedural.library import ACTIONS, LOCOMOTIONS
+from motionsplice.motion.samples import write_sample_clips
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator

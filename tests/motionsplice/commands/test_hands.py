@@ -96,14 +96,14 @@ def test_the_picture_shows_bands_paths_and_pairs(hands_folder: Path, tmp_path: P
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (["--pair", "12"], "pair '12': it is no pair of frames"),
+        (["--pair", "12"], "pair '12': not a pair of frames"),
         (["--pair", "9000:3"], "pair 9000:3: frame 9000 of the body lies outside the clip"),
-        (["--pair", "9:30", "--pair", "20:5"], "pair 20:5: it is crossed by the pair 9:30"),
-        (["--pair", "100:150", "--pair", "200:100"], "pair 200:100: it is crossed"),  # no emoji of ":100:"
+        (["--pair", "9:30", "--pair", "20:5"], "pair 20:5: it crosses the pair 9:30"),
+        (["--pair", "100:150", "--pair", "200:100"], "pair 200:100: it crosses"),  # no emoji of ":100:"
         (["--pair", "9:30", "--pair", "9:30"], "pair 9:30: the pair 9:30 has the same frame of the body"),
         (["--pair", "9:30", "--pair", "9:40"], "pair 9:40: the pair 9:30 has the same frame of the body"),
         (["--band", "wide"], "--band 'wide' is no two numbers"),
-        (["--band", "0,0.1"], "bands of 0 and 0.1 of the clip mean nothing"),
+        (["--band", "0,0.1"], "bands must be above 0 and at most 1, not 0 and 0.1"),
         (["--picture", "x.gif"], "End --picture in .png"),
     ],
 )

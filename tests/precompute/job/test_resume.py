@@ -1,4 +1,4 @@
-"""What the offline job does not do again."""
+"""The offline job does not repeat work whose results it has."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def clips(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def aligned(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of the clips that were aligned."""
+    """Collects the names of the clips that are aligned."""
     names: list[str] = []
     run = Preparation.run
 
@@ -55,14 +55,14 @@ def build(clips: Path, baseline: str | None = "walk") -> Outcome:
 
 
 def afresh(clips: Path, baseline: str | None = "walk") -> dict[str, bytes]:
-    """The bank as a job makes it that has not worked before."""
+    """Returns the files of the bank that a job without a cache makes."""
     out = clips.parent / "afresh"
     build_bank([clips], out, baseline=baseline)
     return files_of(out)
 
 
 def tables_and_manifest(bank: Path) -> dict[str, bytes]:
-    """The current bank's files, without those of the one before it."""
+    """Returns the current bank's files, without the previous bank's."""
     used = {f"{digest}.npy" for digest in Bank.open(bank).manifest.tables.values()}
     return {
         name: data for name, data in files_of(bank).items() if Path(name).suffix != ".npy" or Path(name).name in used
@@ -88,7 +88,7 @@ def test_a_second_run_does_nothing(
     assert {file: file.stat().st_mtime_ns for file in bank.rglob("*") if file.is_file()} == before
 
 
-def test_a_changed_clip_costs_only_itself(clips: Path, aligned: list[str]) -> None:
+def test_a_changed_clip_is_the_only_one_aligned_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=9, seconds=3.0)))
     aligned.clear()
@@ -108,7 +108,7 @@ def test_a_changed_clip_costs_only_itself(clips: Path, aligned: list[str]) -> No
         ("", []),
     ],
 )
-def test_changed_settings_cost_what_depends_on_them(
+def test_changed_settings_align_only_dependent_clips_again(
     clips: Path, aligned: list[str], settings: str, costs: list[str]
 ) -> None:
     build(clips)
@@ -119,7 +119,7 @@ def test_changed_settings_cost_what_depends_on_them(
     assert tables_and_manifest(clips.parent / "bank") == afresh(clips)
 
 
-def test_a_changed_baseline_costs_all(clips: Path, aligned: list[str]) -> None:
+def test_a_changed_baseline_aligns_all_clips_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     aligned.clear()
     build(clips, "run")
@@ -131,7 +131,7 @@ def test_a_changed_baseline_costs_all(clips: Path, aligned: list[str]) -> None:
     assert tables_and_manifest(clips.parent / "bank") == afresh(clips, "run")
 
 
-def test_another_version_of_the_method_costs_all(
+def test_another_version_of_the_method_aligns_all_clips_again(
     clips: Path, aligned: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     build(clips)
@@ -141,7 +141,7 @@ def test_another_version_of_the_method_costs_all(
     assert sorted(aligned) == list(NAMES)
 
 
-def test_a_clip_by_another_name_costs_nothing(clips: Path, aligned: list[str]) -> None:
+def test_a_renamed_clip_is_not_aligned_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     aligned.clear()
     (clips / "run.bvh").rename(clips / "sprint.bvh")
@@ -160,7 +160,7 @@ def test_damaged_results_are_made_again(clips: Path, content: bytes) -> None:
     assert tables_and_manifest(bank) == afresh(clips, None)
 
 
-def test_a_damaged_or_missing_bank_is_written_anew(clips: Path, aligned: list[str]) -> None:
+def test_a_damaged_or_missing_bank_is_written_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     bank = clips.parent / "bank"
     before = files_of(bank)
@@ -175,7 +175,7 @@ def test_a_damaged_or_missing_bank_is_written_anew(clips: Path, aligned: list[st
     assert not aligned
 
 
-def test_results_of_clips_that_are_gone_go_too(clips: Path) -> None:
+def test_results_of_removed_clips_are_removed(clips: Path) -> None:
     build(clips)
     before = len(list((clips.parent / "bank" / CACHE).iterdir()))
     (clips / "run.bvh").unlink()
@@ -183,7 +183,7 @@ def test_results_of_clips_that_are_gone_go_too(clips: Path) -> None:
     assert len(list((clips.parent / "bank" / CACHE).iterdir())) == before - 1
 
 
-def test_a_clip_that_failed_is_tried_and_told_again(clips: Path) -> None:
+def test_a_failed_clip_is_tried_and_reported_again(clips: Path) -> None:
     (clips / "broken.bvh").write_bytes(b"HIERARCHY\nROOT")
     first, second = build(clips), build(clips)
     assert second.unchanged
@@ -200,7 +200,7 @@ def test_a_clip_that_changes_while_it_is_read_fails(clips: Path, monkeypatch: py
     monkeypatch.setattr(clip_work, "read_clip", changing)
     outcome = build(clips)
     assert isinstance(outcome.failed["run"], ClipError)
-    assert "changed while it was read. Start again" in str(outcome.failed["run"])
+    assert "it changed while it was read. Start again" in str(outcome.failed["run"])
     monkeypatch.undo()
     assert build(clips).kept == len(NAMES) - 1
 
@@ -218,7 +218,7 @@ build_bank([Path(sys.argv[1])], Path(sys.argv[2]), baseline="walk", progress=kil
 """
 
 
-def test_a_killed_job_goes_on_where_it_stopped(clips: Path, aligned: list[str]) -> None:
+def test_a_killed_job_resumes_where_it_stopped(clips: Path, aligned: list[str]) -> None:
     bank = clips.parent / "bank"
     project = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
     killed = subprocess.run([sys.executable, "-c", KILLED, str(clips), str(bank)], env=project, check=False)

@@ -104,7 +104,7 @@ def test_a_job_that_always_ends_early_is_not_started_for_ever(
 def test_a_job_that_fails_as_a_whole_is_told(folder: Path) -> None:
     (folder / "clips.toml").write_text("[nobody]\nkind = 'action'\n")
     told = while_running(folder, lambda job: until(job, lambda info: info.state == "failed"))
-    assert "there is no clip 'nobody'" in told.error
+    assert "clip 'nobody' not found" in told.error
     assert (told.clips, told.failed) == (["carry_box", "jog", "wave"], {})
 
 

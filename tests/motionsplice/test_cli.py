@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import json
+import subprocess
 import sys
 from pathlib import Path
 
@@ -8,7 +10,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner, Result
 
-from motionsplice.cli import app, main
+from motionsplice.cli import COMMANDS, _load, app, main
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.kinematics import joint_positions
@@ -17,7 +19,8 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
 
-COMMANDS = ("precompute", "inspect", "splice", "hands", "render", "study", "serve", "demo")
+ROOT = Path(__file__).parents[2]
+HEAVY = {"numba", "llvmlite", "scipy", "matplotlib", "PIL", "fastapi", "uvicorn"}
 
 
 def run(*arguments: object) -> Result:
@@ -32,10 +35,48 @@ def failure(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 1
-    told = capsys.readouterr().err
-    assert "Traceback" not in told
-    assert told.startswith("error: ")
-    return told
+    printed = capsys.readouterr().err
+    assert "Traceback" not in printed
+    assert printed.startswith("error: ")
+    return printed
+
+
+def imported(*arguments: object) -> tuple[int, str, set[str]]:
+    """Runs a command in a new process. Returns its status, what it prints to standard error, and its top packages."""
+    script = (
+        "import json, sys\n"
+        "from motionsplice.cli import main\n"
+        "try:\n    main()\n"
+        "finally:\n    print('\\n' + json.dumps(sorted({name.partition('.')[0] for name in sys.modules})))\n"
+    )
+    command = [sys.executable, "-c", script, *(str(argument) for argument in arguments)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.returncode, done.stderr, set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_help_imports_no_heavy_package() -> None:
+    status, _, packages = imported("--help")
+    assert status == 0
+    assert not packages & (HEAVY | {"numpy"})
+
+
+def test_an_unknown_clip_is_reported_before_heavy_packages_are_imported(bank: Bank, tmp_path: Path) -> None:
+    splice = ["splice", bank.path, "--out", tmp_path / "out.bvh"]
+    for names in (["--locomotion", "nope", "--action", "wave"], ["--locomotion", "walk", "--action", "nope"]):
+        status, printed, packages = imported(*splice, *names)
+        assert (status, "the bank has no clip 'nope'" in printed) == (1, True)
+        assert not packages & HEAVY
+
+
+def test_inspect_does_not_import_the_offline_job(bank: Bank) -> None:
+    status, _, packages = imported("inspect", bank.path)
+    assert status == 0
+    assert not packages & {"numba", "scipy", "matplotlib", "fastapi"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_list_of_commands_shows_the_first_line_of_each_help(command: str) -> None:
+    assert _load(command).help.splitlines()[0] == COMMANDS[command][1]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -135,21 +176,42 @@ def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.parametrize("name", ["out.glb", "out.BVHX", "out"])
+def test_only_bvh_is_written(
+    bank: Bank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    out, absent = tmp_path / name, tmp_path / "absent"
+    for command in (
+        ["splice", bank.path, "--locomotion", "walk", "--action", "wave"],
+        ["splice", absent, "--locomotion", "walk", "--action", "wave"],  # it is refused before a file is read
+        ["hands", absent, absent],
+    ):
+        assert f"--out {out}: only .bvh can be written" in failure(monkeypatch, capsys, *command, "--out", out)
+    assert not out.exists()
+
+
+def test_the_suffix_may_be_in_capital_letters(bank: Bank, tmp_path: Path) -> None:
+    run("splice", bank.path, "--locomotion", "walk", "--action", "wave", "--out", tmp_path / "OUT.BVH")
+    assert (tmp_path / "OUT.BVH").exists()
+
+
 def test_errors_are_one_paragraph(
     bank: Bank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def told(*arguments: object) -> str:
+    def printed(*arguments: object) -> str:
         return failure(monkeypatch, capsys, *arguments)
 
     splice = ["splice", bank.path, "--action", "wave", "--out", tmp_path / "out.bvh", "--locomotion"]
-    assert "Did you mean 'walk'" in told(*splice, "wlak")
-    assert "no such folder" in told("inspect", tmp_path / "absent")
-    assert "file or folder not found" in told("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
+    assert "Did you mean 'walk'" in printed(*splice, "wlak")
+    assert "no such folder" in printed("inspect", tmp_path / "absent")
+    assert "file or folder not found" in printed("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
     unnamed = tmp_path / "unnamed.bvh"
     unnamed.write_bytes(dump_bvh(bank.motion("walk")).replace(b"LeftUpLeg", b"Alpha"))
-    assert '[roles]\nleft_hip = ""' in told("render", unnamed, "--out", tmp_path / "x.png")
-    assert "absent.bvh" in told("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
-    assert "End --out in .png or .gif" in told("render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt")
-    assert "exact splice chooses its own start" in told(*splice, "walk", "--method", "exact", "--start", 1)
-    assert "Choose --posture absolute" in told(*splice, "walk", "--method", "exact", "--posture", "running")
+    assert '[roles]\nleft_hip = ""' in printed("render", unnamed, "--out", tmp_path / "x.png")
+    assert "absent.bvh" in printed("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
+    assert "x.txt: only .png or .gif can be written" in printed(
+        "render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt"
+    )
+    assert "exact splice chooses its own start" in printed(*splice, "walk", "--method", "exact", "--start", 1)
+    assert "Choose --posture absolute" in printed(*splice, "walk", "--method", "exact", "--posture", "running")
     assert not (tmp_path / "out.bvh").exists()

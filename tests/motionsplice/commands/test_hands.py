@@ -102,9 +102,9 @@ def test_the_picture_shows_bands_paths_and_pairs(hands_folder: Path, tmp_path: P
         (["--pair", "100:150", "--pair", "200:100"], "pair 200:100: it crosses"),  # no emoji of ":100:"
         (["--pair", "9:30", "--pair", "9:30"], "pair 9:30: the pair 9:30 has the same frame of the body"),
         (["--pair", "9:30", "--pair", "9:40"], "pair 9:40: the pair 9:30 has the same frame of the body"),
-        (["--band", "wide"], "--band 'wide' is no two numbers"),
+        (["--band", "wide"], "--band: expected two numbers, found 'wide'"),
         (["--band", "0,0.1"], "bands must be above 0 and at most 1, not 0 and 0.1"),
-        (["--picture", "x.gif"], "End --picture in .png"),
+        (["--picture", "x.gif"], "--picture x.gif: only .png can be written. End the name in .png"),
     ],
 )
 def test_what_cannot_be_is_told_in_one_paragraph_and_nothing_is_written(

@@ -113,7 +113,7 @@ def test_a_motion_without_strides_is_told_in_a_paragraph(
     twin = tmp_path / "twin" / "walk.bvh"
     twin.parent.mkdir()
     twin.write_bytes(long.read_bytes())
-    for files, words in (((short,), "'short' has no stride"), ((long, twin), "two motions are called 'walk'")):
+    for files, words in (((short,), "'short' has no stride"), ((long, twin), "two motions are named 'walk'")):
         monkeypatch.setattr(sys, "argv", ["motionsplice", "study", *map(str, files), "--unit", "m"])
         with pytest.raises(SystemExit) as end:
             main()

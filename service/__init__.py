@@ -1,4 +1,4 @@
-"""Frames over HTTP and WebSocket.
+"""Serves frames over HTTP and WebSocket.
 
-Imports `runtime` and `motion`; never `precompute`, which it runs in processes of its own.
+Imports `runtime` and `motion`, never `precompute`: the offline job runs in its own process.
 """

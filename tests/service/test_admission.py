@@ -74,6 +74,6 @@ def test_pages_have_to_be_allowed(guarded: TestClient, origin: str | None, statu
 
 def test_a_token_is_not_told_by_its_settings() -> None:
     assert TOKEN not in repr(Settings(token=SecretStr(TOKEN)))
-    with pytest.raises(SettingsError, match="MOTIONSPLICE_TOKEN cannot be used") as caught:
+    with pytest.raises(SettingsError, match="MOTIONSPLICE_TOKEN is invalid") as caught:
         Settings(token=SecretStr("shorty"))
     assert "shorty" not in str(caught.value)

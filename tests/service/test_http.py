@@ -104,7 +104,7 @@ def test_a_query_that_is_kept_ready_is_answered_as_one_that_is_not(client: TestC
         fresh = client.get(f"/v1/pose?action={wave}&locomotion=walk&start=0.0&posture=relative&time=%30{time_}").json()
         assert ready == fresh
     answer = client.get("/v1/pose?locomotion=walk&time=0.5&action=wave&time=0.5")
-    assert "time: it is given twice" in answer.json()["detail"]
+    assert "time: given twice" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize("form", ["json", "msgpack"])
@@ -199,7 +199,7 @@ def test_a_stream_is_the_splice_in_messages(client: TestClient, bank: Bank, ahea
 
 def test_a_paced_stream_keeps_the_clips_time_without_drift(bank: Bank) -> None:
     edition = Edition.warm(bank)
-    frames = Frames.asked(edition, STREAM.read(b"locomotion=walk&action=wave"), 10**6)
+    frames = Frames.from_query(edition, STREAM.read(b"locomotion=walk&action=wave"), 10**6)
     now, sent = 100.0, []
 
     async def sleep(seconds: float) -> None:
@@ -217,7 +217,7 @@ def test_a_paced_stream_keeps_the_clips_time_without_drift(bank: Bank) -> None:
 
 
 def test_a_fast_stream_yields_to_others_between_blocks(bank: Bank) -> None:
-    frames = Frames.asked(Edition.warm(bank), STREAM.read(b"locomotion=walk&rate=1000"), 10**6)
+    frames = Frames.from_query(Edition.warm(bank), STREAM.read(b"locomotion=walk&rate=1000"), 10**6)
     yields = 0
 
     async def sleep(seconds: float) -> None:
@@ -252,20 +252,20 @@ def test_a_fast_stream_yields_to_others_between_blocks(bank: Bank) -> None:
         ("/v1/pose?locomotion=walk&time=0&acton=wave", 422, "request", "Did you mean 'action'"),
         ("/v1/splice?locomotion=walk&acton=wave", 422, "request", "Did you mean 'action'"),
         ("/v1/skeleton?axis=unity", 422, "request", "Did you mean 'axes'"),
-        ("/v1/clips?name=walk", 422, "request", "It takes none"),
+        ("/v1/clips?name=walk", 422, "request", "This request has no parameters"),
         ("/v1/splice?locomotion=wlak", 404, "unknown-clip", "Did you mean 'walk'"),
         ("/v1/splice?locomotion=walk&rate=0", 422, "request", "rate: "),
         ("/v1/splice?locomotion=walk&rate=1e9", 422, "request", "rate: "),
         ("/v1/splice?locomotion=walk&rate=100&action=wave&start=9", 422, "time-range", "start 9.0 s"),
-        ("/v1/splice?locomotion=turn_180&rate=1000", 422, "limit", "more than the 5000"),
-        ("/v1/splice?locomotion=walk&first=301", 422, "request", "first: frame 301 lies behind the last, 300"),
-        ("/v1/splice?locomotion=walk&format=bvh&axes=unity", 422, "request", "Leave axes and parts out"),
+        ("/v1/splice?locomotion=turn_180&rate=1000", 422, "limit", "exceed the 5000 frames"),
+        ("/v1/splice?locomotion=walk&first=301", 422, "request", "first: frame 301 is after the last, 300"),
+        ("/v1/splice?locomotion=walk&format=bvh&axes=unity", 422, "request", "Leave out axes and parts"),
         ("/v1/splice?locomotion=walk&format=xml", 422, "request", "format: "),
         ("/v1/stream?locomotion=walk&ahead=121", 422, "limit", "ahead: 121 is more than 120"),
         ("/v1/stream?locomotion=walk&rate=500&pace=realtime", 422, "limit", "rate: 500 is more than 120"),
         ("/v1/tables/lowe", 404, "unknown-bank", "Did you mean 'lower'"),
         ("/v1/tables/..%2Fmanifest.msgpack", 404, "http", "Not Found"),
-        ("/v1/banks/00ff/pose?locomotion=walk&time=0", 404, "unknown-bank", "no bank '00ff'"),
+        ("/v1/banks/00ff/pose?locomotion=walk&time=0", 404, "unknown-bank", "the bank '00ff' is not served"),
         ("/v1/nothing", 404, "http", "Not Found"),
     ],
 )

@@ -82,5 +82,5 @@ def test_workers_share_a_port_and_their_numbers_and_stop_together(bank: Bank, tm
 
 
 def test_a_port_that_is_taken_is_told(bank: Bank) -> None:
-    with listen(Settings(port=0)) as listener, pytest.raises(SettingsError, match="cannot be listened on"):
+    with listen(Settings(port=0)) as listener, pytest.raises(SettingsError, match=r"cannot listen on 127\.0\.0\.1:"):
         listen(Settings(port=listener.getsockname()[1]))

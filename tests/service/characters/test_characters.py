@@ -147,7 +147,11 @@ def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank
         ([{"do": "set", "rate": 121}], "limit", "rate: 121 is more than 120"),
         ([{"do": "set", "ahead": 121}], "limit", "ahead: 121 is more than 120"),
         ([{"do": "set", "id": 7, "rate": 30}], "request", "set has no key 'id'"),
-        ([{"do": "create", "id": list(range(10, 400)), "locomotion": "walk"}], "busy", "at most 20000 characters"),
+        (
+            [{"do": "create", "id": list(range(10, 400)), "locomotion": "walk"}],
+            "busy",
+            "at most 20000 characters per second",
+        ),
         ([{"do": "remove", "id": 7}, {"do": "remove", "id": 6}], "request", "character 6 not found"),
         ([{"do": "remove", "id": 7}, {"do": "remoov", "id": 6}], "request", "command 1: do: unknown command"),
         ([3], "request", "expected a command, which is a map, found 3"),
@@ -283,7 +287,7 @@ def test_it_closes_with_defined_codes(service: Running, send: Any, code: int) ->
 
 def test_a_handshake_that_is_refused_says_why(service: Running) -> None:
     for query, status, words in (
-        ("?rate=0", 422, "rate: it is 0"),
+        ("?rate=0", 422, "rate: expected a number from 1 to 1000, found '0'"),
         ("?rate=200", 422, "more than 120"),
         ("?axis=unity", 422, "Did you mean 'axes'"),
         ("/nothing", 404, "/v1/characters"),

@@ -93,7 +93,7 @@ def test_a_job_that_always_ends_early_is_not_started_for_ever(
         told = while_running(folder, wait)
     assert starts(folder) == MOST_TRIES
     assert (told.clips, told.failed) == (["jog"], {})
-    assert "ended 3 times" in told.error
+    assert "ended early 3 times" in told.error
     assert [(one.status, one.output) for one in caplog.records] == [(3, "the disk is full")] * MOST_TRIES  # type: ignore[attr-defined]
     while_running(folder, wait)  # another service tries again, and no more often
     assert starts(folder) == 2 * MOST_TRIES
@@ -113,7 +113,7 @@ def test_no_clip_of_the_bank_is_lost(folder: Path, monkeypatch: pytest.MonkeyPat
     (folder.parent / "starts").touch()
     fake_job(folder, monkeypatch, "exit 0")
     told = while_running(folder, lambda job: until(job, lambda info: info.state == "failed"))
-    assert "lacks clips of the bank: run. " in told.error
+    assert "the folder does not have these clips of the bank: run. " in told.error
     assert starts(folder) == 0
 
 

@@ -91,9 +91,9 @@ def test_what_is_no_motion_is_refused_and_leaves_nothing(service: Running, folde
         ("jump.bvh", b"HIERARCHY\nROOT Hips", 422, "clip", "jump.bvh"),
         ("jump.bvh", b"\x00\xff" * 50, 422, "clip", "jump.bvh"),
         ("jump.bvh", b"x" * 3_000_001, 413, "too-large", "more than 3000000 bytes"),
-        ("walk.amc", b"x", 422, "request", "there is a clip walk.bvh already"),
-        ("..%2Fjump.bvh", b"x", 422, "request", "no name of a clip's file"),
-        ("jump.txt", b"x", 422, "request", "no name of a clip's file"),
+        ("walk.amc", b"x", 422, "request", "the folder already has a clip walk.bvh"),
+        ("..%2Fjump.bvh", b"x", 422, "request", "not a valid file name of a clip"),
+        ("jump.txt", b"x", 422, "request", "not a valid file name of a clip"),
     ):
         found, told = ask(service, f"clips?name={name}", body)
         assert (found, told["type"]) == (status, f"urn:motionsplice:{kind}"), told
@@ -107,7 +107,7 @@ def test_what_is_no_motion_is_refused_and_leaves_nothing(service: Running, folde
     "name", ["", ".bvh", ".x.bvh", "a/b.bvh", "a\\b.bvh", "..", "a.bvh\n", "ä.bvh", "a.bvh.exe", "a" * 101 + ".bvh"]
 )
 def test_names_are_no_paths(name: str) -> None:
-    with pytest.raises(RequestError, match="is no name of a clip's file"):
+    with pytest.raises(RequestError, match="is not a valid file name of a clip"):
         checked_name(name)
     assert checked_name("Jump_2+x-y.bvh")
 
@@ -196,10 +196,10 @@ def test_a_refused_upload_changes_nothing(service: Running, folder: Path) -> Non
     another_rig = head + b"JOINT Skate\n{\nOFFSET 0 -0.1 0\nCHANNELS 0\n}\n" + foot + rest
     before = {file: file.read_bytes() for file in visible(folder)}
     for query, body, words in (
-        ("name=jog.bvh&neutral=wlak", clip, "there is no clip 'wlak'"),
-        ("name=16.asf&kind=action", b"x", "are a clip's"),
+        ("name=jog.bvh&neutral=wlak", clip, "the folder has no clip 'wlak'"),
+        ("name=16.asf&kind=action", b"x", "a skeleton has no kind, neutral or tags"),
         ("name=16.asf", b"no skeleton", "16.asf"),
-        ("name=Run.bvh", clip, "there is a clip Run.BVH already"),
+        ("name=Run.bvh", clip, "the folder already has a clip Run.BVH"),
         ("name=jog.bvh", dump_bvh(make("run", seed=20, seconds=0.2)), "it lasts 0.2"),
         ("name=jog.bvh", another_rig, "the rigs have different topologies"),
     ):

@@ -19,11 +19,11 @@ def errors(title: str, drawn: list[Sequence]) -> Findings:
     aligners: Mapping[str, Callable[[Sequence], Floats]] = {
         "first pass": lambda one: medians(align_hands(one.body, one.hands, RATE).passes[0].path, len(one.truth)),
         "both passes": lambda one: align_hands(one.body, one.hands, RATE).frames,
-        "both, turned by the trunk": lambda one: align_hands(one.body, one.hands, RATE, by_trunk=True).frames,
+        "both passes, turned by the trunk": lambda one: align_hands(one.body, one.hands, RATE, by_trunk=True).frames,
         "positions": lambda one: warped(one, from_trunk),
         "derivatives": lambda one: warped(one, differences),
-        "derivatives, filtered like ours": lambda one: steadied(warped(one, filtered), STEADYING * RATE),
-        "the same, scaled by each clip's spread": lambda one: steadied(
+        "derivatives filtered like ours": lambda one: steadied(warped(one, filtered), STEADYING * RATE),
+        "filtered, scaled derivatives": lambda one: steadied(
             warped(one, lambda hand: scaled_by_spread(filtered(hand))), STEADYING * RATE
         ),
     }

@@ -72,8 +72,9 @@ def main(
         for mean in means:
             show(*mean)
         show("Clips", *clip_table(clip_scores))
-        for row in claims:
-            console.print(f"{row.example} ({row.pair}): {row.label}: {', '.join(row.values)}", highlight=False)
+        claim_columns = [*(form.label for form in forms), "truth, or else the locomotion", "the action alone"]
+        claim_cells = [[*map(Cell, (f"{row.example} ({row.pair})", row.label, *row.values))] for row in claims]
+        show("Examples", ["example", "measure", *claim_columns], claim_cells)
         rows = [
             [Cell(one.what), Cell(one.found, "good" if one.met else "bad"), Cell(one.wanted)] for one in judged_targets
         ]
@@ -100,7 +101,7 @@ def main(
             errors={one.score.name: errors_over_time(bank, one) for one in drawn if one.truth is not None},
             rate=STRIP_RATE,
             claims=claims,
-            claim_columns=[*(form.label for form in forms), "truth, or else the locomotion", "the action alone"],
+            claim_columns=claim_columns,
             pictures=[
                 picture(bank, one.score, one.pair.example, one.truth, one.splices, expanded=number < OPEN)
                 for number, one in enumerate(drawn)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -23,9 +24,7 @@ def timing() -> Findings:
         draw = np.random.default_rng(0)
         body, hands = noisy(hands_of(pair.body), draw)[1:], noisy(hands_of(pair.hands), draw)[1:]
         bands = BANDS[0] * 569 / frames, BANDS[1] * 569 / frames  # equally many frames wide at each length
-        seconds[frames] = median_seconds(
-            lambda body=body, hands=hands, bands=bands: align_hands(body, hands, RATE, bands=bands)
-        )  # type: ignore[misc]
+        seconds[frames] = median_seconds(partial(align_hands, body, hands, RATE, bands=bands))
     findings.add("569 frames (the paper: 10.95)", seconds[569], "{:.4f}", most=0.1)
     for shorter, longer in pairwise(seconds):
         findings.add(

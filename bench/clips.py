@@ -28,7 +28,7 @@ def bank_of(clips: Path | None, baseline: str | None, folder: Path) -> Bank:
 def link(clips: Path, folder: Path) -> None:
     """Links the files of the folder `clips` into `folder`.
 
-    Adds REAL_SETTINGS if these are the captured clips they belong to and the folder has no settings of its own.
+    If these are the captured clips that REAL_SETTINGS describes, and they have no settings yet, adds REAL_SETTINGS.
     """
     folder.mkdir()
     for file in clips.iterdir():

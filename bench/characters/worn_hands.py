@@ -39,9 +39,7 @@ def main(
     with tempfile.TemporaryDirectory() as folder:
         evaluator = Evaluator(generate(Path(folder) / "bank", Size(joints, hands=True)))
     driven = len(evaluator.bank.layout.hands.joints)
-    findings = Findings(
-        f"{COUNT} characters of {joints} joints, {driven} driven by hands: nanoseconds per character and frame"
-    )
+    findings = Findings(f"{COUNT} characters, hands drive {driven} of {joints} joints: nanoseconds")
     for scene in (Scene(), Scene(sequential=True)):
         plain, worn = (splice_work(evaluator, scene, hands) for hands in (False, True))
         compare(findings, f"splices, {scene.label}", plain, worn, rounds)

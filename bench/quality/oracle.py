@@ -1,4 +1,4 @@
-"""Lower bounds for the error of a splice: an oracle that knows the truth, and the differences between strides."""
+"""Practical lower bounds for the error of a splice: an oracle that knows the truth, and the differences between strides."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ORACLE_RATE = 30.0  # frames per second at which the oracle picks frames
 
 
 def oracle_error(locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Floats, Floats], roles: Roles) -> float:
-    """Returns the mean error in metres of a splice that picks the action's frame closest to the truth for each frame.
+    """Returns the oracle's mean error in metres: for each frame, it picks the action's frame closest to the truth.
 
     Each frame of the action is first aligned in space like a splice. `offsets` are the torso offsets [F, 4] of
     locomotion and action at their own frames. Each frame is picked independently, without regard to time, which no real

@@ -19,25 +19,26 @@ FOREVER = 1e6  # seconds: a fade this long stays where it is during the measurem
 def costs(stage: Stage) -> Findings:
     """Times one frame of a character, evaluated and advanced, outside and in the middle of transitions.
 
-    It is compared with splices by the evaluator, at random times and at sequential times. Sequential times advance by a
-    frame per round, as a character's do, so that their rows are in the caches.
+    A steady character plays a splice without a transition. All are compared with splices by the evaluator, at random
+    and at sequential times. Sequential times advance by a frame per round, as a character's do, so that their rows are
+    in the caches.
     """
     count = 1000
     work: dict[str, Work] = {
         name: evaluation(stage.evaluator, request_sets(stage.bank, count, Scene(sequential=sequential)))
         for name, sequential in (("evaluator", False), ("evaluator, sequential times", True))
     }
-    transitions = {"locomotions": ("play",), "actions": ("act",), "both": ("play", "act")}
-    for name, fading in {"a splice": (), **transitions}.items():
+    transitions = {"fading locomotions": ("play",), "fading actions": ("act",), "fading both": ("play", "act")}
+    for name, fading in {"steady character": (), **transitions}.items():
         work[name] = frame_work(crowd(stage, count, count if fading else 0, fading))
     seconds = interleaved(work, 100)
-    findings = Findings(f"{count} characters of a generated bank, nanoseconds per character and frame")
+    findings = Findings(f"{count} characters of a generated bank: nanoseconds")
     for name, times in seconds.items():
         findings.add(name, 1e9 * float(np.median(times)) / count, "{:.0f}")
-    findings.add("a splice / evaluator", paired_ratio(seconds["a splice"], seconds["evaluator"]))
+    findings.add("steady character / evaluator", paired_ratio(seconds["steady character"], seconds["evaluator"]))
     for name in transitions:
-        most = 2.2 if name != "both" else None
-        for other, wanted in (("evaluator", most), ("evaluator, sequential times", None), ("a splice", None)):
+        most = 2.2 if name != "fading both" else None
+        for other, wanted in (("evaluator", most), ("evaluator, sequential times", None), ("steady character", None)):
             findings.add(f"{name} / {other}", paired_ratio(seconds[name], seconds[other]), most=wanted)
     many = {part: frame_work(crowd(stage, 10_000, part, ("play", "act"))) for part in (0, 100)}
     seconds = interleaved({str(part): run for part, run in many.items()}, 40)

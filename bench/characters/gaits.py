@@ -33,7 +33,7 @@ def phases(stage: Stage) -> Findings:
         apart = np.subtract(*(frame_phases(stage, blending[:, LEGS[number] : LEGS[number + 1]]) for number in (0, 1)))
         differences.append(np.abs(apart - np.round(apart)))
         characters.advance()
-    findings = Findings(f"{len(characters)} transitions between gaits: phase difference, cycles")
+    findings = Findings(f"{len(characters)} gait transitions: phase difference, cycles")
     findings.add("median", float(np.median(np.concatenate(differences))), "{:.6f}")
     findings.add("largest", float(np.concatenate(differences).max()), "{:.6f}", most=0.02)
     return findings

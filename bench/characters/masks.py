@@ -20,7 +20,7 @@ from motionsplice.runtime.stage import Stage
 
 def masks(stage: Stage) -> Findings:
     """Measures how far elbow and wrist of a masked right arm are from the truth, relative to the hips."""
-    findings = Findings("Masked right arm: distance from the truth, centimetres, mean of elbow and wrist")
+    findings = Findings("Masked right arm: error of elbow and wrist, centimetres")
     bank = stage.bank
     for locomotion, action in product(("walk", "run", "side_step"), ("wave", "punch", "push", "carry_box")):
         true_clip, roles = truth(locomotion, action), bank.roles

@@ -45,18 +45,20 @@ def pops(stage: Stage, scenes: int) -> Findings:
     """Measures how fast joints move in random scenes with switches, starts, stops and loops."""
     fastest = fastest_of_scenes(stage, range(scenes))
     larger = np.maximum(fastest.clips, fastest.steady)
-    findings = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s: speed of the fastest joint, relative to")
+    findings = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s: speed of the fastest joint")
     for label, ratios in (
-        ("the clips", fastest.played / fastest.clips),
-        ("the same played steadily", fastest.played / fastest.steady),
-        ("the larger of both", fastest.played / larger),
+        ("speed / clips alone", fastest.played / fastest.clips),
+        ("speed / steady playback", fastest.played / fastest.steady),
+        ("speed / larger of both", fastest.played / larger),
     ):
         findings.add(f"{label}: median", float(np.median(ratios)))
         findings.add(f"{label}: 99th percentile", float(np.percentile(ratios, 99.0)))
         findings.add(f"{label}: largest", float(ratios.max()), most=MOST)
         findings.add(f"{label}: scenes above {MOST}", float(np.sum(ratios > MOST)), "{:.0f}", most=0)
-    findings.add("largest jump of a velocity / the larger of both", float((fastest.jump / larger).max()))
-    findings.add("largest jump played steadily / the larger of both", float((fastest.steady_jump / larger).max()))
+    findings.add("largest velocity jump / larger of both", float((fastest.jump / larger).max()))
+    findings.add(
+        "largest velocity jump in steady playback / larger of both", float((fastest.steady_jump / larger).max())
+    )
     return findings
 
 

@@ -36,7 +36,7 @@ console = Console(width=230)
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in motions if not given")] = None,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
     pairs: Annotated[
         Path | None,
         typer.Option(

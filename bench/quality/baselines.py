@@ -26,7 +26,7 @@ from motionsplice.runtime.splice import Splice
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in motions if not given")] = None,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
     pairs: Annotated[Path, typer.Option(help="CSV file of pairs, used with CLIPS")] = PAIRS,
 ) -> None:
     """Prints one row per baseline clip."""

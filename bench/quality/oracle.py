@@ -1,4 +1,4 @@
-"""Practical lower bounds for the error of a splice: an oracle that knows the truth, and the differences between strides."""
+"""Practical lower bounds for the error of a splice: an oracle that knows the truth, and the spread of strides."""
 
 from __future__ import annotations
 

@@ -26,8 +26,8 @@ PAIR_NOTE = (
     "the action. lag: how far the timing of the arms is from the truth's (or the locomotion's, if unknown), in degrees "
     "of a stride. jitter, excursion: motion of the neck over the root, divided by that of the larger source. "
     "speed: speed of the action's time relative to its own. legs: distance between the legs at aligned frames. "
-    "posture: angle from the posture that the form promises. halves: largest angle of a joint in either half from its "
-    "source."
+    "posture: angle from the posture that the form promises. within halves: largest angle of a joint in either half "
+    "from its source."
 )
 CLIP_NOTE = (
     "knee passes: moments at which the left knee passes the right one going forward. strides between: strides between "
@@ -71,7 +71,7 @@ def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]
     columns += [*(f"{name}\nratio" for name in methods[1:]), "oracle\ncm", "floor\ncm"]
     columns += [*(f"{name}\n{what}" for what in ("posture °",) for name in methods[1:])]
     columns += [*(f"{name}\n{what}" for what in ("lag °", "jitter", "excursion") for name in (methods[0], OURS))]
-    columns += [f"{OURS}\nspeed", f"{OURS}\nlegs cm", f"{OURS}\nhalves °"]
+    columns += [f"{OURS}\nspeed", f"{OURS}\nlegs cm", f"{OURS}\nwithin halves °"]
     rows = []
     for one in scores:
         ours, naive = one.of(OURS), one.methods[0]

@@ -32,7 +32,7 @@ FORMS = (Form("naive"), Form("exact"), Form("splice"))
 WORST_DRAWN = 4  # number of the grid's worst pairs that the report draws
 OPEN = 2  # number of pictures that are open when the report loads
 
-console = Console(width=230)
+console = Console(width=250)
 
 
 def main(

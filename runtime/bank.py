@@ -147,9 +147,9 @@ class Bank:
         for one in self.hands:
             if (one.name, one.body) == (name, body):
                 return one.first_row + np.arange(self.clip(body).row_count)
-        raise self.no_hands(name, body)
+        raise self.hands_not_aligned(name, body)
 
-    def no_hands(self, name: str, body: str) -> UnknownClipError:
+    def hands_not_aligned(self, name: str, body: str) -> UnknownClipError:
         """That hands do not lie on a clip, as an error."""
         bodies = ", ".join(repr(one.body) for one in self.hands if one.name == name)
         return UnknownClipError(f"hands {name!r} are not aligned to clip {body!r}", mend=f"They are to {bodies}")

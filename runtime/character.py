@@ -19,8 +19,8 @@ from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action, waiting_action
-from motionsplice.runtime.characters.clip_references import newest_mix, played_clips, strange_rows, worn_hands
-from motionsplice.runtime.characters.commands import BLEND, Locomotion, at_least_0, part_of_1, shares_of
+from motionsplice.runtime.characters.clip_references import clip_references, hands_references, invalid_rows, newest_mix
+from motionsplice.runtime.characters.commands import BLEND, Locomotion, not_negative, shares_of, weight_in_range
 from motionsplice.runtime.requests import (
     FLOAT64,
     Memory,
@@ -53,7 +53,7 @@ class Characters:
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
         if not 0.0 < rate < np.inf:
             raise SettingsError(f"{rate} is no number of frames per second")
-        if len(strange := strange_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
+        if len(strange := invalid_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
             problem = f"character {strange[0]} plays what this bank has not, or is no row of one"
             raise SettingsError(problem, mend="Is its state that of another bank?")
         self._share = Memory.begin(0, rate).share
@@ -121,7 +121,7 @@ class Characters:
             if (fault := time_fault("time", time, self.stage.bank.clips[clip])) is not None:
                 raise fault
         part = np.zeros(col.HANDS - col.NEXT_COUNT)
-        part[:5] = len(weights), time, at_least_0("blend", blend), known(col.CURVES, "curve", curve), loop
+        part[:5] = len(weights), time, not_negative("blend", blend), known(col.CURVES, "curve", curve), loop
         for number, (clip, weight) in enumerate(weights.items()):
             part[col.NEXT_CLIPS - col.NEXT_COUNT + number] = clip
             part[col.NEXT_WEIGHTS - col.NEXT_COUNT + number] = weight
@@ -156,7 +156,7 @@ class Characters:
         """Fades all actions out within `blend` seconds. Raises SettingsError."""
         part = np.zeros(col.ACTION_COLUMNS)
         part[col.KIND], part[col.MASK] = col.OWN, col.UPPER_BODY
-        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
+        part[col.LASTING], part[col.CURVE] = not_negative("blend", blend), known(col.CURVES, "curve", curve)
         self._wait(rows, part, col.NOW)
 
     def wear(
@@ -176,19 +176,19 @@ class Characters:
         """
         part = np.zeros(col.HANDS_COLUMNS)
         part[col.CLIP] = col.BARE if hands is None else self.stage.bank.hand_number(hands)
-        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
-        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
+        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(weight)
+        part[col.LASTING], part[col.CURVE] = not_negative("blend", blend), known(col.CURVES, "curve", curve)
         self.state[rows, col.NEXT_HANDS : col.HANDS_WAIT] = part
         self.state[rows, col.HANDS_WAIT] = 1.0
         self._begin(rows)
 
     def speed(self, rows: Rows, speed: float) -> None:
         """How fast they play, as a part of the clips' own speed. Raises SettingsError."""
-        self.state[rows, col.SPEED] = at_least_0("speed", speed)
+        self.state[rows, col.SPEED] = not_negative("speed", speed)
 
     def weight(self, rows: Rows, weight: float) -> None:
         """How much of the newest action is shown, followed within about a tenth of a second. Raises SettingsError."""
-        part_of_1(weight)
+        weight_in_range(weight)
         for row in self._numbers(rows):
             s = self.state[row]
             if s[col.WHEN]:
@@ -230,21 +230,21 @@ class Characters:
 
     def missing_clips(self, bank: Bank) -> set[str]:
         """The names of clips that are played, or wait to be, and of hands that are worn, which another bank has not."""
-        clips = {self.stage.bank.clips[number].name for number in np.unique(played_clips(self.state)[1]).tolist()}
-        worn = {self.stage.bank.hand_clips[number] for number in np.unique(worn_hands(self.state)[1]).tolist()}
+        clips = {self.stage.bank.clips[number].name for number in np.unique(clip_references(self.state)[1]).tolist()}
+        worn = {self.stage.bank.hand_clips[number] for number in np.unique(hands_references(self.state)[1]).tolist()}
         return (clips - {clip.name for clip in bank.clips}) | (worn - set(bank.hand_clips))
 
     def moved(self, stage: Stage) -> Characters:
         """The same characters on another bank, which has all clips and hands of theirs, at the same frames."""
-        at, played = played_clips(self.state)
+        at, played = clip_references(self.state)
         numbers = np.zeros(len(self.stage.bank.clips))
         for number in np.unique(played).tolist():
             numbers[number] = stage.bank.number(self.stage.bank.clips[number].name)
         state = self.state.copy()
         state[at] = numbers[played]
-        at, worn = worn_hands(self.state)
+        at, worn = hands_references(self.state)
         state[at] = [stage.bank.hand_number(self.stage.bank.hand_clips[number]) for number in worn]
-        clock_kernels.settle_in(stage.evaluator.arrays, stage.ground, state.reshape(-1))
+        clock_kernels.recompute_from_frames(stage.evaluator.arrays, stage.ground, state.reshape(-1))
         return Characters(stage, self.rate, state)
 
     @property

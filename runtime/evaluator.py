@@ -160,7 +160,7 @@ class Evaluator:
         if splice.hands is not None:
             hands, upper = 1 + self.bank.hand_number(splice.hands), locomotion if method == NONE else action
             if self.arrays.hand_rows[hands - 1, upper] < 0:
-                raise self.bank.no_hands(splice.hands, self.bank.clips[upper].name)
+                raise self.bank.hands_not_aligned(splice.hands, self.bank.clips[upper].name)
         return locomotion, action, 0.0, splice.start, 0, method, known(POSTURES, "posture", splice.posture), hands
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
@@ -195,8 +195,8 @@ class Evaluator:
         ):
             if not 0 <= number < top:
                 return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
-        if (astray := self._fault_of_hands(request, place)) is not None:
-            return astray
+        if (hands_fault := self._fault_of_hands(request, place)) is not None:
+            return hands_fault
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
             if (fault := time_fault(label, float(request[label]), clip, place)) is not None:
                 return fault
@@ -213,6 +213,6 @@ class Evaluator:
             return SettingsError(f"hands number {hands + 1} lies outside 0 to {count}", place=place)
         upper = self.bank.clips[request["locomotion" if request["method"] == NONE else "action"]].name
         if hands >= 0 and self.arrays.hand_rows[hands, self.bank.number(upper)] < 0:
-            astray = self.bank.no_hands(self.bank.hand_clips[hands], upper)
-            return SettingsError(astray.problem, place=place, mend=astray.mend)
+            hands_fault = self.bank.hands_not_aligned(self.bank.hand_clips[hands], upper)
+            return SettingsError(hands_fault.problem, place=place, mend=hands_fault.mend)
         return None

@@ -11,7 +11,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs
-from motionsplice.runtime.characters.commands import BLEND, at_least_0, mask_of, part_of_1
+from motionsplice.runtime.characters.commands import BLEND, mask_of, not_negative, weight_in_range
 from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Method, Posture, known, time_fault
 
 
@@ -66,9 +66,9 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
     slot = np.zeros(col.ACTION_COLUMNS)
     slot[col.CLIP], slot[col.KIND] = clip, known(METHODS, "method", action.method)
     slot[col.PHASE], slot[col.FRAME] = bank.phase_at(action.clip, action.start), action.start * entry.rate
-    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(action.weight)
-    slot[col.LASTING], slot[col.CURVE] = at_least_0("blend", action.blend), known(col.CURVES, "curve", action.curve)
-    slot[col.FADING_OUT], slot[col.LOOP] = at_least_0("blend_out", action.blend_out), action.loop
+    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(action.weight)
+    slot[col.LASTING], slot[col.CURVE] = not_negative("blend", action.blend), known(col.CURVES, "curve", action.curve)
+    slot[col.FADING_OUT], slot[col.LOOP] = not_negative("blend_out", action.blend_out), action.loop
     slot[col.MASK], slot[col.POSTURE] = mask_of(limbs, action.mask), known(POSTURES, "posture", action.posture)
     slot[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
     slot[col.REMEMBERED :] = Memory.begin(1, rate).state[0]

@@ -45,9 +45,9 @@ def advance_splice(
     if gaits == 0.0 or is_own_clock(s, slot, frame):
         reached += own
     else:
-        astray = reached - phase + passed
-        astray -= np.round(astray)
-        reached += gaits * (passed - min(max(astray, -CATCH_UP * passed), CATCH_UP * passed)) + (1.0 - gaits) * own
+        phase_error = reached - phase + passed
+        phase_error -= np.round(phase_error)
+        reached += gaits * (passed - min(max(phase_error, -CATCH_UP * passed), CATCH_UP * passed)) + (1.0 - gaits) * own
     end, loop = bank.clips[clip, arrays.LAST_PHASE], bank.clips[clip, arrays.LOOP]
     if s[slot + col.LOOP] > 0.0 and loop > 0.0 and reached > end:
         reached -= loop * np.ceil((reached - end) / loop)

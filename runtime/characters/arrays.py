@@ -49,7 +49,7 @@ class Mixing(NamedTuple):
     row: Array  # [2, columns] float32: a row of `lower`, and one of zeros, which no one is on the way to
     weights: Array  # [1 + actions + 1, parts]
     shares: Array  # [BLOCK, parts]
-    kept: Array  # [BLOCK, 4 parts]: rotations
+    turns: Array  # [BLOCK, 4 parts]: rotations
     limbs_turn: Array  # [BLOCK]
 
 
@@ -63,6 +63,6 @@ def mixing(layout: Layout) -> Mixing:
         row=np.zeros((2, layout.lower.columns), np.float32),
         weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
         shares=np.zeros((BLOCK, col.PARTS)),
-        kept=np.zeros((BLOCK, 4 * col.PARTS)),
+        turns=np.zeros((BLOCK, 4 * col.PARTS)),
         limbs_turn=np.zeros(BLOCK, np.int64),
     )

@@ -12,7 +12,7 @@ Numbers = NDArray[np.int64]
 Places = tuple[Numbers, ...]
 
 
-def played_clips(state: States) -> tuple[Places, Numbers]:
+def clip_references(state: States) -> tuple[Places, Numbers]:
     """Where in rows [n, COLUMNS] there are numbers of clips that are played or wait to be, and these."""
     mixed = col.NEXT_CLIPS + np.arange(col.MOST_MIXED)
     legs = col.FIRST_LOCOMOTION + col.CLIP + col.LOCOMOTION_COLUMNS * np.arange(col.MOST_LOCOMOTIONS)
@@ -28,7 +28,7 @@ def played_clips(state: States) -> tuple[Places, Numbers]:
     return at, state[at].astype(np.int64)
 
 
-def worn_hands(state: States) -> tuple[Places, Numbers]:
+def hands_references(state: States) -> tuple[Places, Numbers]:
     """Where in rows there are numbers of hands that are worn or wait to be, and these."""
     slots = col.FIRST_HANDS + col.HANDS_COLUMNS * np.arange(col.MOST_HANDS + 1) + col.CLIP  # the last one waits
     used = state[:, slots] != col.BARE
@@ -39,7 +39,7 @@ def worn_hands(state: States) -> tuple[Places, Numbers]:
     return at, state[at].astype(np.int64)
 
 
-def strange_rows(state: States, clips: int, hands: int) -> Numbers:
+def invalid_rows(state: States, clips: int, hands: int) -> Numbers:
     """The rows [n, COLUMNS] that do not fit a bank of so many clips and hands, as those of another bank may not.
 
     What is looked at would lead a kernel out of its tables: how many slots there are, and what they name.
@@ -54,7 +54,7 @@ def strange_rows(state: States, clips: int, hands: int) -> Numbers:
     ):
         sound &= np.isin(state[:, column], np.arange(least, most + 1))
     with np.errstate(invalid="ignore"):  # NaN is no number of a clip
-        for (at, numbers), count in ((played_clips(state), clips), (worn_hands(state), hands)):
+        for (at, numbers), count in ((clip_references(state), clips), (hands_references(state), hands)):
             sound[at[0][(numbers < 0) | (numbers >= count)]] = False
     return np.flatnonzero(~sound)
 

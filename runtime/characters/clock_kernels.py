@@ -15,11 +15,11 @@ from motionsplice.runtime.characters.transition_kernels import (
     drop_actions,
     drop_hands,
     feet_of,
-    keep_way,
+    in_turned_frame,
+    keep_path,
     leading,
-    seen,
+    path_at,
     share_locomotions,
-    way,
 )
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
@@ -39,20 +39,20 @@ def begin(bank: BankArrays, ground: Ground, states: Array, rows: Array) -> None:
 
 
 @kernel
-def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
+def recompute_from_frames(bank: BankArrays, ground: Ground, s: Array) -> None:
     """Makes phases and ways those of a bank, for characters that come from another one."""
     for c in range(0, len(s), col.COLUMNS):
         for number in range(int(s[c + col.LOCOMOTIONS])):
-            settle_slot(bank, s, locomotion_slot(c, number))
-            keep_way(bank, ground, s, locomotion_slot(c, number))
+            recompute_slot(bank, s, locomotion_slot(c, number))
+            keep_path(bank, ground, s, locomotion_slot(c, number))
         for number in range(int(s[c + col.ACTIONS])):
-            settle_slot(bank, s, action_slot(c, number))
+            recompute_slot(bank, s, action_slot(c, number))
         if s[c + col.WHEN] > col.NEVER:  # what has begun stays there, and its clip is one of the other bank's
-            settle_slot(bank, s, c + col.NEXT_ACTION)
+            recompute_slot(bank, s, c + col.NEXT_ACTION)
 
 
 @kernel
-def settle_slot(bank: BankArrays, s: Array, slot: int) -> None:
+def recompute_slot(bank: BankArrays, s: Array, slot: int) -> None:
     clip = int(s[slot + col.CLIP])
     s[slot + col.FRAME] = min(s[slot + col.FRAME], bank.clips[clip, arrays.ROW_COUNT] - 1.0)
     s[slot + col.PHASE] = phase_of(bank, clip, s[slot + col.FRAME])
@@ -137,7 +137,7 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
         dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
         share = s[slot + col.SHARE]
         x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
-    dx, dz = seen(-s[c + col.SIN], s[c + col.COS], x, z)
+    dx, dz = in_turned_frame(-s[c + col.SIN], s[c + col.COS], x, z)
     s[c + col.PLACE] += dx
     s[c + col.PLACE + 1] += y
     s[c + col.PLACE + 2] += dz
@@ -203,22 +203,22 @@ def travelled(
 ) -> tuple[float, float, float, float]:
     """The way from the frame whose way a slot keeps to its new frame, `rounds` of its loop later, as seen from where it
     began; keeps the new one."""
-    x0, y0, z0, h0 = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2], s[slot + col.WAY + 3]
-    sin, cos = s[slot + col.WAY_SIN], s[slot + col.WAY_COS]
+    x0, y0, z0, h0 = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2], s[slot + col.PATH + 3]
+    sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
     x = y = z = turn = 0.0
     if rounds > 0.0:
         clip = int(s[slot + col.CLIP])
-        x1, y1, z1, h1 = way(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
-        x, z = seen(sin, cos, x1 - x0, z1 - z0)
+        x1, y1, z1, h1 = path_at(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
+        x, z = in_turned_frame(sin, cos, x1 - x0, z1 - z0)
         y, turn = y1 - y0, h1 - h0
-        x0, y0, z0, h0 = way(bank, ground, clip, frame_after_last(bank, clip))
+        x0, y0, z0, h0 = path_at(bank, ground, clip, frame_after_last(bank, clip))
         for _ in range(int(rounds) - 1):
-            dx, dz = seen(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
+            dx, dz = in_turned_frame(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
             x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
         sin, cos = math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn))
-    keep_way(bank, ground, s, slot)
-    dx, dz = seen(sin, cos, s[slot + col.WAY] - x0, s[slot + col.WAY + 2] - z0)
-    return x + dx, y + s[slot + col.WAY + 1] - y0, z + dz, turn + s[slot + col.WAY + 3] - h0
+    keep_path(bank, ground, s, slot)
+    dx, dz = in_turned_frame(sin, cos, s[slot + col.PATH] - x0, s[slot + col.PATH + 2] - z0)
+    return x + dx, y + s[slot + col.PATH + 1] - y0, z + dz, turn + s[slot + col.PATH + 3] - h0
 
 
 @inlined

@@ -37,14 +37,14 @@ def mask_of(limbs: Limbs, name: str) -> int:
     return mask
 
 
-def part_of_1(weight: float) -> float:
+def weight_in_range(weight: float) -> float:
     """A weight. Raises SettingsError if it is none."""
     if not 0.0 <= weight <= 1.0:
         raise SettingsError(f"weight {weight} does not lie between 0 and 1")
     return weight
 
 
-def at_least_0(label: str, value: float) -> float:
+def not_negative(label: str, value: float) -> float:
     """A number of seconds or the like. Raises SettingsError if it is below 0 or no number."""
     if not 0.0 <= value < np.inf:
         raise SettingsError(f"{label} {value} should be a number from 0 on")

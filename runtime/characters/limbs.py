@@ -14,7 +14,7 @@ from motionsplice.runtime.format.rows import FIRST_JOINT, Layout
 def limbs_of(skeleton: Skeleton, roles: Roles, layout: Layout) -> Limbs:
     """Each limb from where it parts from the spine on: arms with their collar bones, the head with its neck."""
     part_of_lane = np.zeros(layout.upper.width, np.int64)
-    ways = {part: way_to(skeleton, roles, tip) for part, tip in tips(roles).items()}
+    ways = {part: chain_to_limb(skeleton, roles, tip) for part, tip in tips(roles).items()}
     longest = max((len(way) for way in ways.values()), default=0)
     attachments, lengths = np.full(PARTS, -1, np.int64), np.zeros(PARTS, np.int64)
     chains, columns = np.zeros((PARTS, max(longest, 1)), np.int64), np.zeros((PARTS, max(longest, 1)), np.uint64)
@@ -36,7 +36,7 @@ def tips(roles: Roles) -> dict[int, int]:
     return {LEFT_ARM: roles.left_shoulder, RIGHT_ARM: roles.right_shoulder, HEAD_AND_NECK: tip}
 
 
-def way_to(skeleton: Skeleton, roles: Roles, tip: int) -> list[int]:
+def chain_to_limb(skeleton: Skeleton, roles: Roles, tip: int) -> list[int]:
     """The joints from the pelvis's child to where a limb parts from the spine; none if the rig is not so built."""
     arms = (roles.left_shoulder, roles.right_shoulder)
     chest = common_ancestor(skeleton.parents, arms)

@@ -13,7 +13,7 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, weigh_lanes
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
-from motionsplice.runtime.characters.transition_kernels import seen
+from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.characters.turning_kernels import turn_limbs, turn_pelvis
 from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
@@ -121,14 +121,14 @@ def mix_lower(
         slot = locomotion_slot(c, number)
         clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         row, t = row_of(bank, clip, frame)
-        px, py, pz = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2]
+        px, py, pz = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2]
         t32 = np.float32(t)
         sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
         dx = between_rows(bank.lower, row, np.uint64(ROOT), t32) - px
         dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t32) - pz
         share = s[slot + col.SHARE] if count > 1 else 1.0
-        sin, cos = s[slot + col.WAY_SIN], s[slot + col.WAY_COS]
-        dx, dz = seen(sin, cos, dx, dz)
+        sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
+        dx, dz = in_turned_frame(sin, cos, dx, dz)
         x, z = x + share * dx, z + share * dz
         y += share * (between_rows(bank.lower, row, np.uint64(ROOT + 1), t32) - py)
         turn_about_y(lanes, first_joint, -sin, cos)
@@ -144,7 +144,7 @@ def mix_lower(
     if s[c + col.IN_PLACE] == 0.0:
         sin, cos = s[c + col.SIN], s[c + col.COS]
         turn_about_y(lanes, first_joint, sin, cos)
-        x, z = seen(-sin, cos, x, z)
+        x, z = in_turned_frame(-sin, cos, x, z)
         x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
     copy_lower(rig, lanes, rotations, character)

@@ -25,7 +25,7 @@ SIN, COS = 16, 17  # of half the heading
 
 # a slot of locomotion, from FIRST_LOCOMOTION on
 CLIP, PHASE, FRAME, WEIGHT, LAGGING, GOAL, ELAPSED, LASTING, CURVE, HEAD, LOOP, SHARE = range(12)
-WAY, WAY_SIN, WAY_COS = 12, 16, 17  # where the clip's path is at the frame; of half its heading
+PATH, PATH_SIN, PATH_COS = 12, 16, 17  # where the clip's path is at the frame; of half its heading
 LOCOMOTION_COLUMNS = 18
 FIRST_LOCOMOTION = 18
 # a slot of action: the same up to CURVE, LOOP and SHARE; HEAD is its kind

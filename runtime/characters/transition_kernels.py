@@ -25,14 +25,14 @@ UNKNOWN = np.inf  # a phase that nothing says
 
 
 @inlined
-def seen(sin: float, cos: float, x: float, z: float) -> tuple[float, float]:
+def in_turned_frame(sin: float, cos: float, x: float, z: float) -> tuple[float, float]:
     """A vector as seen after a turn about Y by twice the angle of sin and cos."""
     cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
     return cosine * x - sine * z, cosine * z + sine * x
 
 
 @inlined
-def way(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[float, float, float, float]:
+def path_at(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[float, float, float, float]:
     """A clip's path at a frame."""
     row, t = row_of(bank, clip, frame)
     x, y, z, h = ground.paths[row, 0], ground.paths[row, 1], ground.paths[row, 2], ground.paths[row, 3]
@@ -46,11 +46,11 @@ def way(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[floa
 
 
 @inlined
-def keep_way(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
+def keep_path(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
     """Keeps in a slot where its clip's path is at its frame."""
-    x, y, z, h = way(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
-    s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2], s[slot + col.WAY + 3] = x, y, z, h
-    s[slot + col.WAY_SIN], s[slot + col.WAY_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
+    x, y, z, h = path_at(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+    s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2], s[slot + col.PATH + 3] = x, y, z, h
+    s[slot + col.PATH_SIN], s[slot + col.PATH_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
 
 
 @kernel
@@ -131,7 +131,7 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
         s[slot + col.ELAPSED], s[slot + col.LASTING] = 0.0, s[c + col.NEXT_LASTING]
         s[slot + col.CURVE], s[slot + col.LOOP] = s[c + col.NEXT_CURVE], s[c + col.NEXT_LOOP]
         s[slot + col.HEAD] = count if number == 0 else 0.0
-        keep_way(bank, ground, s, slot)
+        keep_path(bank, ground, s, slot)
     is_new = s[c + col.LOCOMOTIONS] == 0.0
     s[c + col.LOCOMOTIONS], s[c + col.NEXT_COUNT] = first + count, 0.0
     share_locomotions(s, c)

@@ -37,7 +37,7 @@ def turn_pelvis(
             bx, by = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
             bz, bw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
         else:
-            bx, by, bz, bw = mixing.kept[lane, 0], mixing.kept[lane, 1], mixing.kept[lane, 2], mixing.kept[lane, 3]
+            bx, by, bz, bw = mixing.turns[lane, 0], mixing.turns[lane, 1], mixing.turns[lane, 2], mixing.turns[lane, 3]
         if kind != col.OWN and share > 0.0:
             signed = share if x * bx + y * by + z * bz + w * bw >= 0.0 else -share
             x, y, z, w = x + signed * bx, y + signed * by, z + signed * bz, w + signed * bw
@@ -67,7 +67,7 @@ def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: in
                 x, y, z, w, lanes[at], lanes[at + np.uint64(1)], lanes[at + np.uint64(2)], lanes[at + np.uint64(3)]
             )
         to = 4 * part
-        mixing.kept[k, to], mixing.kept[k, to + 1], mixing.kept[k, to + 2], mixing.kept[k, to + 3] = x, y, z, w
+        mixing.turns[k, to], mixing.turns[k, to + 1], mixing.turns[k, to + 2], mixing.turns[k, to + 3] = x, y, z, w
 
 
 @kernel
@@ -106,10 +106,10 @@ def turn_limbs(
                     py,
                     pz,
                     pw,
-                    mixing.kept[lane, at],
-                    mixing.kept[lane, at + 1],
-                    mixing.kept[lane, at + 2],
-                    mixing.kept[lane, at + 3],
+                    mixing.turns[lane, at],
+                    mixing.turns[lane, at + 1],
+                    mixing.turns[lane, at + 2],
+                    mixing.turns[lane, at + 3],
                 )
                 x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
                 column = limbs.columns[part, length - 1]

@@ -131,7 +131,7 @@ def sample_action(
     elif kind == NAIVE:
         for i in range(4):
             block[(SPLICED + i) * BLOCK + k] = 0.0
-            mixing.kept[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
+            mixing.turns[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
 
 
 @kernel

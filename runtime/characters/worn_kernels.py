@@ -20,10 +20,10 @@ def wear_hands(bank: BankArrays, s: Array, c: int, clip: int, row: Index, t: Rea
     """
     count = int(s[c + col.HANDS])
     for number in range(count):
-        fade, given = shown(bank, s, hands_slot(c, number), clip)
+        fade, given = fade_and_weight(bank, s, hands_slot(c, number), clip)
         weight = fade * given
         for over in range(number + 1, count):
-            fade, covering = shown(bank, s, hands_slot(c, over), clip)
+            fade, covering = fade_and_weight(bank, s, hands_slot(c, over), clip)
             # what is laid over them leaves 1 - fade * covering of them, where 1 - fade should be left
             weight *= (1.0 - fade) / (1.0 - fade * covering) if fade < 1.0 else 0.0
         if weight > 0.0:
@@ -31,7 +31,7 @@ def wear_hands(bank: BankArrays, s: Array, c: int, clip: int, row: Index, t: Rea
 
 
 @inlined
-def shown(bank: BankArrays, s: Array, slot: int, clip: int) -> tuple[float, float]:
+def fade_and_weight(bank: BankArrays, s: Array, slot: int, clip: int) -> tuple[float, float]:
     """How far hands are faded in, and how much of them is then shown on a clip."""
     worn = int(s[slot + col.CLIP])
     lies = worn != col.BARE and bank.hand_rows[worn, clip] >= 0

@@ -87,7 +87,7 @@ def turn_pelves(
 ) -> None:
     """Turns the pelvis of each splice of a block, in SPLICED, from the locomotion's to the splice's."""
     horn(block)
-    settle(requests, memory, block, first, count)
+    hold_unclear_alignments(requests, memory, block, first, count)
     multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
     multiply(block, THEIRS, OWN, TURN, BACK)
     other_postures(bank, requests, memory, share, block, first, count)
@@ -98,7 +98,7 @@ def turn_pelves(
 
 
 @kernel
-def settle(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
+def hold_unclear_alignments(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
     """Where no alignment is clearly the best: the last one that was, if there is a memory; else none."""
     for k in range(count):
         if requests[first + k]["method"] == SPLICE:

@@ -94,7 +94,7 @@ class Bank:
 
     @property
     def digest(self) -> str:
-        """BLAKE2b digest of the manifest, in hex. Equal digests mean equal banks."""
+        """BLAKE2b digest of the manifest's body, in hex. Equal digests mean equal banks."""
         return self.manifest.digest
 
     @property

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import clip_references as references
 from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action, waiting_action, waiting_stop
-from motionsplice.runtime.characters.clip_references import invalid_rows, missing_names, newest_mix, renumbered
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
@@ -79,7 +79,7 @@ class Characters:
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
         if not 0.0 < rate < np.inf:
             raise SettingsError(f"the rate is {rate}, expected a positive number of frames per second")
-        if len(invalid := invalid_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
+        if len(invalid := references.invalid_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
             problem = f"row {invalid[0]} is not a valid character state for this bank"
             raise SettingsError(problem, mend="Was it saved with another bank?")
         self._share = Memory.begin(0, rate).share
@@ -177,7 +177,7 @@ class Characters:
         given = shares_of(self.stage.bank, weights)
         goals = []
         for row in self._numbers(rows):
-            clips, at = newest_mix(self.state[row])
+            clips, at = references.newest_mix(self.state[row])
             if missing := given.keys() - set(clips):
                 name = self.stage.bank.clips[min(missing)].name
                 raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
@@ -202,18 +202,12 @@ class Characters:
         self._wait(rows, waiting_stop(blend, curve), col.NOW)
 
     def wear(
-        self,
-        rows: Rows,
-        hands: str | None,
-        *,
-        blend: float = BLEND,
-        curve: col.Curve = "smooth",
-        weight: float = 1.0,
+        self, rows: Rows, hands: str | None, *, blend: float = BLEND, curve: col.Curve = "smooth", weight: float = 1.0
     ) -> None:
         """Lays hands over the clips to which they are aligned. They replace other hands.
 
-        A clip to which they are not aligned keeps its own hands. While two are still being blended, a third waits; newer
-        hands replace it.
+        A clip to which they are not aligned keeps its own hands. While two are still being blended, a third waits; a
+        newer one replaces it.
 
         Args:
             rows: The characters.
@@ -234,14 +228,11 @@ class Characters:
         """Sets the weight of the newest action, 0 to 1. Characters follow within about a tenth of a second."""
         weight_in_range(weight)
         for row in self._numbers(rows):
-            s = self.state[row]
-            if s[col.WHEN]:
-                s[col.NEXT_ACTION + col.GOAL] = weight
-            elif s[col.ACTIONS]:
-                s[col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS + col.GOAL] = weight
+            if (slot := references.newest_action(self.state[row])) is not None:
+                self.state[row, slot + col.GOAL] = weight
 
     def place(self, rows: Rows, position: Sequence[float], heading: float = 0.0) -> None:
-        """Moves characters to a position [3], metres, of the ground below them, and a heading, radians about Y from Z."""
+        """Moves characters to a position [3] on the ground, metres, and a heading, radians about Y from Z."""
         if np.shape(position) != (3,) or not np.isfinite([*position, heading]).all():
             raise SettingsError("a position must be three finite numbers, and a heading one")
         self.state[rows, col.PLACE : col.PLACE + 3] = position
@@ -276,11 +267,11 @@ class Characters:
 
     def missing_clips(self, bank: Bank) -> set[str]:
         """Returns the names of clips and hands, played or waiting, that another bank does not have."""
-        return missing_names(self.state, self.stage.bank, bank)
+        return references.missing_names(self.state, self.stage.bank, bank)
 
     def moved(self, stage: Stage) -> Characters:
         """Returns copies on another bank, at the same frames. Raises UnknownClipError if it lacks a clip or hands."""
-        state = renumbered(self.state, self.stage.bank, stage.bank)
+        state = references.renumbered(self.state, self.stage.bank, stage.bank)
         clock_kernels.recompute_from_frames(stage.evaluator.arrays, stage.ground, state.reshape(-1))
         return Characters(stage, self.rate, state)
 

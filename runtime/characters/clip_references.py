@@ -81,10 +81,17 @@ def renumbered(state: States, bank: Bank, other: Bank) -> States:
 
 
 def newest_mix(s: States) -> tuple[list[int], Numbers]:
-    """Returns the clips of the group that waits in a row, else of the newest group, and the columns of their weights."""
+    """Returns the clips of a row's waiting group, else of its newest group, and the columns of their weights."""
     if s[col.NEXT_COUNT]:
         numbers = np.arange(int(s[col.NEXT_COUNT]))
         return s[col.NEXT_CLIPS + numbers].astype(int).tolist(), col.NEXT_WEIGHTS + numbers
     slots = col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS * np.arange(int(s[col.LOCOMOTIONS]))
     newest = slots[np.flatnonzero(s[slots + col.HEAD])[-1] :]
     return s[newest + col.CLIP].astype(int).tolist(), newest + col.GOAL
+
+
+def newest_action(s: States) -> int | None:
+    """Returns the first column of a row's waiting action, else of its newest action; None if it has no action."""
+    if s[col.WHEN]:
+        return col.NEXT_ACTION
+    return col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS if s[col.ACTIONS] else None

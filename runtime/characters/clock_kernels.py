@@ -226,8 +226,7 @@ def travelled(
 
 @inlined
 def step(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float) -> int:
-    """Sets the events of strides and feet, by the locomotion with the largest share; returns the bits of feet coming
-    down."""
+    """Sets the events of strides and feet, by the locomotion with the largest share; returns bits of feet set down."""
     slot = leading(s, c)
     phase, now = s[slot + col.PHASE], feet_of(bank, ground, s, slot)
     before, events = int(s[c + col.STANDING]), int(s[c + col.EVENTS])

@@ -1,8 +1,7 @@
-"""The poses of characters: what their slots give, mixed.
+"""Evaluates the poses of characters by mixing their slots.
 
-Lower bodies are mixed first, so that each action
-is laid on the lower body that is shown; then upper bodies, part by part. Of one locomotion and one action, neither of
-them fading, nothing is mixed.
+Lower bodies are mixed first, so that each action is spliced onto the mixed lower body. Upper bodies are mixed next,
+part by part. One locomotion and one action without a fade take a path without mixing.
 """
 
 from __future__ import annotations
@@ -69,13 +68,13 @@ def evaluate_characters(
 
 @inlined
 def lanes_of(s: Array, c: int) -> int:
-    """Lanes of a block that a character takes: one for each action, and one without."""
+    """Returns the number of lanes of a block that a character needs: one for each action, at least one."""
     return max(int(s[c + col.ACTIONS]), 1)
 
 
 @inlined
 def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
-    """Has the processor fetch the rows of all slots."""
+    """Prefetches the rows of all slots of a character."""
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
         clip = int(s[slot + col.CLIP])
@@ -94,7 +93,7 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
 
 @inlined
 def fetch_worn(bank: BankArrays, s: Array, c: int, clip: int, row: Index) -> None:
-    """The same of all hands that are worn, on a clip."""
+    """Prefetches the rows of all hands that a character wears on a clip."""
     for number in range(int(s[c + col.HANDS])):
         fetch_hands(bank, int(s[hands_slot(c, number) + col.CLIP]), clip, row)
 
@@ -112,7 +111,7 @@ def mix_lower(
     roots: Array,
     rotations: Array,
 ) -> None:
-    """Samples the lower half of all locomotions into lanes, mixed, and writes root and joints into the pose."""
+    """Mixes the lower halves of all locomotions into lanes, and writes root and joints into the pose."""
     rig = bank.rig
     count, width, planes = int(s[c + col.LOCOMOTIONS]), rig[arrays.LOWER_WIDTH], rig[arrays.FIRST_PLANE]
     first_joint = np.uint64(4 * FIRST_JOINT)
@@ -153,7 +152,7 @@ def mix_lower(
 
 @inlined
 def turn_about_y(lanes: Array, at: Index, sin: float, cos: float) -> None:
-    """A rotation in lanes, turned about Y by twice the angle of sin and cos."""
+    """Turns a rotation in lanes about Y by twice the angle of sin and cos."""
     x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
     lanes[at], lanes[at + ONE] = cos * x + sin * z, cos * y + sin * w
     lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE] = cos * z - sin * x, cos * w - sin * y

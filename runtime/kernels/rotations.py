@@ -114,7 +114,7 @@ def normalise(block: Array, q: int) -> None:
 def minors(
     a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
 ) -> tuple[float, ...]:
-    """Returns the 2x2 minors of the upper two rows of [[a, ab, ac, ad], [ab, b, bc, bd], ...], then of the lower two."""
+    """Returns 2x2 minors of the upper two rows of [[a, ab, ac, ad], [ab, b, bc, bd], ...], then of the lower two."""
     return (
         a * b - ab * ab,
         a * bc - ab * ac,

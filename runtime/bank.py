@@ -209,7 +209,7 @@ class Bank:
         """Returns the error for hands that are not aligned to the clip `body`; it lists the clips they fit."""
         bodies = ", ".join(repr(one.body) for one in self.hands if one.name == name)
         problem = f"hands {name!r} are not aligned to clip {body!r}"
-        return UnknownClipError(problem, mend=f"Use a clip that they are aligned to: {bodies}")
+        return UnknownClipError(problem, mend=f"They are aligned to {bodies}")
 
     def neutral(self, name: str) -> str:
         """Returns the name of the neutral of a clip: the clip that its posture is relative to.

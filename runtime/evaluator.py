@@ -256,7 +256,7 @@ class Evaluator:
             ("posture", request["posture"], len(POSTURES)),
         ):
             if not 0 <= number < top:
-                return SettingsError(f"{label} number {number} is outside 0 to {top - 1}", place=place)
+                return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
         if (hands_fault := self._fault_of_hands(request, place)) is not None:
             return hands_fault
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
@@ -272,7 +272,7 @@ class Evaluator:
         """Returns the error if the hands of a request are unknown or not aligned to its upper body, else None."""
         hands, count = int(request["hands"]) - 1, len(self.bank.hand_clips)
         if hands >= count:
-            return SettingsError(f"hands number {hands + 1} is outside 0 to {count}", place=place)
+            return SettingsError(f"hands number {hands + 1} lies outside 0 to {count}", place=place)
         upper = self.bank.clips[request["locomotion" if request["method"] == NONE else "action"]].name
         if hands >= 0 and self.arrays.hand_rows[hands, self.bank.number(upper)] < 0:
             fault = self.bank.hands_not_aligned(self.bank.hand_clips[hands], upper)

@@ -183,7 +183,7 @@ def time_fault(label: str, seconds: float, clip: ClipEntry, place: str = "") -> 
     """Returns the error if a time in seconds is NaN or outside a clip, else None."""
     if seconds >= 0.0 and (seconds - LATE) * clip.rate <= clip.frame_count - 1.0:
         return None
-    problem = f"{label} {seconds} s is outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
+    problem = f"{label} {seconds} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
     return TimeRangeError(problem, place=place, mend=f"Give a {label} from 0 to {clip.duration:.3f}")
 
 

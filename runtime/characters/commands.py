@@ -51,7 +51,7 @@ def shares_of(bank: Bank, locomotion: Locomotion) -> dict[int, float]:
     given = {locomotion: 1.0} if isinstance(locomotion, str) else dict(locomotion)
     total = sum(given.values())
     if not 1 <= len(given) <= col.MOST_MIXED:
-        raise SettingsError(f"cannot mix {len(given)} locomotions", mend=f"Name 1 to {col.MOST_MIXED}")
+        raise SettingsError(f"{len(given)} locomotions cannot be mixed", mend=f"Name 1 to {col.MOST_MIXED}")
     if not (min(given.values()) >= 0.0 and 0.0 < total < np.inf):
         raise SettingsError("the weights of locomotions must be 0 or more, finite, and not all 0")
     return {bank.number(name): weight / total for name, weight in given.items()}
@@ -70,7 +70,7 @@ def mask_of(limbs: Limbs, name: str) -> int:
 def weight_in_range(weight: float) -> float:
     """Returns the weight. Raises SettingsError if it is NaN or outside 0 to 1."""
     if not 0.0 <= weight <= 1.0:
-        raise SettingsError(f"weight {weight} is outside 0 to 1")
+        raise SettingsError(f"weight {weight} lies outside 0 to 1")
     return weight
 
 

@@ -278,7 +278,7 @@ def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Any, erro
 
 def test_requests_for_hands_that_cannot_be_laid_are_refused(hands_bank: Bank, bank: Bank) -> None:
     evaluator = Evaluator(hands_bank)
-    with pytest.raises(UnknownClipError, match=r"not aligned to clip 'wave'. They are to 'counting', 'run'"):
+    with pytest.raises(UnknownClipError, match=r"not aligned to clip 'wave'. They are aligned to 'counting', 'run'"):
         evaluator.pose(Splice("walk", "wave", hands="counting_hands"), 0.0)
     with pytest.raises(UnknownClipError, match="no hands 'wave'"):
         evaluator.pose(Splice("walk", hands="wave"), 0.0)

@@ -275,7 +275,7 @@ def test_a_state_with_more_slots_than_there_are_is_refused(one: Setup, column: i
     characters.add(2, "walk")
     state = characters.state.copy()
     state[1, column] = number
-    with pytest.raises(SettingsError, match="character 1 "):
+    with pytest.raises(SettingsError, match="row 1 "):
         Characters(characters.stage, RATE, state)
 
 
@@ -294,7 +294,7 @@ def test_a_state_of_clips_that_the_bank_has_not_is_refused(one: Setup, number: f
     for sound, column in ((waits, col.NEXT_ACTION), *((characters.state, place) for place in places)):
         state = sound.copy()
         state[1, column] = number
-        with pytest.raises(SettingsError, match=r"character 1 .*another bank"):
+        with pytest.raises(SettingsError, match=r"row 1 .*another bank"):
             Characters(characters.stage, RATE, state)
 
 
@@ -302,7 +302,7 @@ def test_a_state_of_hands_that_the_bank_has_not_is_refused(one: Setup) -> None:
     characters = one()
     characters.add(2, "walk")
     characters.state[1, [col.HANDS, col.FIRST_HANDS]] = 1.0, 0.0  # this bank has none
-    with pytest.raises(SettingsError, match=r"character 1 .*another bank"):
+    with pytest.raises(SettingsError, match=r"row 1 .*another bank"):
         Characters(characters.stage, RATE, characters.state)
 
 

@@ -153,7 +153,7 @@ def rotation_between(rotations: Floats, frame: float) -> Floats:
 
 
 def gap(target: Floats, source: Floats) -> float:
-    """How clearly one rotation is the best: the two largest eigenvalues' difference in Horn's matrix over the largest.
+    """How clearly one rotation is the best: the difference of Horn's two largest eigenvalues over the largest.
 
     It is 2 (s2 +- s3) / (s1 + s2 +- s3), with the singular values of the correlation; minus if it mirrors.
     """

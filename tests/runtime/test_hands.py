@@ -57,9 +57,7 @@ def test_locomotion_action_and_hands_are_composed_by_table_look_up(hands_bank: B
     their_joints = fingers(rig, find_roles(rig))
     others = [joint for joint in range(hands_bank.skeleton.joint_count) if joint not in joints]
     for pose, bare, frame, truth in zip(poses, plain, at, wanted, strict=True):
-        np.testing.assert_allclose(
-            pose[others], bare[others], rtol=0.0, atol=1e-6
-        )  # elbows and wrists come from another table
+        np.testing.assert_allclose(pose[others], bare[others], rtol=0.0, atol=1e-6)  # elbows and wrists have other rows
         if not np.isnan(frame):
             assert quaternion.angle(pose[joints], truth[their_joints]).max() < 0.12  # within a key or two
 
@@ -217,11 +215,8 @@ def test_hands_of_low_weight_replace_others_without_a_jump(one: Setup, over: str
     characters.wear([0], "counting_hands", blend=0.0)
     characters.wear([0], over, blend=0.5, weight=0.3)
     wanted.wear([0], over, blend=0.0, weight=0.3)
-    steps, before, distance = (
-        [],
-        rotations_of(characters),
-        quaternion.angle(rotations_of(characters), rotations_of(wanted)).max(),
-    )
+    steps, before = [], rotations_of(characters)
+    distance = quaternion.angle(before, rotations_of(wanted)).max()
     for _ in range(31):
         characters.advance()
         now = rotations_of(characters)

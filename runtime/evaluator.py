@@ -265,7 +265,7 @@ class Evaluator:
         return SettingsError(
             "posture 'running' is a mean over earlier frames and needs a memory of them",
             place=place,
-            mend="Evaluate frame by frame with a Memory, or request a whole clip",
+            mend="Evaluate frame by frame with a Memory, or ask for a whole clip",
         )
 
     def _fault_of_hands(self, request: Any, place: str) -> SettingsError | None:

@@ -1,4 +1,4 @@
-"""What one character plays, by name."""
+"""The record of a splice."""
 
 from __future__ import annotations
 
@@ -9,17 +9,19 @@ from motionsplice.runtime.requests import Method, Posture
 
 @dataclass(frozen=True, slots=True)
 class Splice:
-    """The upper body of one clip on the lower body of another. `dataclasses.asdict` gives the parameters of a request.
+    """The upper body of one clip on the lower body of another.
+
+    The fields have the names of an HTTP request's parameters, so `dataclasses.asdict` gives such a request.
 
     Attributes:
         locomotion: Name of the clip that gives the root and the lower body.
         action: Name of the clip that gives the upper body; None plays the locomotion alone.
-        start: Seconds into the action before which it does not begin. It begins at the first frame from there on that
-            is in step with the locomotion's first frame.
+        start: Seconds into the action: its earliest frame. The action begins at the first frame from there on that is
+            in step with the locomotion's first frame.
         method: `splice`, `naive` (plain replacement of the upper body) or `none` (the locomotion alone).
         posture: How the action's posture is kept: `relative`, `absolute`, `running` (needs a Memory) or `off`
             (docs/method.md).
-        hands: Name of the hands laid on the clip that gives the upper body; None keeps that clip's own.
+        hands: Name of the hands clip to lay on the clip that gives the upper body; None keeps this clip's own hands.
     """
 
     locomotion: str
@@ -32,5 +34,5 @@ class Splice:
 
     @property
     def name(self) -> str:
-        """The locomotion, and the action if there is one: `walk+wave`."""
+        """Name of the result: `walk+wave`, or `walk` without an action."""
         return self.locomotion if self.action is None else f"{self.locomotion}+{self.action}"

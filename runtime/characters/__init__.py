@@ -1,6 +1,4 @@
-"""What a game does with splices: state, commands, transitions, masks and root motion.
+"""The parts of characters: state, commands, transitions, masks, mixing and root motion.
 
-Imported by `character` and `stage`.
-
-Kernels follow the rules of `runtime.kernels`; a step takes constant time.
+Used by `character` and `stage`. Kernels follow the rules of `runtime.kernels`; a step takes constant time.
 """

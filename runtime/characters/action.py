@@ -1,4 +1,4 @@
-"""An action that a character is to play, as a record and as the numbers of a slot."""
+"""Actions for characters: the record, and the slot that it fills."""
 
 from __future__ import annotations
 
@@ -11,29 +11,30 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs
-from motionsplice.runtime.characters.commands import BLEND, at_least_0, mask_of, part_of_1
+from motionsplice.runtime.characters.commands import BLEND, mask_of, not_negative, weight_in_range
 from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Method, Posture, known, time_fault
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """An upper body over what a character plays. The WebSocket's command `act` has the same keys.
+    """An upper body to play over a character's locomotion. The WebSocket's command `act` has the same keys.
 
     Attributes:
         clip: Name of the clip that gives the upper body.
-        when: `now`, in step, at the first moment from `start` on; `phase`, when `start` itself is in step; or
-            `left_foot`, `right_foot` or `foot`, when that foot comes down.
-        start: Seconds into the clip before which it does not begin.
+        when: When the action begins. `now`: at once, at the first frame from `start` on that is in step. `phase`: as
+            soon as the locomotion is in step with `start`. `left_foot`, `right_foot` or `foot`: when this foot, or
+            either, comes down.
+        start: Seconds into the clip: its earliest frame.
         blend: Seconds to fade in.
         blend_out: Seconds to fade out before the clip ends, if it does not loop.
         curve: Shape of both fades: `linear`, `smooth`, `ease_in` or `ease_out`.
-        weight: How much of the action is shown, 0 to 1.
-        mask: Which joints it owns: `upper_body`, `left_arm`, `right_arm`, `arms` or `head`.
+        weight: Weight of the action over what is below it, 0 to 1.
+        mask: The joints that the action owns: `upper_body`, `left_arm`, `right_arm`, `arms` or `head`.
         method: `splice`, or `naive` for plain replacement.
         posture: How the action's posture is kept, as in `Splice`.
-        loop: Whether it goes on by whole strides at its end.
-        own_clock: Whether it plays at its own speed instead of in step; or the two times of the clip, in seconds,
-            between which it does.
+        loop: Whether the action jumps back by whole strides at its end and goes on, instead of fading out.
+        own_clock: Whether the action plays at its own speed instead of in step; or a pair of times of the clip, in
+            seconds, between which it does.
     """
 
     clip: str
@@ -52,7 +53,7 @@ class Action:
 
 
 def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDArray[np.float64]:
-    """The action as a slot [ACTION_COLUMNS] that waits, for characters evaluated `rate` times a second.
+    """Returns the action as a slot [ACTION_COLUMNS] that waits to begin; `rate` is in evaluations per second.
 
     Raises UnknownClipError, TimeRangeError or SettingsError.
     """
@@ -62,14 +63,24 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
         raise fault
     own = (0.0, np.inf) if action.own_clock is True else action.own_clock or (np.inf, np.inf)
     if not 0.0 <= own[0] <= own[1]:
-        raise SettingsError(f"own_clock {own} is not a range of times", mend="Give two times, the earlier first")
+        raise SettingsError(
+            f"own_clock {own} is not a range of times", mend="Give start and end in seconds, the start first"
+        )
     slot = np.zeros(col.ACTION_COLUMNS)
     slot[col.CLIP], slot[col.KIND] = clip, known(METHODS, "method", action.method)
     slot[col.PHASE], slot[col.FRAME] = bank.phase_at(action.clip, action.start), action.start * entry.rate
-    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(action.weight)
-    slot[col.LASTING], slot[col.CURVE] = at_least_0("blend", action.blend), known(col.CURVES, "curve", action.curve)
-    slot[col.FADING_OUT], slot[col.LOOP] = at_least_0("blend_out", action.blend_out), action.loop
+    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(action.weight)
+    slot[col.LASTING], slot[col.CURVE] = not_negative("blend", action.blend), known(col.CURVES, "curve", action.curve)
+    slot[col.FADING_OUT], slot[col.LOOP] = not_negative("blend_out", action.blend_out), action.loop
     slot[col.MASK], slot[col.POSTURE] = mask_of(limbs, action.mask), known(POSTURES, "posture", action.posture)
     slot[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
     slot[col.REMEMBERED :] = Memory.begin(1, rate).state[0]
+    return slot
+
+
+def waiting_stop(blend: float, curve: str) -> NDArray[np.float64]:
+    """Returns a slot [ACTION_COLUMNS] that waits to fade in the locomotion's own upper body. Raises SettingsError."""
+    slot = np.zeros(col.ACTION_COLUMNS)
+    slot[col.KIND], slot[col.MASK] = col.OWN, col.UPPER_BODY
+    slot[col.LASTING], slot[col.CURVE] = not_negative("blend", blend), known(col.CURVES, "curve", curve)
     return slot

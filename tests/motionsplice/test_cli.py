@@ -203,7 +203,7 @@ def test_errors_are_one_paragraph(
 
     splice = ["splice", bank.path, "--action", "wave", "--out", tmp_path / "out.bvh", "--locomotion"]
     assert "Did you mean 'walk'" in printed(*splice, "wlak")
-    assert "no such folder" in printed("inspect", tmp_path / "absent")
+    assert "folder not found" in printed("inspect", tmp_path / "absent")
     assert "file or folder not found" in printed("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
     unnamed = tmp_path / "unnamed.bvh"
     unnamed.write_bytes(dump_bvh(bank.motion("walk")).replace(b"LeftUpLeg", b"Alpha"))

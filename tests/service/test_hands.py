@@ -120,9 +120,9 @@ def test_without_hands_a_stream_says_so(hands_client: TestClient) -> None:
         ("locomotion=counting_hands", "the bank has no clip 'counting_hands'"),
         (
             "locomotion=run&action=wave&hands=counting_hands",
-            "'counting_hands' are not aligned to clip 'wave'. They are to 'counting', 'run'",
+            "'counting_hands' are not aligned to clip 'wave'. They are aligned to 'counting', 'run'",
         ),
-        ("locomotion=walk&hands=other_hands", "not aligned to clip 'walk'. They are to 'counting'"),
+        ("locomotion=walk&hands=other_hands", "not aligned to clip 'walk'. They are aligned to 'counting'"),
     ],
 )
 @pytest.mark.parametrize("path", ["pose", "splice", "stream"])

@@ -18,7 +18,7 @@ def test_every_folder_of_modules_is_a_room() -> None:
     assert kernels.modules == len(list((ROOT / "runtime" / "kernels").glob("*.py"))) - 1
     assert kernels.floors <= kernels.modules
     assert "motionsplice.runtime.characters" not in kernels.rooms
-    assert found["motionsplice.motion"].rooms == ()
+    assert found["motionsplice.runtime.simd"].rooms == ()
 
 
 def test_no_imports_go_in_a_circle() -> None:

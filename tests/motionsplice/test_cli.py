@@ -30,7 +30,7 @@ def run(*arguments: object) -> Result:
 
 
 def failure(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
-    """What the command prints to standard error as it exits with 1."""
+    """Runs a command that exits with 1. Returns what it prints to standard error."""
     monkeypatch.setattr(sys, "argv", ["motionsplice", *(str(argument) for argument in arguments)])
     with pytest.raises(SystemExit) as end:
         main()
@@ -84,13 +84,13 @@ def test_every_command_has_help_with_an_example(command: str) -> None:
     assert f"Example: motionsplice {command}" in run(command, "--help").output
 
 
-def test_precompute_shows_what_it_made(clip_folder: Path, tmp_path: Path) -> None:
-    shown = run("precompute", clip_folder, "--out", tmp_path / "bank", "--baseline", "walk", "--jobs", 1).output
+def test_precompute_lists_the_clips_of_the_bank(clip_folder: Path, tmp_path: Path) -> None:
+    output = run("precompute", clip_folder, "--out", tmp_path / "bank", "--baseline", "walk", "--jobs", 1).output
     for clip in Bank.open(tmp_path / "bank").clips:
-        assert clip.name in shown
+        assert clip.name in output
 
 
-def test_precompute_says_how_much_there_was_to_do(clip_folder: Path, tmp_path: Path) -> None:
+def test_precompute_prints_how_many_clips_were_unchanged(clip_folder: Path, tmp_path: Path) -> None:
     arguments = ["precompute", clip_folder, "--out", tmp_path / "bank", "--jobs", 1]
     assert "7 clips, 0 unchanged\n" in run(*arguments).output
     again = run(*arguments).output
@@ -101,15 +101,15 @@ def test_precompute_says_how_much_there_was_to_do(clip_folder: Path, tmp_path: P
     assert "8 clips, 7 unchanged\n" in run(*arguments, longer).output
 
 
-def test_the_automatic_baseline_may_be_asked_for_by_name(clip_folder: Path, tmp_path: Path) -> None:
+def test_the_automatic_baseline_can_be_requested_by_name(clip_folder: Path, tmp_path: Path) -> None:
     run("precompute", clip_folder, "--out", tmp_path / "asked", "--baseline", "auto", "--jobs", 1)
     run("precompute", clip_folder, "--out", tmp_path / "unsaid", "--jobs", 1)
     assert Bank.open(tmp_path / "asked").digest == Bank.open(tmp_path / "unsaid").digest
 
 
-def test_a_clip_that_fails_is_named_and_the_status_says_so(clip_folder: Path, tmp_path: Path) -> None:
+def test_a_clip_that_fails_is_named_and_the_exit_status_is_1(clip_folder: Path, tmp_path: Path) -> None:
     broken = tmp_path / "broken.bvh"
-    broken.write_bytes(b"nothing of the kind")
+    broken.write_bytes(b"not a motion file")
     arguments = ["precompute", str(clip_folder), str(broken), "--out", str(tmp_path / "bank"), "--jobs", "1"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 1
@@ -117,19 +117,19 @@ def test_a_clip_that_fails_is_named_and_the_status_says_so(clip_folder: Path, tm
     assert len(Bank.open(tmp_path / "bank").clips) == 7
 
 
-def test_inspect_shows_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank) -> None:
-    shown = run("inspect", hands_bank.path).output
+def test_inspect_lists_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank) -> None:
+    output = run("inspect", hands_bank.path).output
     fit = {(one.name, one.body): one.mismatch for one in hands_bank.hands}
     assert fit["counting_hands", "counting"] < 0.4 < fit["counting_hands", "run"]
-    assert f"{fit['counting_hands', 'counting']:.2f}" in shown
-    assert "counting_hands: its gestures do not seem to match those of 'run'" in shown
+    assert f"{fit['counting_hands', 'counting']:.2f}" in output
+    assert "counting_hands: its gestures do not seem to match those of 'run'" in output
 
 
 def test_inspect_shows_clips_and_their_alignment(bank: Bank) -> None:
-    shown = run("inspect", bank.path).output
+    output = run("inspect", bank.path).output
     for clip in bank.clips:
-        assert clip.name in shown
-        assert f"{clip.cycles:.2f}" in shown
+        assert clip.name in output
+        assert f"{clip.cycles:.2f}" in output
 
 
 @pytest.mark.parametrize("method", ["splice", "naive", "exact", "none"])
@@ -146,7 +146,7 @@ def test_splice_writes_the_motion(bank: Bank, tmp_path: Path, method: str, postu
         assert 0.5 * bank.clip("walk").frame_count < clip.frame_count <= bank.clip("walk").frame_count
 
 
-def test_a_splice_that_ends_before_its_locomotion_says_so(bank: Bank, tmp_path: Path) -> None:
+def test_a_splice_shorter_than_its_locomotion_is_reported(bank: Bank, tmp_path: Path) -> None:
     splice = f"splice {bank.path} --locomotion walk --action wave --out {tmp_path / 'out.bvh'} --method".split()
     shorter = f"{bank.clip('walk').duration:.2f} s"
     assert f" s of {shorter}" in run(*splice, "exact").output
@@ -163,14 +163,14 @@ def test_render_draws_sheets_and_animations(clip_folder: Path, tmp_path: Path) -
 
 
 def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
-    shown = run("demo", tmp_path).output
+    output = run("demo", tmp_path).output
     for kind in ("bvh", "png", "gif"):
         assert (tmp_path / f"curve+carry_cup.{kind}").stat().st_size > 1000
     assert read_clip(tmp_path / "count_steps+hands.bvh").clip.skeleton.joint_count == 52
-    assert "http://127.0.0.1:8000" in shown
+    assert "http://127.0.0.1:8000" in output
     assert Bank.open(tmp_path / "bank").clip("carry_box").kind == "action"
-    worn = read_hand_settings(tmp_path / "gestures" / "hands.toml")
-    assert {one.label: one.settings.hand for one in worn} == {
+    entries = read_hand_settings(tmp_path / "gestures" / "hands.toml")
+    assert {one.label: one.settings.hand for one in entries} == {
         "count_steps_hands on count_steps": "right",
         "directions_hands on directions": "both",
     }

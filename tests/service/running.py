@@ -16,12 +16,12 @@ from motionsplice.service.edge.config import EdgeConfig
 from motionsplice.service.server import listen
 from motionsplice.service.settings import Settings
 
-PATIENCE = 30.0  # seconds: far more than anything takes
-COMPILING = 600.0  # but for kernels that are compiled for the first time
+PATIENCE = 30.0  # seconds, far more than any step takes
+COMPILING = 600.0  # if kernels are compiled for the first time
 
 
 class Running:
-    """A running service, and what it holds."""
+    """A running service, and access to its state."""
 
     def __init__(self, config: EdgeConfig, server: uvicorn.Server, port: int) -> None:
         self.config = config
@@ -30,7 +30,7 @@ class Running:
         self.url = f"http://127.0.0.1:{port}"
 
     def connect(self, *sent: bytes, receive_buffer: int | None = None) -> socket.socket:
-        """A connection on which something was sent."""
+        """Connects, sends bytes, and returns the socket."""
         peer = socket.socket()
         if receive_buffer is not None:
             peer.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
@@ -42,13 +42,13 @@ class Running:
 
     @property
     def held(self) -> tuple[int, int, int, int]:
-        """Connections in the ledger and at uvicorn, tasks, streams."""
+        """Numbers of connections in the ledger and in uvicorn, of tasks, and of streams."""
         state, front = self.server.server_state, self.config.front
         return len(self.config.ledger), len(state.connections), len(state.tasks), len(front.shared.streams)
 
 
 def eventually(holds: Callable[[], bool], patience: float = PATIENCE) -> None:
-    """Waits until something holds, and fails if it does not come to that."""
+    """Waits until a condition holds, and fails after `patience` seconds."""
     deadline = time.monotonic() + patience
     while not holds():
         assert time.monotonic() < deadline
@@ -56,7 +56,7 @@ def eventually(holds: Callable[[], bool], patience: float = PATIENCE) -> None:
 
 
 def received(peer: socket.socket) -> bytes:
-    """All that a peer gets until the connection is closed."""
+    """Returns all bytes received until the connection is closed."""
     chunks = []
     try:
         while chunk := peer.recv(65536):
@@ -68,7 +68,7 @@ def received(peer: socket.socket) -> bytes:
 
 @contextmanager
 def running(path: Path, settings: Settings) -> Iterator[Running]:
-    """Serves a bank until left."""
+    """Serves a bank while the context lasts."""
     settings = settings.model_copy(update={"port": 0})
     listener, config = listen(settings), EdgeConfig(path, settings)
     server, port = uvicorn.Server(config), listener.getsockname()[1]

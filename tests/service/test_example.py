@@ -1,4 +1,4 @@
-"""The example of a client runs as it stands."""
+"""The example of a client runs unchanged."""
 
 from __future__ import annotations
 

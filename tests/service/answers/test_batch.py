@@ -95,12 +95,12 @@ def test_any_hands_on_any_clips_are_shown_or_refused(
         poses = evaluator.poses(len(requests))
         evaluator.evaluate(requests, poses)
         np.testing.assert_allclose(np.linalg.norm(poses.rotations, axis=-1), 1.0, atol=1e-5)
-        for pose, (name, second, worn), time in zip(poses.rotations, named, times, strict=True):
-            alone = evaluator.pose(Splice(name, second, method=method, hands=worn), time)  # type: ignore[arg-type]
+        for pose, (name, second, laid), time in zip(poses.rotations, named, times, strict=True):
+            alone = evaluator.pose(Splice(name, second, method=method, hands=laid), time)  # type: ignore[arg-type]
             np.testing.assert_array_equal(pose, alone.rotations[0])
 
 
-def test_no_characters_are_none(bank: Bank) -> None:
+def test_a_batch_may_be_empty(bank: Bank) -> None:
     batch = Batch.from_json(_json({"clips": [], "locomotion": [], "time": []}), MOST)
     assert len(batch.requests(bank)) == 0
 
@@ -122,7 +122,7 @@ def test_no_characters_are_none(bank: Bank) -> None:
     ],
 )
 @pytest.mark.parametrize("form", ["msgpack", "json"])
-def test_what_is_wrong_is_named(change: dict[str, Any], words: str, form: str) -> None:
+def test_an_error_names_the_key(change: dict[str, Any], words: str, form: str) -> None:
     batch = GOOD | change
     read, body = (Batch.from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
     with pytest.raises(RequestError) as caught:
@@ -131,7 +131,7 @@ def test_what_is_wrong_is_named(change: dict[str, Any], words: str, form: str) -
 
 
 @pytest.mark.parametrize("key", ["clips", "locomotion", "time"])
-def test_what_is_missing_is_named(key: str) -> None:
+def test_a_missing_key_is_named(key: str) -> None:
     less = {name: value for name, value in GOOD.items() if name != key}
     with pytest.raises(RequestError, match=f"{key}: missing"):
         Batch.from_msgpack(as_msgpack(less), MOST)
@@ -140,7 +140,7 @@ def test_what_is_missing_is_named(key: str) -> None:
 
 
 @pytest.mark.parametrize("times", [[0.5, 1.0, "2"], [0.5, None, 1.0], [True, 1.0, 1.0], 3])
-def test_json_takes_numbers_only(times: Any) -> None:
+def test_json_must_have_numbers(times: Any) -> None:
     with pytest.raises(RequestError, match="time: expected a list of numbers"):
         Batch.from_json(_json(GOOD | {"time": times}), MOST)
     with pytest.raises(RequestError, match="locomotion: expected a list of whole numbers"):
@@ -149,7 +149,7 @@ def test_json_takes_numbers_only(times: Any) -> None:
         Batch.from_json(_json(GOOD | {"locomotion": [0, 2**40, 0]}), MOST)
 
 
-def test_blobs_of_odd_size_are_refused() -> None:
+def test_blobs_of_wrong_size_are_refused() -> None:
     packed = msgpack.packb(GOOD | {"locomotion": b"123"} | dict.fromkeys(("time", "action", "start"), b""))
     with pytest.raises(RequestError, match="locomotion: expected a blob of 4 bytes for each character"):
         Batch.from_msgpack(packed, MOST)
@@ -163,7 +163,7 @@ def test_too_many_are_refused() -> None:
         Batch.from_msgpack(as_msgpack(GOOD | {"clips": ["walk"] * 51}), MOST)
 
 
-def test_unknown_clips_are_answered_with_the_near_ones(bank: Bank) -> None:
+def test_an_error_about_an_unknown_clip_suggests_similar_names(bank: Bank) -> None:
     batch = Batch.from_json(_json(GOOD | {"clips": ["wlak", "wave", "run"]}), MOST)
     with pytest.raises(UnknownClipError, match="Did you mean 'walk'"):
         batch.requests(bank)

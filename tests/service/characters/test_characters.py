@@ -17,11 +17,11 @@ from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
 
 WALK = {"do": "create", "id": 7, "locomotion": "walk"}
-FRAGMENTS = b"\x01\x80mask" + 1023 * b"\x00\x80mask"  # of one message that does not end
+FRAGMENTS = b"\x01\x80mask" + 1023 * b"\x00\x80mask"  # of a message that never ends
 
 
 def twin(bank: Bank, *commands: tuple[str, dict[str, Any]], frames: int = 0) -> tuple[Any, Any]:
-    """Root position [3] and rotations [J, 4] of a character that was added and commanded, after so many frames."""
+    """Returns the root position [3] and rotations [J, 4] of a character `frames` frames after its commands."""
     characters = Characters(Stage(Evaluator(bank)), 60.0)
     for do, values in commands:
         command(characters, do, values)
@@ -33,7 +33,7 @@ def twin(bank: Bank, *commands: tuple[str, dict[str, Any]], frames: int = 0) -> 
     return poses.root_positions[0], poses.rotations[0]
 
 
-def test_frames_are_those_of_the_runtime_numbered_by_their_own_clock(service: Running, bank: Bank) -> None:
+def test_frames_are_those_of_the_runtime_and_numbered_by_the_connections_clock(service: Running, bank: Bank) -> None:
     with Player(service, "?rate=60") as player:
         assert player.welcome["bank"] == bank.digest
         assert player.welcome["protocol"] == 3
@@ -83,8 +83,8 @@ def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
 def test_locomotions_are_mixed_by_weight(service: Running) -> None:
     with Player(service) as player:
         first = player.do({**WALK, "locomotion": {"walk": 1, "run": 0}})["frame"]
-        told = player.do({"do": "mix", "id": 7, "weights": {"run": 1}})
-        assert told["event"] == "done"
+        reply = player.do({"do": "mix", "id": 7, "weights": {"run": 1}})
+        assert reply["event"] == "done"
         frames = player.frames_until(first + 60)
         ahead = np.diff([frame["root_positions"][0, 0, 2] for frame in frames])
         assert ahead[-10:].mean() > 1.3 * ahead[:5].mean()
@@ -92,8 +92,8 @@ def test_locomotions_are_mixed_by_weight(service: Running) -> None:
 
 def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank) -> None:
     with Player(service) as player:
-        told = player.do({"do": "set", "events": ["left_down", "action_began", "action_ended", "locomotion_ended"]})
-        assert told["event"] == "done"
+        reply = player.do({"do": "set", "events": ["left_down", "action_began", "action_ended", "locomotion_ended"]})
+        assert reply["event"] == "done"
         near = bank.clip("run").duration - 2.5 / 60.0
         run = {"do": "create", "locomotion": "run", "time": near, "loop": False}
         first = player.do(WALK, {**run, "id": 2})["frame"]
@@ -158,17 +158,17 @@ def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank
         ([{"id": 7}], "request", "do: unknown command None"),
     ],
 )
-def test_what_is_wrong_is_refused_and_nothing_of_it_done(
+def test_a_message_with_a_wrong_command_is_refused_as_a_whole(
     service: Running, commands: list[Any], kind: str, words: str
 ) -> None:
     with Player(service) as player:
         player.do(WALK)
         player.frame()
         commands = [{**one, "ref": "mine"} if isinstance(one, dict) else one for one in commands]
-        told = player.do(*commands)
-        assert (told["event"], told["type"]) == ("refused", f"urn:motionsplice:{kind}")
-        assert words in told["detail"]
-        assert told["ref"] == ("mine" if isinstance(commands[0], dict) else None)
+        reply = player.do(*commands)
+        assert (reply["event"], reply["type"]) == ("refused", f"urn:motionsplice:{kind}")
+        assert words in reply["detail"]
+        assert reply["ref"] == ("mine" if isinstance(commands[0], dict) else None)
         player.frames.clear()
         assert player.frame()["ids"] == [7]
 
@@ -192,20 +192,20 @@ def test_a_ref_that_is_not_a_number_or_text_is_refused(service: Running, ref: An
         later = player.do({**WALK, "ref": 3}, {**WALK, "id": 8, "ref": ref})
         assert (later["event"], later["ref"]) == ("refused", 3)
         assert later["detail"].startswith("command 1: ref: ")
-        assert player.do(WALK)["event"] == "done"  # so none of those created it
+        assert player.do(WALK)["event"] == "done"  # so none of the refused messages created it
 
 
 @pytest.mark.parametrize(
     "text", ["", "{", "[]", "[" * 30_000, "null", '"x"', "1e999", '{"do": "create", "do": 3}', "[[]]"]
 )
-def test_text_that_is_no_command_is_refused(service: Running, text: str) -> None:
+def test_text_that_is_not_a_command_is_refused(service: Running, text: str) -> None:
     with Player(service) as player:
         player.socket.send(text)
         assert player.event("done", "refused")["event"] == "refused"
         assert player.do(WALK)["event"] == "done"
 
 
-def test_frames_ahead_are_those_that_would_have_come_one_by_one(service: Running, bank: Bank) -> None:
+def test_frames_sent_ahead_are_the_same_as_frames_sent_one_by_one(service: Running, bank: Bank) -> None:
     with Player(service, "?ahead=20") as player:
         first = player.do(WALK, {"do": "act", "id": 7, "action": "wave", "posture": "running"})["frame"]
         ahead = [player.frame() for _ in range(2)]
@@ -218,7 +218,7 @@ def test_frames_ahead_are_those_that_would_have_come_one_by_one(service: Running
         np.testing.assert_allclose(ahead[number // 20]["rotations"][number % 20], frame["rotations"][0], atol=1e-6)
 
 
-def test_a_command_makes_wrong_what_was_sent_ahead(service: Running, bank: Bank) -> None:
+def test_a_command_replaces_frames_that_were_sent_ahead(service: Running, bank: Bank) -> None:
     with Player(service, "?ahead=60") as player:
         first = player.do(WALK)["frame"]
         sent = player.frame()
@@ -242,7 +242,7 @@ def test_rate_and_look_ahead_can_be_changed(service: Running) -> None:
         assert frames[-1]["time"] - frames[-2]["time"] == pytest.approx(4 / 30, abs=1e-3)
 
 
-def test_clients_of_one_rate_are_due_at_the_same_moment(service: Running) -> None:
+def test_frames_of_all_clients_of_a_rate_are_due_at_the_same_moments(service: Running) -> None:
     with Player(service) as one, Player(service) as two:
         one.do(WALK)
         two.do(WALK)
@@ -250,7 +250,7 @@ def test_clients_of_one_rate_are_due_at_the_same_moment(service: Running) -> Non
         assert max(abs(part - round(part)) for part in apart) < 0.1
 
 
-def test_a_newer_bank_is_played_on_from_the_next_frame(service: Running, bank: Bank) -> None:
+def test_a_newer_bank_is_played_from_the_next_frame_on(service: Running, bank: Bank) -> None:
     hub = service.config.front.hub
     with Player(service) as player:
         player.do(WALK, {"do": "act", "id": 7, "action": "wave"}, {"do": "stop", "id": 7, "blend": 9})
@@ -259,8 +259,8 @@ def test_a_newer_bank_is_played_on_from_the_next_frame(service: Running, bank: B
         twin = type(old)(evaluator.bank, evaluator, Stage(evaluator))
         loop = service.server.servers[0].get_loop()
         loop.call_soon_threadsafe(service.config.front.shared.serving.exchange, twin)
-        told = player.event("bank")
-        frames = player.frames_until(told["frame"] + 3)
+        moved = player.event("bank")
+        frames = player.frames_until(moved["frame"] + 3)
         numbers = [frame["frame"] for frame in frames]
         assert numbers == sorted(set(numbers))
         assert all(one.play.scene.edition is twin for one in hub.connections)
@@ -298,7 +298,7 @@ def test_a_handshake_that_is_refused_says_why(service: Running) -> None:
         assert words in json.loads(caught.value.response.body or b"")["detail"]
 
 
-def test_a_service_that_stops_tells_its_clients(bank: Bank) -> None:
+def test_a_service_that_stops_sends_an_event_and_a_close_code(bank: Bank) -> None:
     with running(bank.path, Settings()) as service:
         player = Player(service)
         player.do(WALK)

@@ -17,7 +17,7 @@ QUERY = Query(
 )
 
 
-def test_values_are_read_and_others_are_their_defaults() -> None:
+def test_values_are_parsed_and_missing_ones_have_defaults() -> None:
     assert QUERY.read(b"name=a+b%2Fc&count=7") == {"name": "a b/c", "time": 1.5, "count": 7, "form": "round"}
     assert QUERY.read(b"form=square&time=0&name=") == {"name": "", "time": 0.0, "count": 3, "form": "square"}
 
@@ -42,7 +42,7 @@ def test_values_are_read_and_others_are_their_defaults() -> None:
         (b"name=a&form=oval", "form: expected one of round, square, found 'oval'"),
     ],
 )
-def test_what_is_wrong_is_named(query: bytes, words: str) -> None:
+def test_an_error_names_the_parameter(query: bytes, words: str) -> None:
     with pytest.raises(RequestError) as caught:
         QUERY.read(query)
     assert words in str(caught.value)

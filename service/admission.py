@@ -33,7 +33,9 @@ class Admission:
                 authorization = value
         if origin is not None and not self._is_allowed(origin, host):
             mend = "Add it to MOTIONSPLICE_ORIGINS"
-            raise OriginError(f"web pages of {origin.decode('latin-1')!r:.100} are not allowed", mend=mend)
+            raise OriginError(
+                f"requests from web pages of {origin.decode('latin-1')!r:.100} are not allowed", mend=mend
+            )
         if self._token is not None and not self._is_open(scope):
             found = self._offered(scope, authorization)
             if not hmac.compare_digest(found, self._token):

@@ -82,7 +82,7 @@ BATCH = {
         "locomotion": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips"},
         "time": {"type": "array", "items": {"type": "number"}, "description": "[n] seconds into the locomotion"},
         "action": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: none"},
-        "hands": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: none"},
+        "hands": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: its own"},
         "start": {"type": "array", "items": {"type": "number"}, "description": "[n] seconds into the action"},
         "method": {"type": "string", "enum": ["splice", "naive", "none"]},
         "posture": {"type": "string", "enum": ["relative", "absolute", "off"]},

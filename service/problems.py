@@ -18,7 +18,7 @@ class RequestError(MotionError):
 
 
 class LimitError(MotionError):
-    """More than the service allows one client."""
+    """More than a limit of the service allows."""
 
 
 class TooLargeError(MotionError):

@@ -35,7 +35,7 @@ class Settings(BaseSettings):
     max_header: int = Field(default=16 * 1024, ge=1024, description="Bytes of a request line and headers")
     max_body: int = Field(default=4 * 2**20, ge=1024, description="Bytes of a batch of poses")
     max_upload: int = Field(default=256 * 2**20, ge=1024, description="Bytes of an uploaded clip")
-    max_message: int = Field(default=64 * 1024, ge=1024, description="Bytes of a command over a WebSocket")
+    max_message: int = Field(default=64 * 1024, ge=1024, description="Bytes of a message of commands over a WebSocket")
     max_batch: int = Field(default=10_000, ge=1, description="Characters in a batch of poses")
     max_characters: int = Field(default=10_000, ge=1, description="Characters of one WebSocket")
     max_frames: int = Field(
@@ -57,10 +57,10 @@ class Settings(BaseSettings):
         default=512, ge=1, description="Connections at once of one address, in each process"
     )
 
-    request_seconds: SECOND = Field(default=10.0, description="Time in which a request must arrive")
-    idle_seconds: SECOND = Field(default=60.0, description="Time after which an unused connection is closed")
-    stall_seconds: SECOND = Field(default=8.0, description="Time after which a client that reads nothing is cut off")
-    stop_seconds: SECOND = Field(default=3.0, description="Time that streams have to end when the service stops")
+    request_seconds: SECOND = Field(default=10.0, description="Seconds in which a request must arrive")
+    idle_seconds: SECOND = Field(default=60.0, description="Seconds after which an unused connection is closed")
+    stall_seconds: SECOND = Field(default=8.0, description="Seconds after which a client that reads nothing is cut off")
+    stop_seconds: SECOND = Field(default=3.0, description="Seconds that streams have to end when the service stops")
 
     @model_validator(mode="before")
     @classmethod

@@ -74,7 +74,7 @@ def splice_command(
     method: Annotated[
         Method,
         typer.Option(
-            help="splice: from the bank; naive: joint rotations replaced; exact: the papers' whole-clip splice; "
+            help="splice: aligned by the bank; naive: rotations replaced; exact: the papers' whole-clip splice; "
             "none: the locomotion alone."
         ),
     ] = Method.SPLICE,
@@ -145,7 +145,7 @@ def render_command(
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
     hand: Annotated[Side | None, typer.Option(help="Draw only this hand, as a close-up.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
 ) -> None:
     """Draw motions as stick figures, or one hand of each, to judge them by eye."""

@@ -17,7 +17,7 @@ from motionsplice.service.problems import RequestError
 LARGEST_ID = 2**32 - 1
 FASTEST = 8.0  # times a clip's own speed
 
-REF_TYPES = (int, float, str, type(None))  # bool is a type of its own here
+REF_TYPES = (int, float, str, type(None))  # compared with type(), which excludes bool
 
 Check = Callable[[Any], bool]
 
@@ -127,13 +127,13 @@ def parse(text: str) -> list[Any]:
 
 
 def ref_of(listed: list[Any]) -> int | float | str | None:
-    """Returns the `ref` of a message's first command, which the answer repeats; None if that is not a valid one."""
+    """Returns the `ref` of a message's first command, which the reply repeats, or None if it is not valid."""
     ref = listed[0].get("ref") if isinstance(listed[0], dict) else None
     return ref if type(ref) in REF_TYPES else None
 
 
 def checked(listed: list[Any]) -> list[Command]:
-    """Returns the commands of a message. Raises RequestError with the first that is wrong and the reason."""
+    """Returns the commands of a message. Raises RequestError about the first one that is wrong."""
     commands = []
     for number, fields in enumerate(listed):
         try:

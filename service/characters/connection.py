@@ -26,7 +26,7 @@ from motionsplice.service.wire.encoding import Encoding
 logger = logging.getLogger(__name__)
 
 TRANSPORT = "motionsplice.transport"  # name of the ASGI extension
-BURST = 10_000.0  # commands that are accepted at once before further ones have to wait
+BURST = 10_000.0  # commands that are done at once before further ones wait
 COPIED = 100.0  # copying this many characters costs about as much as one command; every message copies the scene
 MOST_EVENTS = 1000  # unsent events of one client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
@@ -75,7 +75,7 @@ class Play:
 
 
 class State(Enum):
-    """What a connection is doing with its frames. Events are queued apart from it, in any state but CLOSED."""
+    """Whether a connection can take frames. Events are queued independently, in any state but CLOSED."""
 
     READY = "ready"  # the next frames are made when they are due
     HOLDING = "holding"  # a message of frames waits to be sent
@@ -106,7 +106,7 @@ class Connection:
             READY or HOLDING.
         sent: What the last message began with if it holds frames that are not due yet, else None. A command goes back
             into it.
-        refused: The newer edition that this connection could not move to, as its client has been notified; or None.
+        refused: The newer edition that this connection cannot move to and that its client knows of, or None.
     """
 
     def __init__(
@@ -128,7 +128,7 @@ class Connection:
 
     @property
     def is_open(self) -> bool:
-        """Whether frames and commands still pass."""
+        """Whether frames are sent and commands are received."""
         return self.state in OPEN
 
     @property
@@ -210,7 +210,7 @@ class Connection:
                     await self._send_message(send)
                 if self.state is State.DEFERRED:
                     await self._until_free()
-                    if self.state is State.DEFERRED:  # a command or the end may have come meanwhile
+                    if self.state is State.DEFERRED:  # unless a command or `close` has changed it meanwhile
                         self._enter(State.READY)
                         self.wanted = self.play.due
                         free()
@@ -227,7 +227,7 @@ class Connection:
             await self._transport.nothing_waits()
 
     async def _send_message(self, send: Send) -> None:
-        """Sends the message that was kept, unless a command or the end has dropped it meanwhile."""
+        """Sends the message that waits, unless a command or `close` has dropped it meanwhile."""
         if self._message is None:
             return
         (count, message), self._message = self._message, None
@@ -249,7 +249,7 @@ class Connection:
         return replace(self.play, scene=self.play.scene.copy())
 
     async def receive(self, receive: Receive, do: Do) -> None:
-        """Reads messages and has their commands done, until the client disconnects or the connection closes."""
+        """Receives messages and does their commands, until the client disconnects or the connection closes."""
         loop, most = asyncio.get_running_loop(), self.settings.max_commands
         allowance, since = BURST, loop.time()
         while self.is_open:
@@ -271,7 +271,7 @@ class Connection:
                 await asyncio.sleep(-allowance / most)
 
     def _take(self, text: str, do: Do) -> float:
-        """Has all commands of a message done, or none of them, and answers. Returns the cost, counted in commands."""
+        """Does all commands of a message, or none, and queues the reply. Returns the cost, counted in commands."""
         ref = None
         try:
             listed = parse(text)

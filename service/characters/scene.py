@@ -65,14 +65,14 @@ class Scene:
         self.events = sum(bit for bit, name in EVENT_NAMES.items() if name in names)
 
     def pass_frame(self) -> None:
-        """Evaluates and passes one frame without reporting events."""
+        """Evaluates and advances by one frame, without reporting events."""
         self.characters.evaluate(self.edition.evaluator.poses(len(self)))
         self.characters.advance()
 
     def leave_out(self, frames: int) -> None:
-        """Passes frames that are not sent.
+        """Advances by frames that are not sent.
 
-        Many frames are passed in longer steps without evaluation, so that a late clock does not fall further behind.
+        Many frames are advanced in longer steps without evaluation, so that a late clock does not fall further behind.
         """
         if frames * len(self) <= FEW:
             for _ in range(frames):

@@ -3,7 +3,13 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 REAL   ?= ../shared/mocap/cmu
 
-.PHONY: demo test check quality soak pictures clean
+LOWEST := .venv-lowest
+
+# What `make lowest` runs: the kernels, the job, the command, and the service over real sockets.
+LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
+	tests/runtime/test_evaluator.py tests/service/answers tests/service/edge tests/service/test_http.py
+
+.PHONY: demo test check docs lowest newest quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -23,6 +29,18 @@ check: $(VENV)/ready           ## style, types and the arrows between the packag
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+docs: $(VENV)/ready-docs       ## the documentation with the API reference, into site/; warnings are errors
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+lowest: $(LOWEST)/ready        ## part of the tests on the oldest versions that pyproject.toml allows
+	NUMBA_CACHE_DIR=$(LOWEST)/kernels $(LOWEST)/bin/python -m pytest -W default -q -n auto --dist loadfile $(LOWEST_TESTS)
+
+newest: $(VENV)/ready          ## every test on the newest versions, whatever pyproject.toml caps
+	$(BIN)/python -c 'import re, tomllib; project = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+		print("\n".join(re.sub(r",<[^;]*", "", one) for one in project["dependencies"]))' > $(VENV)/newest.txt
+	$(BIN)/uv pip install --python $(VENV) --upgrade --override $(VENV)/newest.txt --editable '.[dev]'
+	$(MAKE) test
+
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
@@ -40,6 +58,17 @@ $(VENV)/ready: pyproject.toml
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
 
+$(VENV)/ready-docs: $(VENV)/ready
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	touch $@
+
+$(LOWEST)/ready: $(VENV)/ready
+	@echo "Setting up $(LOWEST)"
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(LOWEST)
+	$(BIN)/uv pip install --quiet --python $(LOWEST) --resolution lowest-direct --editable .
+	$(BIN)/uv pip install --quiet --python $(LOWEST) pytest pytest-xdist hypothesis httpx httpx2
+	touch $@
+
 clean:
-	rm -rf $(VENV) demo quality build dist
+	rm -rf $(VENV) $(LOWEST) demo quality build dist site .coverage
 	find . -name "*.nb[ic]" -delete

@@ -8,13 +8,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
 from typer.core import TyperCommand
 
+from motionsplice import __version__
 from motionsplice.motion.errors import MotionError
 
 COMMANDS = {  # each command's module in `motionsplice.commands`, and the first line of its help
@@ -29,7 +30,6 @@ COMMANDS = {  # each command's module in `motionsplice.commands`, and the first 
 }
 
 app = typer.Typer(
-    help="Splice the upper body of any motion clip onto the lower body of any other.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -60,6 +60,21 @@ def _nothing() -> None:
 
 for _name, (_, _help) in COMMANDS.items():
     app.command(_name, help=_help, cls=LazyCommand)(_nothing)
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"motionsplice {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Splice the upper body of any motion clip onto the lower body of any other."""
 
 
 def main() -> None:

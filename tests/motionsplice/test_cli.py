@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner, Result
 
+import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import read_clip
@@ -82,6 +83,11 @@ def test_the_list_of_commands_shows_the_first_line_of_each_help(command: str) ->
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help_with_an_example(command: str) -> None:
     assert f"Example: motionsplice {command}" in run(command, "--help").output
+
+
+def test_version_is_printed_and_is_an_option_of_the_help() -> None:
+    assert run("--version").output == f"motionsplice {motionsplice.__version__}\n"
+    assert "--version" in run("--help").output
 
 
 def test_precompute_lists_the_clips_of_the_bank(clip_folder: Path, tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import threading
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import uvicorn
@@ -28,10 +28,12 @@ class Running:
         self.server = server
         self.port = port
         self.url = f"http://127.0.0.1:{port}"
+        self.peers: list[socket.socket] = []
 
     def connect(self, *sent: bytes, receive_buffer: int | None = None) -> socket.socket:
-        """Connects, sends bytes, and returns the socket."""
+        """Connects, sends bytes, and returns the socket, which is closed when the service ends."""
         peer = socket.socket()
+        self.peers.append(peer)
         if receive_buffer is not None:
             peer.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         peer.settimeout(PATIENCE)
@@ -56,13 +58,11 @@ def eventually(holds: Callable[[], bool], patience: float = PATIENCE) -> None:
 
 
 def received(peer: socket.socket) -> bytes:
-    """Returns all bytes received until the connection is closed."""
+    """Returns all bytes received until the connection is closed, and closes the socket."""
     chunks = []
-    try:
+    with peer, suppress(ConnectionResetError):
         while chunk := peer.recv(65536):
             chunks.append(chunk)
-    except ConnectionResetError:
-        pass
     return b"".join(chunks)
 
 
@@ -79,6 +79,8 @@ def running(path: Path, settings: Settings) -> Iterator[Running]:
     yield service
     server.should_exit = True
     thread.join(PATIENCE)
+    for peer in service.peers:
+        peer.close()
     assert not thread.is_alive()
 
 

@@ -19,7 +19,9 @@ from motionsplice.runtime.kernels.posture import ABSOLUTE, OFF, RELATIVE, RUNNIN
 Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
 METHODS: Mapping[str, int] = {"none": NONE, "naive": NAIVE, "splice": SPLICE}
+"""The number of each method in `Requests.method`, by name."""
 POSTURES: Mapping[str, int] = {"off": OFF, "relative": RELATIVE, "absolute": ABSOLUTE, "running": RUNNING}
+"""The number of each posture in `Requests.posture`, by name."""
 FLOAT32, FLOAT64 = np.dtype(np.float32), np.dtype(np.float64)
 TIME_CONSTANT = 2.0  # seconds: about two strides
 
@@ -169,7 +171,13 @@ class Memory:
             count: Number of characters.
             rate: How often they are evaluated, in frames per second of motion.
             time_constant: Seconds in which the mean posture follows the splice.
+
+        Raises:
+            SettingsError: `rate` or `time_constant` is not above 0.
         """
+        if not (rate > 0.0 and time_constant > 0.0):
+            problem = f"a memory needs a rate and a time constant above 0, found {rate} and {time_constant}"
+            raise SettingsError(problem, mend="Give the frames per second at which the characters are evaluated")
         memory = cls(np.empty((count, MEMORY_COLUMNS)), 1.0 - math.exp(-1.0 / (rate * time_constant)))
         memory.forget(slice(None))
         return memory

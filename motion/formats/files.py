@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -55,7 +56,11 @@ class Reading:
 
 
 def read_clip(
-    path: Path, *, skip_frames: int = 0, unit: str | None = None, roles: Mapping[str, GivenRole] = NOTHING_GIVEN
+    path: str | PathLike[str],
+    *,
+    skip_frames: int = 0,
+    unit: str | None = None,
+    roles: Mapping[str, GivenRole] = NOTHING_GIVEN,
 ) -> Reading:
     """Reads a BVH or AMC file.
 
@@ -90,6 +95,7 @@ def read_clip(
         print(reading.clip.frame_count, reading.clip.rate, reading.warnings)
         ```
     """
+    path = Path(path)
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
             return _read(path, skip_frames, unit, roles)

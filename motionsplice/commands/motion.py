@@ -127,7 +127,8 @@ def spliced(
     if start != 0.0:
         raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
     if posture not in WHOLE_CLIP_POSTURES:
-        raise SettingsError("the exact splice has no running mean", mend="Choose --posture absolute")
+        known = ", ".join(WHOLE_CLIP_POSTURES)
+        raise SettingsError(f"the exact splice has no posture {posture.value!r}", mend=f"Choose --posture {known}")
     from motionsplice.precompute.splice import splice_exact
 
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 from typing import TypeVar
 
@@ -44,8 +45,8 @@ WORTH_A_PROCESS = 24_000_000  # bytes of clips: fewer are read and aligned in th
 
 
 def build_bank(
-    paths: Iterable[Path],
-    out: Path,
+    paths: Iterable[str | PathLike[str]],
+    out: str | PathLike[str],
     *,
     baseline: str | None = None,
     roles: Mapping[str, str | Sequence[str]] | None = None,
@@ -78,7 +79,10 @@ def build_bank(
         MotionError: If there is nothing to read, the baseline is unusable, two clips have one name, or hands or their
             body are missing.
     """
-    return Job(paths, out, baseline, roles or {}, hands, settings, jobs, progress).run()
+    if isinstance(paths, str | PathLike):
+        paths = [paths]
+    files = [Path(path) for path in paths]
+    return Job(files, Path(out), baseline, roles or {}, hands, settings, jobs, progress).run()
 
 
 @dataclass(eq=False)

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,12 +13,14 @@ from typer.testing import CliRunner, Result
 
 import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
+from motionsplice.commands import motion
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.precompute.hands.settings import read_hand_settings
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
 
 ROOT = Path(__file__).parents[2]
@@ -83,6 +86,11 @@ def test_the_list_of_commands_shows_the_first_line_of_each_help(command: str) ->
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help_with_an_example(command: str) -> None:
     assert f"Example: motionsplice {command}" in run(command, "--help").output
+
+
+def test_the_command_has_every_posture_and_method() -> None:
+    assert {posture.value for posture in motion.Posture} == set(get_args(Posture))
+    assert set(motion.RUN_TIME_METHODS.values()) == set(get_args(Method))
 
 
 def test_version_is_printed_and_is_an_option_of_the_help() -> None:
@@ -219,5 +227,7 @@ def test_errors_are_one_paragraph(
         "render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt"
     )
     assert "exact splice chooses its own start" in printed(*splice, "walk", "--method", "exact", "--start", 1)
-    assert "Choose --posture absolute" in printed(*splice, "walk", "--method", "exact", "--posture", "running")
+    assert "Choose --posture relative, absolute, off" in printed(
+        *splice, "walk", "--method", "exact", "--posture", "running"
+    )
     assert not (tmp_path / "out.bvh").exists()

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[3]
 def test_every_folder_of_modules_is_a_room() -> None:
     found = {room.name: room for room in rooms(ROOT)}
     kernels = found["motionsplice.runtime.kernels"]
-    assert kernels.modules == len(list((ROOT / "runtime" / "kernels").glob("*.py"))) - 1
+    assert kernels.modules == len(list((ROOT / "motionsplice" / "runtime" / "kernels").glob("*.py"))) - 1
     assert kernels.floors <= kernels.modules
     assert "motionsplice.runtime.characters" not in kernels.rooms
     assert found["motionsplice.runtime.simd"].rooms == ()

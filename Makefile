@@ -5,6 +5,7 @@ REAL   ?= ../shared/mocap/cmu
 
 LOWEST := .venv-lowest
 NEWEST := .venv-newest
+COVER  := --cov --cov-report=  # the floor is fail_under in pyproject.toml
 
 # What `make lowest` runs: the kernels, the job, the command, and the service over real sockets.
 LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
@@ -22,8 +23,9 @@ test: $(VENV)/ready            ## set up and run every test; kernels also as pla
 		tests/runtime/characters/test_mixes.py -k "not same_bytes"  # which would take a minute
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/hands/test_align.py \
 		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or boundless or layer or loop or wear"
-	$(BIN)/python -m pytest -q tests/runtime  # first and alone, for it compiles the kernels: a minute
-	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/runtime
+	rm -f .coverage
+	$(BIN)/python -m pytest -q tests/runtime $(COVER) --cov-fail-under=0  # first, alone: it compiles the kernels, a minute
+	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/runtime $(COVER) --cov-append
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .

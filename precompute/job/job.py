@@ -101,7 +101,7 @@ class Job:
     failed: dict[str, MotionError] = field(default_factory=dict, init=False)
 
     def run(self) -> Outcome:
-        """All stages. Raises MotionError."""
+        """Runs all stages. Raises MotionError."""
         pairs = self.find_clips()
         cache = Cache(self.out / CACHE)
         search, readings = StrideSearch(cache), HandsReading(cache)
@@ -144,7 +144,7 @@ class Job:
         return self._without_failed(candidates)
 
     def choose_baseline(self, search: StrideSearch, candidates: Clips) -> FoundStride:
-        """The named clip's stride, or the most typical. Raises BaselineError."""
+        """Returns the named clip's stride, or the most typical one. Raises BaselineError."""
         if self.baseline is None:
             return typical_stride(search, candidates, self.failed)
         return named_stride(self.baseline, search, self.clips, self.failed)

@@ -84,7 +84,7 @@ EVENT_NAMES: Mapping[int, str] = {
 }
 """Names of the event bits that `Characters.advance` and `Characters.events` report.
 
-- `left_down`, `left_up`, `right_down`, `right_up`: a foot comes down or goes up.
+- `left_down`, `left_up`, `right_down`, `right_up`: a foot touches down or lifts off.
 - `stride`: the phase passes a whole number.
 - `locomotion_ended`: a locomotion without a loop has reached its last frame.
 - `action_began`: an action begins.

@@ -13,7 +13,7 @@ from motionsplice.motion.procedural.library import ACTIONS, sample_clips
 
 
 def write_sample_clips(folder: str | PathLike[str]) -> None:
-    """Writes locomotions and actions as BVH files, with the `clips.toml` that tells which is which."""
+    """Writes locomotions and actions as BVH files, with a `clips.toml` that states their kinds."""
     folder = Path(folder)
     _write(folder, sample_clips())
     entries = [f'[{name}]\nkind = "action"\nneutral = "walk"\n' for name in ACTIONS]
@@ -21,7 +21,7 @@ def write_sample_clips(folder: str | PathLike[str]) -> None:
 
 
 def write_sample_gestures(folder: str | PathLike[str]) -> None:
-    """Writes bodies that gesture, and the hands of each, with the `hands.toml` that tells which go together."""
+    """Writes bodies that gesture, and the hands of each, with a `hands.toml` that pairs them."""
     folder = Path(folder)
     _write(folder, sample_gestures())
     entries = [

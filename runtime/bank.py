@@ -286,7 +286,7 @@ class Bank:
 
 
 def files(folder: Path, manifest: Manifest) -> dict[str, Path]:
-    """The file of each table of the bank in `folder`."""
+    """Returns the file of each table of the bank in `folder`, by the table's name."""
     return {name: folder / TABLE_FOLDER / f"{Path(manifest.tables[name]).name}.npy" for name in TABLES}
 
 

@@ -190,8 +190,8 @@ class Characters:
                 name = self.stage.bank.clips[min(missing)].name
                 raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
             goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
-        for row, at, weighed in goals:
-            self.state[row, at] = weighed
+        for row, at, shares in goals:
+            self.state[row, at] = shares
 
     def act(self, rows: Rows, action: Action) -> None:
         """Begins an action over the locomotion. It replaces an action that is still waiting.

@@ -142,14 +142,14 @@ def check_array(what: str, array: NDArray[Any], kind: np.dtype[Any], shape: tupl
 class Memory:
     """What the evaluator remembers of characters from frame to frame: of n, or of one that all requests are about.
 
-    Two things are remembered. Where the joints of a torso lie so that no alignment is clearly the best, the last clear
-    alignment is kept. And posture `running` needs the mean posture of the splice so far: it starts from the
-    locomotion's stored posture and follows new frames with a time constant (Heck's thesis, 4.3).
+    Two things are remembered. If the torso's joints allow no unique best rotation, the last unambiguous one is reused.
+    And posture `running` needs the mean posture of the splice so far: it starts from the locomotion's stored posture
+    and follows new frames with a time constant (Heck's thesis, 4.3).
 
     Attributes:
         state: [n, 10] float64, may be saved and restored. NaN where a mean has not begun.
         share: The weight of a new frame in the mean, 0 to 1.
-        turns: [n, 4], the last clear alignments as quaternions xyzw, a view of `state`.
+        turns: [n, 4], the last unambiguous rotations as quaternions xyzw, a view of `state`.
         means: [n, 6] metres, mean positions of left and right shoulder in the posture frame, a view of `state`.
 
     Raises:
@@ -183,7 +183,7 @@ class Memory:
         return memory
 
     def forget(self, characters: int | slice) -> None:
-        """Clears the memory of characters that start anew."""
+        """Clears the memory of characters that start over."""
         self.turns[characters], self.means[characters] = IDENTITY, np.nan
 
 

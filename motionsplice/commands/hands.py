@@ -47,7 +47,7 @@ def hands_command(
         typer.Option(help="BODY:HANDS, two frames to align; BODY:HANDS~N allows N frames of the hands either way."),
     ] = None,
     band: Annotated[
-        str, typer.Option(help="Width of the band of each pass, as a share of the body's frames.")
+        str, typer.Option(help="Half width of each pass's band, as a share of the body's frames.")
     ] = f"{BANDS[0]},{BANDS[1]}",
     hand: Annotated[
         HandChoice, typer.Option(help="both: align the hands together; each: align each separately.")

@@ -82,7 +82,7 @@ def splice_command(
         Posture,
         typer.Option(
             help="relative: add what the action does beyond its gait; absolute: keep the action's mean posture, as in "
-            "the papers; running: the same with a running mean; off: keep the locomotion's."
+            "the papers; running: like absolute, with a running mean; off: keep the locomotion's posture."
         ),
     ] = Posture.RELATIVE,
     start: Annotated[

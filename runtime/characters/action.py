@@ -28,7 +28,7 @@ class Action:
         clip: Name of the clip that gives the upper body.
         when: When the action begins. `now`: at once, at the first frame from `start` on that is in step. `phase`: as
             soon as the locomotion is in step with `start`. `left_foot`, `right_foot` or `foot`: when this foot, or
-            either, comes down.
+            either, touches down.
         start: Seconds into the clip: its earliest frame.
         blend: Seconds to fade in.
         blend_out: Seconds to fade out before the clip ends, if it does not loop.

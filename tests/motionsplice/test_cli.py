@@ -104,15 +104,15 @@ def test_precompute_lists_the_clips_of_the_bank(clip_folder: Path, tmp_path: Pat
         assert clip.name in output
 
 
-def test_precompute_prints_how_many_clips_were_unchanged(clip_folder: Path, tmp_path: Path) -> None:
+def test_precompute_prints_how_many_clips_were_reused(clip_folder: Path, tmp_path: Path) -> None:
     arguments = ["precompute", clip_folder, "--out", tmp_path / "bank", "--jobs", 1]
-    assert "7 clips, 0 unchanged\n" in run(*arguments).output
+    assert "7 clips, 0 reused\n" in run(*arguments).output
     again = run(*arguments).output
     assert again.replace("\n", "").endswith("bank: nothing to do, none of its 7 clips changed")
     assert "reading" not in again
     longer = tmp_path / "longer.bvh"
     longer.write_bytes((clip_folder / "walk.bvh").read_bytes() + b"\n")
-    assert "8 clips, 7 unchanged\n" in run(*arguments, longer).output
+    assert "8 clips, 7 reused\n" in run(*arguments, longer).output
 
 
 def test_the_automatic_baseline_can_be_requested_by_name(clip_folder: Path, tmp_path: Path) -> None:

@@ -214,7 +214,7 @@ def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
         ("[walk]\nskip_frames = true", "skip_frames = True"),
         ("[walk]\ntags = 'one'", "tags"),
         ("[walk]\ntags = 5", "tags = 5"),
-        ("walk = 3", "not a table"),
+        ("walk = 3", r"expected a table, found 3. Begin it with \[walk\]"),
         ("[walk", "not TOML"),
     ],
 )

@@ -4,6 +4,7 @@ BIN    := $(VENV)/bin
 REAL   ?= ../shared/mocap/cmu
 
 LOWEST := .venv-lowest
+NEWEST := .venv-newest
 
 # `make test COVER=yes` also checks the floor under the coverage, `fail_under` in pyproject.toml. CI does; on Python 3.11
 # the tracer costs a fifth of the processor time, so `make test` alone leaves it out.
@@ -41,11 +42,13 @@ docs: $(VENV)/ready-docs       ## the documentation with the API reference, into
 lowest: $(LOWEST)/ready        ## part of the tests on the oldest versions that pyproject.toml allows
 	NUMBA_CACHE_DIR=$(LOWEST)/kernels $(LOWEST)/bin/python -m pytest -W default -q -n auto --dist loadfile $(LOWEST_TESTS)
 
-newest: $(VENV)/ready          ## every test on the newest versions, whatever pyproject.toml caps
+newest: $(VENV)/ready          ## every test on the newest versions, whatever pyproject.toml caps, in .venv-newest
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(NEWEST)
 	$(BIN)/python -c 'import re, tomllib; project = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-		print("\n".join(re.sub(r",<[^;]*", "", one) for one in project["dependencies"]))' > $(VENV)/newest.txt
-	$(BIN)/uv pip install --python $(VENV) --upgrade --override $(VENV)/newest.txt --editable '.[dev]'
-	$(MAKE) test
+		print("\n".join(re.sub(r",<[^;]*", "", one) for one in project["dependencies"]))' > $(NEWEST)/newest.txt
+	$(BIN)/uv pip install --quiet --python $(NEWEST) --override $(NEWEST)/newest.txt --editable '.[dev]'
+	touch $(NEWEST)/ready
+	$(MAKE) test VENV=$(NEWEST)
 
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in
@@ -76,5 +79,5 @@ $(LOWEST)/ready: $(VENV)/ready
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(LOWEST) demo quality build dist site .coverage
+	rm -rf $(VENV) $(LOWEST) $(NEWEST) demo example quality build dist site .coverage
 	find . -name "*.nb[ic]" -delete

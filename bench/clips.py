@@ -1,11 +1,11 @@
-"""The motions that benchmarks run on: the built-in ones, or a folder of real ones."""
+"""The clips that benchmarks run on: the built-in motions, or a folder of captured clips."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from motionsplice.commands.sample_folder import write_sample_clips
 from motionsplice.motion.clip_settings import FILE_NAME
+from motionsplice.motion.samples import write_sample_clips
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 
@@ -14,7 +14,7 @@ REAL_SETTINGS = Path(__file__).with_name("real_clips.toml")
 
 
 def bank_of(clips: Path | None, baseline: str | None, folder: Path) -> Bank:
-    """The bank, below `folder`, of the clips in a folder, or of the built-in ones."""
+    """Builds a bank below `folder` from the clips in `clips`, or from the built-in motions, and opens it."""
     folder.mkdir(exist_ok=True)
     linked = folder / "clips"
     if clips is None:
@@ -26,7 +26,10 @@ def bank_of(clips: Path | None, baseline: str | None, folder: Path) -> Bank:
 
 
 def link(clips: Path, folder: Path) -> None:
-    """Links a folder's files into another, with the settings of the real clips if they are those."""
+    """Links the files of the folder `clips` into `folder`.
+
+    If these are the captured clips that REAL_SETTINGS describes, and they have no settings yet, adds REAL_SETTINGS.
+    """
     folder.mkdir()
     for file in clips.iterdir():
         (folder / file.name).symlink_to(file.resolve())

@@ -1,7 +1,7 @@
-"""Banks of any size, generated: smooth motion that means nothing, in tables that `Bank.open` accepts.
+"""Generated banks of any size: smooth, meaningless motion in tables that `Bank.open` accepts.
 
-What a splice costs depends on where its rows lie, not on what they say; so a bank has only as many different motions
-as `MOST_DRAWN` rows hold, and its clips repeat them, each in rows of its own.
+The cost of a splice depends on where its rows lie, not on their values. So a bank has only as many different motions
+as fit into `MOST_DRAWN` rows. Its clips repeat these motions, each clip in its own rows.
 """
 
 from __future__ import annotations
@@ -28,17 +28,18 @@ from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
-FEWEST_JOINTS, MOST_JOINTS = 15, 300  # every role needs its joint
+FEWEST_JOINTS, MOST_JOINTS = 15, 300  # with fewer joints, some role has none
 MOST_DRAWN = 50_000  # rows
-HANDS = "hands"  # the name of those that lie on all clips
+HANDS = "hands"  # the name of the hands layer, which every clip has
 STRIDE, SEAM, SHORTEST = 1.1, 0.2, 3.0  # seconds
 
 
 @dataclass(frozen=True)
 class Size:
-    """What a bank to be generated holds: `clips` clips of `seconds` at `rate` frames per second, and hands on each.
+    """The size of a generated bank: `clips` clips of `seconds` each at `rate` frames per second.
 
-    Raises SettingsError if there are too few joints for a body, too many, no clips, or too short ones.
+    With `hands`, each clip also has a hands layer. Raises SettingsError if `joints` is outside FEWEST_JOINTS to
+    MOST_JOINTS, if there are no clips, or if clips are shorter than SHORTEST.
     """
 
     joints: int = 31
@@ -51,7 +52,7 @@ class Size:
         if not (FEWEST_JOINTS <= self.joints <= MOST_JOINTS and self.clips >= 1 and self.seconds >= SHORTEST):
             raise SettingsError(
                 f"{self.clips} clips of {self.seconds} s on {self.joints} joints cannot be generated",
-                mend=f"Ask for {FEWEST_JOINTS} to {MOST_JOINTS} joints, and for clips of {SHORTEST} s at least",
+                mend=f"Ask for {FEWEST_JOINTS} to {MOST_JOINTS} joints, and one clip or more of at least {SHORTEST} s",
             )
 
     @property
@@ -60,20 +61,20 @@ class Size:
 
     @property
     def rows(self) -> int:
-        """Rows of one clip, its seam's among them."""
+        """Rows of one clip, including its seam."""
         return self.frames + round(SEAM * self.rate)
 
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """One motion, as the rows and cells of a clip."""
+    """One random motion, as the table rows and cells of a clip, and its phase in cycles."""
 
     tables: Mapping[str, NDArray[Any]]
     phase: Floats
 
 
 def generate(path: Path, size: Size, seed: int = 0) -> Bank:
-    """Writes a generated bank to the folder `path`, and opens it, verified: so all of it has been read."""
+    """Writes a generated bank to the folder `path` and opens it with verification, so all of it has been read."""
     skeleton = skeleton_of(size.joints)
     roles = find_roles(skeleton)
     random = np.random.default_rng(seed)
@@ -84,20 +85,20 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     digests = {"neutral": write_table(folder, TABLES["neutral"][0], size.clips, [np.arange(size.clips)])}
     for name in TABLES.keys() - digests.keys():
         length = size.clips * len(motions[0].tables[name])
-        digests[name] = write_table(folder, TABLES[name][0], length, (one.tables[name] for one in motions))
-    entries = [_entry(number, one.phase, size) for number, one in enumerate(motions)]
-    worn = [
-        HandsEntry(HANDS, one.name, one.first_row, size.rate, "both", False, (), 0.0, (), "generated")
-        for one in entries
+        digests[name] = write_table(folder, TABLES[name][0], length, (motion.tables[name] for motion in motions))
+    entries = [_entry(number, motion.phase, size) for number, motion in enumerate(motions)]
+    hands = [
+        HandsEntry(HANDS, entry.name, entry.first_row, size.rate, "both", False, (), 0.0, (), "generated")
+        for entry in entries
         if size.hands
     ]
     baseline = BaselineEntry(entries[0].name, 0.0, STRIDE, 0.0, 32)
-    write_manifest(path, skeleton, roles, baseline, entries, digests, worn)
+    write_manifest(path, skeleton, roles, baseline, entries, digests, hands)
     return Bank.open(path)
 
 
 def skeleton_of(joints: int) -> Skeleton:
-    """A body of FEWEST_JOINTS to MOST_JOINTS joints: what is beyond trunk, limbs, head and toes is fingers."""
+    """A body of FEWEST_JOINTS to MOST_JOINTS joints. Joints left over after trunk, limbs, head and toes are fingers."""
     names: list[str] = []
     parents: list[int] = []
     offsets: list[tuple[float, float, float]] = []
@@ -133,10 +134,10 @@ def skeleton_of(joints: int) -> Skeleton:
 
 
 def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Generator) -> _Drawn:
-    """A motion that comes round with the stride, so that any whole number of strides leads back."""
+    """Draws a motion that repeats with the stride, so that it can loop after any whole number of strides."""
     seconds = np.arange(size.rows) / size.rate
     strides = seconds / (STRIDE * random.uniform(0.9, 1.1))
-    phase = random.random() + strides + 0.02 * np.sin(2.0 * np.pi * strides)  # rises: 0.02 of 2 pi is below 1
+    phase = random.random() + strides + 0.02 * np.sin(2.0 * np.pi * strides)  # always increases, as 0.02 * 2 pi < 1
     axes = random.normal(size=(skeleton.joint_count, 3))
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
     swing = random.uniform(0.05, 0.5, (2, skeleton.joint_count)) * [[1.0], [0.3]]

@@ -1,7 +1,7 @@
-"""Times of pieces of work, taken in turns, and what is told of them.
+"""Times pieces of work against each other, and summarises the times.
 
-The pieces of one comparison run in interleaved rounds in one process, in a new order each round, and a ratio is the
-median over rounds of the ratio within a round: whatever slows the machine for a while slows all of them.
+All pieces of one comparison run in interleaved rounds in one process, in a new random order each round. A ratio is the
+median over rounds of the ratio within a round, because anything that slows the machine for a while slows all pieces.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ import numpy as np
 
 from motionsplice.motion.quaternion import Floats
 
-Work = Callable[[int], object]  # told a number that goes up, so that no two calls need ask the same
+Work = Callable[[int], object]  # receives an increasing number, so that each call can use other data
 EVICTING = np.zeros(2**26, np.uint8)  # larger than the caches of most processors
 TICK = 1.0 / 60.0  # seconds
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What is told of a piece of work: seconds per character-frame, over its rounds; `worst` is the slowest.
+    """The times of one piece of work over its rounds, in seconds per character and frame. `worst` is the slowest.
 
-    ratios: to other work of the same rounds, by its name.
+    ratios: this work's time over that of other work in the same rounds, by the other work's name.
     """
 
     what: str
@@ -38,9 +38,9 @@ class Summary:
 
 @dataclass(frozen=True)
 class Slope:
-    """A straight line through (x, y), fitted by least squares: its slope and that slope's standard error.
+    """The slope of a straight line fitted to (x, y) by least squares, and the standard error of that slope.
 
-    `relative` and `relative_error` are the same as parts of the median y.
+    `relative` and `relative_error` are both divided by the median y.
     """
 
     slope: float
@@ -52,13 +52,14 @@ class Slope:
 def interleaved(
     work: Mapping[str, Work], rounds: int, calls: int = 1, before: Callable[[], object] | None = None
 ) -> dict[str, Floats]:
-    """Seconds [rounds * calls] of each piece of work, so many calls a round.
+    """Returns the seconds [rounds * calls] of each piece of work, which is called `calls` times a round.
 
-    A call before them that is not timed makes them warm; unless `before` is given, which runs ahead of each, untimed.
+    Without `before`, an untimed call warms each piece up at the start of its turn. With `before`, that function runs
+    untimed before each call instead.
     """
     seconds = {name: np.empty(rounds * calls) for name in work}
     names, draw, number = list(work), np.random.default_rng(0), 0
-    for round_ in range(-1, rounds):  # one round more, which is not counted
+    for round_ in range(-1, rounds):  # round -1 is a warm-up: later rounds overwrite its times
         for at in draw.permutation(len(names)):
             run = work[names[at]]
             if before is None:
@@ -74,7 +75,7 @@ def interleaved(
 
 
 def paced(work: Mapping[str, Work], ticks: int) -> dict[str, Floats]:
-    """Seconds [ticks] of each piece of work, when one of them, in turns, runs per 60 Hz tick, asleep in between."""
+    """Returns the seconds [ticks] of each piece of work. One piece runs per 60 Hz tick, with sleep in between."""
     seconds = {name: np.empty(ticks) for name in work}
     for run in work.values():
         run(0)
@@ -90,29 +91,29 @@ def paced(work: Mapping[str, Work], ticks: int) -> dict[str, Floats]:
 
 
 def evict_caches() -> None:
-    """Writes more memory than the caches hold, so that what they held is gone."""
+    """Empties the processor's caches by writing more memory than they hold."""
     np.add(EVICTING, 1, out=EVICTING)
 
 
 def summaries(
     seconds: Mapping[str, Floats], characters: int, against: Sequence[str] = ("naive", "copy")
 ) -> list[Summary]:
-    """What is told of times [rounds] that were taken in turns, each of as many characters; ratios are to `against`."""
-    told = []
-    for name, one in seconds.items():
-        median, p95, p99, worst = (float(value) for value in np.percentile(one, [50, 95, 99, 100]) / characters)
-        ratios = {other: paired_ratio(one, seconds[other]) for other in against}
-        told.append(Summary(name, characters, len(one), median, p95, p99, worst, ratios))
-    return told
+    """Summarises seconds [rounds] per call of `characters` characters, with ratios to the work named in `against`."""
+    rows = []
+    for name, times in seconds.items():
+        median, p95, p99, worst = (float(value) for value in np.percentile(times, [50, 95, 99, 100]) / characters)
+        ratios = {other: paired_ratio(times, seconds[other]) for other in against}
+        rows.append(Summary(name, characters, len(times), median, p95, p99, worst, ratios))
+    return rows
 
 
 def paired_ratio(a: Floats, b: Floats) -> float:
-    """The median over rounds of a [rounds] over b [rounds]."""
+    """Returns the median over rounds of a / b, both [rounds]."""
     return float(np.median(a / b))
 
 
 def fit_slope(x: Sequence[float] | Floats, y: Sequence[float] | Floats) -> Slope:
-    """The line through at least three points."""
+    """Fits a line to at least three points."""
     away = np.asarray(x, np.float64) - np.mean(x)
     spread, up = float(away @ away), np.asarray(y, np.float64) - np.mean(y)
     slope = float(away @ up) / spread

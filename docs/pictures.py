@@ -1,9 +1,10 @@
-"""Draws the pictures of the documentation: `python docs/pictures.py`, from the project's root."""
+"""Draws the pictures of the documentation: `make pictures`, or `PYTHONPATH=. python docs/pictures.py` in the root."""
 
 from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -32,8 +33,10 @@ from motionsplice.precompute.hands.splice import splice_hands
 from motionsplice.precompute.study.body_angles import View
 from motionsplice.precompute.study.correlation import study
 from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Posture
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 
 IMAGES = Path(__file__).parent / "images"
@@ -41,7 +44,7 @@ FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")
 
 
 def main() -> None:
-    """Writes docs/images."""
+    """Writes all pictures to docs/images."""
     IMAGES.mkdir(exist_ok=True)
     draw_study()
     draw_hands()
@@ -51,34 +54,34 @@ def main() -> None:
         for picture in ("curve+carry_cup.png", "curve+carry_cup.gif"):
             (IMAGES / picture).write_bytes((Path(folder) / "demo" / picture).read_bytes())
         bank = bank_of(None, "walk", Path(folder))
-        evaluator, real = Evaluator(bank), truth("stairs_up", "carry_box")
-        rows = [(form, evaluator.clip("stairs_up", "carry_box", posture=form), bank.roles) for form in FORMS]
-        contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=real).save(IMAGES / "postures.png")
+        evaluator, true_clip = Evaluator(bank), truth("stairs_up", "carry_box")
+        rows = [(form, evaluator.clip(Splice("stairs_up", "carry_box", posture=form)), bank.roles) for form in FORMS]
+        contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=true_clip).save(IMAGES / "postures.png")
         draw_characters(evaluator)
         draw_quality(evaluator)
 
 
-SCENE = {
-    1.5: ("act", "carry_box", {}),
+SCENE: dict[float, tuple[str, Any, dict[str, float]]] = {
+    1.5: ("act", Action("carry_box"), {}),
     4.5: ("play", "run", {"blend": 0.5}),
     7.5: ("stop", None, {}),
-    9.0: ("act", "wave", {"mask": "right_arm", "loop": False}),
+    9.0: ("act", Action("wave", mask="right_arm", loop=False), {}),
     11.5: ("play", {"walk": 0.5, "run": 0.5}, {"blend": 0.5}),
-    14.0: ("act", "punch", {"when": "left_foot"}),
+    14.0: ("act", Action("punch", when="left_foot"), {}),
     16.0: ("play", "curve", {"blend": 0.5}),
     18.0: ("stop", None, {}),
-}  # seconds: what is commanded
+}  # seconds: method of Characters, argument, options
 
 
 def draw_characters(evaluator: Evaluator) -> None:
-    """Twenty seconds of a character, as rows of five."""
+    """Draws twenty seconds of a character in rows of five seconds."""
     characters, roots, rotations = Characters(Stage(evaluator), 60.0), [], []
     characters.add(1, "walk")
     poses = evaluator.poses(1)
     for frame in range(20 * 60 + 1):
-        do, what, how = SCENE.get(frame / 60.0, ("", None, {}))
-        if do:
-            getattr(characters, do)([0], *([what] if what else []), **how)
+        method, argument, options = SCENE.get(frame / 60.0, ("", None, {}))
+        if method:
+            getattr(characters, method)([0], *([argument] if argument else []), **options)
         characters.evaluate(poses)
         roots.append(poses.root_positions[0].astype(np.float64))
         rotations.append(poses.rotations[0].astype(np.float64))
@@ -92,7 +95,7 @@ def draw_characters(evaluator: Evaluator) -> None:
 
 
 def draw_quality(evaluator: Evaluator) -> None:
-    """What the quality report shows of the built-in grid, and of one pair."""
+    """Draws two charts of the quality report: the grid of built-in motions, and one pair."""
     bank, forms, scores = evaluator.bank, (Form("naive"), Form("splice")), []
     for pair in grid_pairs():
         splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in forms]
@@ -105,7 +108,7 @@ def draw_quality(evaluator: Evaluator) -> None:
 
 
 def draw_study() -> None:
-    """The plots of the correlation study."""
+    """Draws the plots of the correlation study."""
     walk = make("walk", seconds=4.0)
     for view in View:
         file = IMAGES / f"study-{view}.png"
@@ -114,7 +117,7 @@ def draw_study() -> None:
 
 
 def draw_hands() -> None:
-    """Hands on a body that counts its steps, and how they were aligned."""
+    """Draws hands on a body that counts with its fingers, and their alignment."""
     pair = gesture_pair(11, kinds=["count"] * 5, hand="right", seconds=7.5)
     roles, hand_roles = find_roles(pair.body.skeleton), find_roles(pair.hands.skeleton)
     settings = HandSettings("right")
@@ -129,17 +132,17 @@ def draw_hands() -> None:
 
 
 def draw_speed() -> None:
-    """Time per character-frame, against what it should not depend on."""
+    """Draws the time per character and frame by clip length, number of clips and batch size."""
     with tempfile.TemporaryDirectory() as folder:
         evaluator = Evaluator(generate(Path(folder) / "bank", Size()))
-        told = batches(evaluator, [1, 3, 10, 30, 100, 300, 1000, 3000, 10_000], rounds=100)
+        summaries = batches(evaluator, [1, 3, 10, 30, 100, 300, 1000, 3000, 10_000], rounds=100)
     series = flatness.measure(100, flatness.LENGTHS, flatness.COUNTS)
-    (IMAGES / "speed.png").write_bytes(speed_chart(series, told))
+    (IMAGES / "speed.png").write_bytes(speed_chart(series, summaries))
     reduce(IMAGES / "speed.png")
 
 
 def reduce(file: Path) -> None:
-    """Few colours, so that a chart is small."""
+    """Reduces a picture to 128 colours, so that its file is small."""
     Image.open(file).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(file, optimize=True)
 
 

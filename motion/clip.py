@@ -1,4 +1,4 @@
-"""A clip: one skeleton's motion, sampled at a fixed rate."""
+"""A clip: the motion of one skeleton, sampled at a fixed rate."""
 
 from __future__ import annotations
 
@@ -12,20 +12,45 @@ from motionsplice.motion.errors import ClipError
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Skeleton
 
-FARTHEST = 1e6  # metres
-ROUNDING = 1e-14  # of a unit quaternion's length
+FARTHEST = 1e6  # metres from the origin
+ROUNDING = 1e-14  # error of a unit quaternion's length that is left uncorrected
 
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion: right-handed, Y up, metres, seconds.
+    """The motion of one skeleton over F frames: right-handed, Y up, in metres and seconds.
 
-    rate:           frames per second.
-    root_positions: [F, 3] the root in the world.
-    rotations:      [F, J, 4] xyzw, each joint's rotation in its parent's frame (the root's: in the world),
-                    unit length, successive frames in one hemisphere.
+    A clip is immutable; its methods return new clips. Rotations are normalised when the clip is made, and their signs
+    are chosen so that successive frames lie in one hemisphere.
 
-    Raises ClipError on wrong shapes, non-finite or absurd numbers, no frame at all, or a rate that is not positive.
+    Attributes:
+        name: The clip's name in messages and banks.
+        skeleton: The rig, with J joints.
+        rate: Frames per second.
+        root_positions: [F, 3] metres, the root's position in the world.
+        rotations: [F, J, 4] unit quaternions, xyzw. Each joint's rotation in its parent's frame; the root's in the
+            world.
+
+    Raises:
+        ClipError: Shapes do not match, a number is not finite, a rotation is not within 1e-3 of unit length, the root
+            is farther than 1e6 m from the origin, there are no frames, or the rate is not positive.
+
+    Example:
+        ```python
+        import numpy as np
+        from motionsplice import Clip, Skeleton
+
+        arm = Skeleton(
+            names=("shoulder", "elbow"),
+            parents=np.array([-1, 0]),
+            offsets=np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]]),
+            end_parents=np.array([1]),
+            end_offsets=np.array([[0.25, 0.0, 0.0]]),
+        )
+        still = np.tile([0.0, 0.0, 0.0, 1.0], (60, 2, 1))
+        clip = Clip("still", arm, rate=30.0, root_positions=np.zeros((60, 3)), rotations=still)
+        print(clip.duration, clip.resampled(60.0).frame_count)
+        ```
     """
 
     name: str
@@ -38,24 +63,27 @@ class Clip:
         frames, joints = len(self.root_positions), self.skeleton.joint_count
         where = f"clip {self.name!r}"
         if frames == 0:
-            raise ClipError("it has no frames", place=where)
+            raise ClipError("the clip has no frames", place=where)
         if not (np.isfinite(self.rate) and self.rate > 0.0):
-            raise ClipError(f"its rate is {self.rate} frames per second", place=where)
+            problem = f"the rate must be positive, but is {self.rate} frames per second"
+            raise ClipError(problem, place=where)
         if self.root_positions.shape != (frames, 3) or self.rotations.shape != (frames, joints, 4):
-            raise ClipError(f"{frames} frames of {joints} joints need rotations [{frames}, {joints}, 4]", place=where)
+            expected = f"root positions [{frames}, 3] and rotations [{frames}, {joints}, 4]"
+            found = f"{list(self.root_positions.shape)} and {list(self.rotations.shape)}"
+            raise ClipError(f"expected {expected}, found {found}", place=where)
         if not np.isfinite(self.root_positions).all():
             raise self._not_finite("root position", self.root_positions)
         lengths = quaternion.length(self.rotations)
-        if not (sound := np.abs(lengths - 1.0) <= 1e-3).all():  # NaN is not
+        if not (unit_length := np.abs(lengths - 1.0) <= 1e-3).all():  # also catches NaN
             if not np.isfinite(self.rotations).all():
                 raise self._not_finite("joint rotation", self.rotations)
-            frame = int(np.argwhere(~sound)[0][0])
+            frame = int(np.argwhere(~unit_length)[0][0])
             raise ClipError("a rotation is not a unit quaternion", place=f"{where}, frame {frame}")
         if np.abs(self.root_positions).max() > FARTHEST:
             raise ClipError(
-                f"its root is farther than {FARTHEST:g} m from the origin", place=where, mend="Is the unit right?"
+                f"the root is farther than {FARTHEST:g} m from the origin", place=where, mend="Check the unit of length"
             )
-        # Left as they are if they are sound, so that a part of a clip shares its memory and keeps its very bits.
+        # Rotations that need no change are not copied, so that a part of a clip shares its memory, bit for bit.
         rounded = np.abs(lengths - 1.0).max() > ROUNDING
         unit = np.asarray(self.rotations / lengths[..., None]) if rounded else self.rotations
         object.__setattr__(self, "rotations", quaternion.one_hemisphere(unit))
@@ -66,19 +94,31 @@ class Clip:
 
     @property
     def frame_count(self) -> int:
+        """The number of frames, F."""
         return len(self.root_positions)
 
     @property
     def duration(self) -> float:
-        """Seconds from the first frame to the last."""
+        """Seconds from the first frame to the last: (F - 1) / rate."""
         return (self.frame_count - 1) / self.rate
 
     def frames(self, first: int, stop: int) -> Clip:
-        """Frames `first` to `stop` (exclusive) as a clip."""
+        """Returns the frames from `first` up to, but not including, `stop` as a clip that shares memory with this one.
+
+        Raises:
+            ClipError: The range is empty.
+        """
         return replace(self, root_positions=self.root_positions[first:stop], rotations=self.rotations[first:stop])
 
     def sampled(self, frames: ArrayLike) -> tuple[Floats, Floats]:
-        """Root positions [n, 3] and rotations [n, J, 4] at real-valued frames [n], held at both ends."""
+        """Interpolates the clip: positions linearly, rotations by slerp.
+
+        Args:
+            frames: [n] real-valued frame numbers; values outside the clip give its first or last frame.
+
+        Returns:
+            Root positions [n, 3] in metres and rotations [n, J, 4].
+        """
         before, after, t = quaternion.neighbours(self.frame_count, frames)
         positions = self.root_positions[before] + t[:, None] * (
             self.root_positions[after] - self.root_positions[before]
@@ -86,7 +126,7 @@ class Clip:
         return positions, quaternion.slerp(self.rotations[before], self.rotations[after], t[:, None])
 
     def resampled(self, rate: float) -> Clip:
-        """The same motion at another rate; the last partial frame is dropped."""
+        """Returns the same motion at `rate` frames per second. The last sample is at or before the clip's end."""
         if rate == self.rate:
             return self
         count = int(np.floor(self.duration * rate + 1e-9)) + 1

@@ -1,7 +1,7 @@
-"""`clips.toml`: what the offline job should know about clips that their files do not say.
+"""Reads `clips.toml`: what the offline job needs to know about clips, beyond their motion files.
 
 [walk_box]
-kind = "action"          # or "locomotion", which is what a clip is if nothing is said
+kind = "action"          # or "locomotion", the default
 neutral = "walk"         # the clip that its posture is relative to
 tags = ["carry"]
 skip_frames = 1          # leading frames that are not motion, such as a T-pose
@@ -20,11 +20,27 @@ from motionsplice.motion.errors import SettingsError, did_you_mean
 
 FILE_NAME = "clips.toml"
 KINDS = ("locomotion", "action")
+VALUES = {
+    "kind": '"locomotion" or "action"',
+    "neutral": "the name of a clip, in quotes",
+    "tags": 'a list of strings, such as ["carry"]',
+    "skip_frames": "a whole number, 0 or more",
+    "unit": 'a string, such as "cm"',
+}
 
 
 @dataclass(frozen=True)
 class ClipSettings:
-    """One clip's entry in `clips.toml`."""
+    """The settings of one clip: its table in `clips.toml`.
+
+    Attributes:
+        kind: "locomotion" or "action".
+        neutral: The name of the clip that this clip's posture is relative to; None for the locomotion nearest
+            in gait.
+        tags: Any words, which the bank stores with the clip.
+        skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
+        unit: The file's unit of length, as `read_clip` takes it; None to take it from the file or guess it.
+    """
 
     kind: str = "locomotion"
     neutral: str | None = None
@@ -37,41 +53,50 @@ DEFAULT_SETTINGS = ClipSettings()
 
 
 def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
-    """The entries of a `clips.toml`, by clip name. Raises SettingsError, naming the clip and the key."""
+    """Reads a `clips.toml`.
+
+    Args:
+        file: The file, which must exist.
+
+    Returns:
+        Settings by clip name.
+
+    Raises:
+        SettingsError: The file is not TOML, or a key or value is invalid. The message names the clip and the key.
+    """
     try:
         entries = tomllib.loads(file.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"it is not TOML: {error}", file=str(file)) from None
+        raise SettingsError(f"the file is not TOML: {error}", file=str(file)) from None
     return {name: _settings(name, entry, file) for name, entry in entries.items()}
 
 
 def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
     where = f"clip {name!r}"
     if not isinstance(entry, Mapping):
-        raise SettingsError("it is not a table", file=str(file), place=where, mend=f"Write [{name}]")
+        raise SettingsError(
+            f"expected a table, found {entry!r}", file=str(file), place=where, mend=f"Begin it with [{name}]"
+        )
     keys = [field.name for field in fields(ClipSettings)]
     for key in entry:
         if key not in keys:
             raise SettingsError(f"unknown key {key!r}", file=str(file), place=where, mend=did_you_mean(key, keys))
     tags = entry.get("tags", [])
     settings = ClipSettings(**{**entry, "tags": tuple(tags) if isinstance(tags, list) else ()})
-    wrong = [
+    invalid = [
         key
-        for key, sound in {
+        for key, valid in {
             "kind": settings.kind in KINDS,
             "neutral": isinstance(settings.neutral, str | None),
             "tags": isinstance(tags, list) and all(isinstance(tag, str) for tag in settings.tags),
             "skip_frames": type(settings.skip_frames) is int and settings.skip_frames >= 0,
             "unit": isinstance(settings.unit, str | None),
         }.items()
-        if not sound
+        if not valid
     ]
-    if wrong:
-        value = entry[wrong[0]]
+    if invalid:
+        key = invalid[0]
         raise SettingsError(
-            f"{wrong[0]} = {value!r} means nothing",
-            file=str(file),
-            place=where,
-            mend='kind is "locomotion" or "action", neutral and unit are strings, tags strings, skip_frames a count',
+            f"invalid value {key} = {entry[key]!r}", file=str(file), place=where, mend=f"Use {VALUES[key]}"
         )
     return settings

@@ -1,4 +1,4 @@
-"""What can be wrong with what a user hands us. Every message says where, what, and how to mend it."""
+"""The errors that a user's input can cause. Every message says where, what is wrong, and what to do."""
 
 from __future__ import annotations
 
@@ -7,9 +7,15 @@ from collections.abc import Iterable
 
 
 class MotionError(Exception):
-    """Base of all errors a user can cause.
+    """Base class of all errors that a user's input can cause.
 
-    `problem` is one sentence; `file` and `place` (a line, a joint, a table) say where; `mend` says what to do.
+    Printed as "file, place: problem. mend", without the parts that are empty. All parts are attributes too.
+
+    Args:
+        problem: What is wrong, in one sentence without a full stop.
+        file: The file that is affected.
+        place: Where in the file or the data: a line, a frame, a joint, a table.
+        mend: What to do about it, as an imperative.
     """
 
     def __init__(self, problem: str, *, file: str = "", place: str = "", mend: str = "") -> None:
@@ -25,11 +31,11 @@ class MotionError(Exception):
         return f"{message}. {self.mend}" if self.mend else f"{message}."
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Survive the trip back from a worker process."""
+        """Keeps all fields when the error is pickled, as it is on the way back from a worker process."""
         return _rebuild, (type(self), self.problem, self.file, self.place, self.mend)
 
     def within(self, file: str) -> MotionError:
-        """The same error, saying in which file, for callers that know it."""
+        """Returns the same error with `file` filled in, unless it names a file already."""
         return type(self)(self.problem, file=self.file or file, place=self.place, mend=self.mend)
 
 
@@ -38,46 +44,46 @@ def _rebuild(kind: type[MotionError], problem: str, file: str, place: str, mend:
 
 
 class FormatError(MotionError):
-    """A motion file that cannot be read."""
+    """A motion file cannot be read: it is missing, malformed, cut short or of an unsupported type."""
 
 
 class ClipError(MotionError):
-    """Motion data that is not a motion: wrong shapes, non-finite numbers, too few frames."""
+    """Motion data is invalid or unsuitable: wrong shapes, non-finite numbers, too few frames."""
 
 
 class RoleError(MotionError):
-    """A rig whose joints do not show which is the hip, the knee, the shoulder ..."""
+    """The roles of a rig's joints (hip, knee, shoulder ...) cannot be found, or do not fit its motion."""
 
 
 class SkeletonError(MotionError):
-    """Two rigs that cannot share one bank."""
+    """Two rigs do not match: they cannot share a bank, or one's hands cannot be laid on the other."""
 
 
 class BaselineError(MotionError):
-    """A clip that cannot serve as the baseline."""
+    """A clip cannot serve as the baseline."""
 
 
 class BankError(MotionError):
-    """A bank that is missing, damaged or of another version."""
+    """A bank is missing, damaged or of another version."""
 
 
 class UnknownClipError(MotionError):
-    """A clip name that the bank does not hold."""
+    """The bank has no clip of that name."""
 
 
 class TimeRangeError(MotionError):
-    """A time that lies outside a clip, or is not a number."""
+    """A time is outside its clip, or is not a number."""
 
 
 class SettingsError(MotionError):
-    """A setting that means nothing: an unknown key, unit, method or posture."""
+    """A setting is invalid: an unknown key, unit, method or posture, or a value out of range."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A sentence with the near ones among `known`, else with all of them, else with the first ten."""
+    """Returns a hint for an unknown `name`: up to three similar names of `known`, or else the first ten of them."""
     names = sorted(known)
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
     if near:
-        return "Did you mean " + " or ".join(repr(one) for one in near) + "?"
-    shown = ", ".join(names[:10]) + (f" and {len(names) - 10} more" if len(names) > 10 else "")
-    return f"There are: {shown}"
+        return "Did you mean " + " or ".join(repr(match) for match in near) + "?"
+    listed = ", ".join(names[:10]) + (f" and {len(names) - 10} more" if len(names) > 10 else "")
+    return f"Choose one of {listed}" if listed else "None are available"

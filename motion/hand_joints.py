@@ -1,4 +1,4 @@
-"""The joints of a rig's hands: which finger is which, and how those of one rig sit on another."""
+"""The finger joints of a rig: which is which, how they match another rig's, and how they are added to a rig."""
 
 from __future__ import annotations
 
@@ -22,35 +22,39 @@ FINGER = re.compile(r"(thumb|index|middle|mid|ring|pinky|little)\D*(\d*)")
 HAND = re.compile(FINGER.pattern + "|finger")
 FEWEST_TIPS = 3
 SAME_FINGER = {"mid": "middle", "little": "pinky"}
-STRAIGHT = 1e-6  # of a forearm's length, by which one that points ahead may miss
-ALIKE = 0.1  # radians: bind poses of hands that are nearer count as one, for hands are not all of one shape
+STRAIGHT = 1e-6  # sine of the angle to Z below which a forearm counts as pointing ahead
+ALIKE = 0.1  # radians: bind poses that differ by less count as equal, because hands differ in shape
 
 
 def wrist_of(roles: Roles, side: Side) -> int:
+    """Returns the joint of the wrist."""
     return int(getattr(roles, f"{side}_wrist"))
 
 
 def elbow_of(roles: Roles, side: Side) -> int:
+    """Returns the joint of the elbow."""
     return int(getattr(roles, f"{side}_elbow"))
 
 
 def forearm_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
-    """The joints from elbow to wrist, both included: a rig may have bones between, which twist."""
-    way = skeleton.chain(wrist_of(roles, side))
-    return way[: way.index(elbow_of(roles, side)) + 1][::-1]
+    """Returns the joints from elbow to wrist, both included, with any twist bones between."""
+    path = skeleton.chain(wrist_of(roles, side))
+    return path[: path.index(elbow_of(roles, side)) + 1][::-1]
 
 
 def forearm(skeleton: Skeleton, roles: Roles, side: Side) -> Floats:
-    """From elbow to wrist [3], metres, in the bind pose. Raises SkeletonError if both are in one place."""
+    """Returns the vector from elbow to wrist [3], metres, in the bind pose. Raises SkeletonError if it is zero."""
     bone = np.asarray(skeleton.offsets[forearm_of(skeleton, roles, side)[1:]].sum(axis=0))
     if not np.any(bone):
-        raise SkeletonError(f"the {side} forearm has no length", mend="Name the joints of the arm as roles")
+        raise SkeletonError(f"the {side} forearm has no length", mend="Name the elbow and wrist as roles")
     return bone
 
 
 def ahead_of(bone: Floats) -> Floats:
-    """A unit vector [3] square to a forearm [3], and as far ahead as can be: where the thumb's side of a wrist is in a
-    bind pose. Of a forearm that points ahead itself it is above."""
+    """Returns the unit vector [3] perpendicular to a forearm [3] that points most nearly ahead (+Z), or else up.
+
+    In a bind pose, the thumb's side of the wrist is there.
+    """
     along = bone / np.linalg.norm(bone)
     ahead = np.array([0.0, 0.0, 1.0]) - along * along[2]
     size = float(np.linalg.norm(ahead))
@@ -58,59 +62,60 @@ def ahead_of(bone: Floats) -> Floats:
 
 
 def fingers_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
-    """The joints that lead from a wrist to the tips of fingers, in order; none if it has fewer than three of them.
+    """Returns the joints from a wrist to its fingertips, without the wrist, in order; none for fewer than three tips.
 
-    Fingers are known by name; where nothing is named so, all that hangs on the wrist.
+    Fingers are found by name. If no joint has a finger's name, these are all descendants of the wrist.
     """
-    joints = _called(skeleton, wrist_of(roles, side)) or skeleton.subtree(wrist_of(roles, side))[1:]
+    joints = _named_fingers(skeleton, wrist_of(roles, side)) or skeleton.subtree(wrist_of(roles, side))[1:]
     tips = set(joints) - {int(skeleton.parents[joint]) for joint in joints}
     return joints if len(tips) >= FEWEST_TIPS else []
 
 
-def _called(skeleton: Skeleton, wrist: int) -> list[int]:
-    """The joints between a wrist and those that are called fingers, in order."""
+def _named_fingers(skeleton: Skeleton, wrist: int) -> list[int]:
+    """Returns the joints below a wrist that have a finger's name, and those between, in order."""
     below = skeleton.subtree(wrist)[1:]
     fingers = [joint for joint in below if HAND.search(side_and_part(skeleton.names[joint])[1])]
-    ways = {one for joint in fingers for one in skeleton.chain(joint)}
-    return [joint for joint in below if joint in ways]
+    paths = {ancestor for joint in fingers for ancestor in skeleton.chain(joint)}
+    return [joint for joint in below if joint in paths]
 
 
 def has_fingers(skeleton: Skeleton, roles: Roles) -> bool:
-    """Whether either hand has fingers: those that have a thumb and a mitten at most have none."""
+    """Returns whether either hand has fingers. A mitten, with or without a thumb, does not count."""
     return any(fingers_of(skeleton, roles, side) for side in SIDES)
 
 
 def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: Roles, side: Side) -> dict[int, int]:
-    """For each joint of our hand the one of theirs: by the names of fingers, else by the order of like chains.
+    """Returns the joint of their hand for each joint of ours, matched by name, or else by order if the trees are equal.
 
-    Joints of ours that they lack (a metacarpal) are left out. Raises SkeletonError if nothing fits.
+    Joints of ours without a match, such as metacarpals, are left out. Raises SkeletonError if nothing matches.
     """
     mine, other = fingers_of(ours, our_roles, side), fingers_of(theirs, their_roles, side)
-    named = {name: joint for joint, name in _named(theirs, other).items()}
-    match = {joint: named[name] for joint, name in _named(ours, mine).items() if name in named}
+    by_place = {place: joint for joint, place in _finger_places(theirs, other).items()}
+    match = {joint: by_place[place] for joint, place in _finger_places(ours, mine).items() if place in by_place}
     if not match and _shape(ours, mine) == _shape(theirs, other):
         match = dict(zip(mine, other, strict=True))
     if mine and not other:
-        mend = "Export the hands with their fingers, or take the other hand alone"
+        mend = "Export the hands with their fingers, or use the other hand only"
         raise SkeletonError(f"the hands' rig has no fingers on its {side} hand", mend=mend)
     if mine and not match:
         raise SkeletonError(
-            f"the fingers of the {side} hand, {ours.names[mine[0]]!r} and so on, are not those of the hands' rig",
-            mend="Name them thumb, index, middle, ring and pinky, with a number from the palm on",
+            f"no finger of the {side} hand ({ours.names[mine[0]]!r} ...) matches the hands' rig",
+            mend="Name the fingers thumb, index, middle, ring and pinky, with numbers counted from the palm",
         )
     return match
 
 
-def _named(skeleton: Skeleton, joints: list[int]) -> dict[int, tuple[str, int]]:
-    """Finger and place, from 1 at the palm on, of those joints whose names say so.
+def _finger_places(skeleton: Skeleton, joints: list[int]) -> dict[int, tuple[str, int]]:
+    """Returns the finger and the place in it, counted from 1 at the palm, of the joints that have a finger's name.
 
-    By its number; where no joint of a finger has one, as they come. Bones within the palm are at 0.
+    The place is the number in the name, or the order of the joints if no joint of the finger has one. Bones within the
+    palm have place 0.
     """
     found = {joint: FINGER.search(part) for joint in joints if (part := side_and_part(skeleton.names[joint])[1])}
-    told = {joint: (SAME_FINGER.get(one[1], one[1]), one[2]) for joint, one in found.items() if one is not None}
-    numbered = {finger for finger, number in told.values() if number}
+    named = {joint: (SAME_FINGER.get(name[1], name[1]), name[2]) for joint, name in found.items() if name is not None}
+    numbered = {finger for finger, number in named.values() if number}
     places: dict[int, tuple[str, int]] = {}
-    for joint, (finger, number) in told.items():
+    for joint, (finger, number) in named.items():
         palm = finger in numbered or (finger != "thumb" and "metacarpal" in skeleton.names[joint].lower())
         before = sum(other == finger and place > 0 for other, place in places.values())
         places[joint] = finger, int(number) if number else 0 if palm else 1 + before
@@ -118,23 +123,24 @@ def _named(skeleton: Skeleton, joints: list[int]) -> dict[int, tuple[str, int]]:
 
 
 def _shape(skeleton: Skeleton, joints: list[int]) -> list[int]:
-    """How joints hang on each other: the place of each one's parent among them."""
+    """Returns the place of each joint's parent in `joints`, -1 for a parent outside: equal lists are equal trees."""
     return [joints.index(int(skeleton.parents[joint])) if skeleton.parents[joint] in joints else -1 for joint in joints]
 
 
 def bind_turn(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: Roles, side: Side) -> Floats:
-    """The rotation [4] that lays their hand on ours as both are in their bind poses.
+    """Returns the rotation [4] that best lays their hand on ours, both in their bind poses.
 
-    By forearm and fingers; where we have no fingers, by the forearm alone.
+    Fitted to the forearm and the fingers, or, if our hand has no fingers, to the forearm and the direction ahead of it.
+    The identity if the rotation is below 0.1 radians.
     """
     arms = forearm(ours, our_roles, side), forearm(theirs, their_roles, side)
     bones = [arms]
     if fingers_of(ours, our_roles, side):
         match = match_fingers(ours, our_roles, theirs, their_roles, side)
-        bones += [(ours.offsets[one], theirs.offsets[other]) for one, other in match.items()]
+        bones += [(ours.offsets[mine], theirs.offsets[other]) for mine, other in match.items()]
     else:
         bones.append((ahead_of(arms[0]), ahead_of(arms[1])))
-    turn = horn_rotation([_unit(one) for one, _ in bones], [_unit(other) for _, other in bones])
+    turn = horn_rotation([_unit(mine) for mine, _ in bones], [_unit(other) for _, other in bones])
     return turn if angle(turn, IDENTITY) > ALIKE else IDENTITY
 
 
@@ -146,16 +152,17 @@ def _unit(v: Floats) -> Floats:
 def graft_fingers(
     skeleton: Skeleton, roles: Roles, theirs: Skeleton, their_roles: Roles
 ) -> tuple[Skeleton, Roles, Integers]:
-    """A rig without fingers with theirs, as large as its forearms are; the new roles; and where its joints are now [J].
+    """Adds the fingers of another rig to a rig without fingers, scaled by the length of the forearms.
 
-    What it has of a mitten, at -1 then, gives way to them; what hangs on that is hung on what is above. Raises
-    SkeletonError if they have no fingers either.
+    Returns the new rig, its roles, and the new index [J] of each joint. A mitten's joints are replaced by the fingers:
+    their index is -1, and the nearest joint above adopts their other children. Raises SkeletonError if the other rig
+    has no fingers either.
     """
     if not has_fingers(theirs, their_roles):
         raise SkeletonError("neither the body nor the hands have fingers", mend="Export the hands with their fingers")
     sides = {wrist_of(roles, side): side for side in SIDES}
-    mittens = {joint for wrist in sides for joint in _called(skeleton, wrist)}
-    taken = {name for joint, name in enumerate(skeleton.names) if joint not in mittens}
+    mittens = {joint for wrist in sides for joint in _named_fingers(skeleton, wrist)}
+    used = {name for joint, name in enumerate(skeleton.names) if joint not in mittens}
     names: list[str] = []
     parents: list[int] = []
     offsets: list[Floats] = []
@@ -181,7 +188,7 @@ def graft_fingers(
         at = {wrist: int(places[joint])}
         for finger in fingers_of(theirs, their_roles, sides[joint]):
             at[finger], name = len(names), theirs.names[finger]
-            names.append(name if name not in taken else f"{sides[joint]}:{name}")
+            names.append(name if name not in used else f"{sides[joint]}:{name}")
             parents.append(at[int(theirs.parents[finger])])
             offsets.append(size * rotate(turn, theirs.offsets[finger]))
             tips = theirs.end_offsets[theirs.end_parents == finger]
@@ -197,9 +204,9 @@ def graft_fingers(
 
 
 def fingered(clip: Clip, roles: Roles, theirs: Skeleton, their_roles: Roles) -> tuple[Clip, Roles]:
-    """A clip with fingers, straight ones of another rig's if it has none of its own, and its roles.
+    """Returns the clip and its roles, with the other rig's fingers added, straight, if the clip's rig has none.
 
-    Raises SkeletonError if neither has any.
+    Raises SkeletonError if neither rig has fingers.
     """
     if has_fingers(clip.skeleton, roles):
         return clip, roles
@@ -210,10 +217,10 @@ def fingered(clip: Clip, roles: Roles, theirs: Skeleton, their_roles: Roles) -> 
 
 
 def moved_roles(roles: Roles, places: Integers) -> Roles:
-    """The roles of a rig whose joints are now at `places` [J]."""
+    """Returns the roles after the joints have moved to the indices `places` [J]."""
 
     def place(joint: int) -> int:
         return int(places[joint]) if joint >= 0 else -1
 
-    moved = {one.name: place(getattr(roles, one.name)) for one in fields(Roles) if one.name != "spine"}
+    moved = {role.name: place(getattr(roles, role.name)) for role in fields(Roles) if role.name != "spine"}
     return replace(roles, **moved, spine=tuple(place(joint) for joint in roles.spine))

@@ -13,9 +13,9 @@ from motionsplice.motion.skeleton import Skeleton
 
 
 def world_transforms(skeleton: Skeleton, root_positions: ArrayLike, rotations: ArrayLike) -> tuple[Floats, Floats]:
-    """World positions [F, J, 3] in metres and world rotations [F, J, 4] of every joint.
+    """Returns the world positions [F, J, 3] in metres and world rotations [F, J, 4] of every joint.
 
-    root_positions [F, 3] and local rotations [F, J, 4] are a clip's.
+    root_positions [F, 3] and local rotations [F, J, 4] are as in a clip.
     """
     local = np.asarray(rotations, np.float64)
     positions = np.empty((*local.shape[:2], 3))
@@ -29,21 +29,21 @@ def world_transforms(skeleton: Skeleton, root_positions: ArrayLike, rotations: A
 
 
 def joint_positions(clip: Clip) -> Floats:
-    """World positions [F, J, 3] in metres of a clip's joints."""
+    """Returns the world positions [F, J, 3] in metres of a clip's joints."""
     return world_transforms(clip.skeleton, clip.root_positions, clip.rotations)[0]
 
 
 def hips_heading(positions: Floats, roles: Roles) -> Floats:
-    """Which way the hips face [...]: radians about Y from +Z, from joint positions [..., J, 3] in the world."""
+    """Returns the heading of the hips [...], radians about Y from +Z, from world positions of joints [..., J, 3]."""
     return heading(positions[..., roles.left_hip, :] - positions[..., roles.right_hip, :])
 
 
 def heading(hip_line: Floats) -> Floats:
-    """The same [...] from the vectors [..., 3] from right to left hip."""
+    """Returns the heading [...], as `hips_heading`, from the vectors [..., 3] from the right to the left hip."""
     return np.arctan2(-hip_line[..., 2], hip_line[..., 0])
 
 
 def end_positions(skeleton: Skeleton, positions: Floats, world: Floats) -> Floats:
-    """World positions [F, E, 3] of the end sites, from what `world_transforms` returned."""
+    """Returns the world positions [F, E, 3] of the end sites, from the two results of `world_transforms`."""
     at = skeleton.end_parents
     return np.asarray(positions[:, at] + quaternion.rotate(world[:, at], skeleton.end_offsets))

@@ -1,4 +1,4 @@
-"""Point clouds: how far two are apart over the floor, and the rotation that lays one on another."""
+"""Point clouds: distances up to a turn and a shift over the floor, and the rotation that best aligns two."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from motionsplice.motion.quaternion import Floats
 
 
 def planar_distances(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Least sum of squared distances of every cloud in `a` to every cloud in `b`.
+    """Returns the least sum of squared distances of every cloud in `a` to every cloud in `b`.
 
-    Each pair may be turned about Y and shifted over the floor (Kovar, Gleicher and Pighin 2002, whose closed
-    form is used by Heck et al. 2006, 3.1). a [n, p, 3] and b [m, p, 3] metres -> [n, m] square metres.
+    For each pair, the minimum is over all turns about Y and shifts over the floor. The closed form is that of Kovar,
+    Gleicher and Pighin 2002, as used by Heck et al. 2006, 3.1. [n, p, 3], [m, p, 3] metres -> [n, m] square metres.
     """
     a_floor, a_height = _centred(np.asarray(a, np.float64))
     b_floor, b_height = _centred(np.asarray(b, np.float64))
@@ -24,11 +24,11 @@ def planar_distances(a: ArrayLike, b: ArrayLike) -> Floats:
     squares_a = np.sum(a_floor**2, axis=1) + np.sum(a_height**2, axis=1)
     squares_b = np.sum(b_floor**2, axis=1) + np.sum(b_height**2, axis=1)
     distances = squares_a[:, None] + squares_b - 2.0 * (overlap + a_height @ b_height.T)
-    return np.maximum(distances, 0.0)  # rounding may leave -1e-16 where the clouds are equal
+    return np.maximum(distances, 0.0)  # rounding may give -1e-16 for equal clouds
 
 
 def planar_distance(a: ArrayLike, b: ArrayLike) -> Floats:
-    """`planar_distances` of each cloud to the one beside it only. [n, p, 3], [n, p, 3] -> [n] square metres."""
+    """Returns the distance of each a[i] to b[i], as `planar_distances`. [n, p, 3], [n, p, 3] -> [n] square metres."""
     a_floor, a_height = _centred(np.asarray(a, np.float64))
     b_floor, b_height = _centred(np.asarray(b, np.float64))
     points = a_height.shape[1]
@@ -39,7 +39,7 @@ def planar_distance(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def planar_lag_distances(clouds: ArrayLike, lags: Iterable[int]) -> dict[int, Floats]:
-    """`planar_distance` of each cloud to the one `lag` places on, by lag. [n, p, 3] -> [n - lag] square metres each."""
+    """Returns, by lag, the `planar_distance` of cloud i to cloud i + lag. [n, p, 3] -> [n - lag] square metres."""
     floor, height = _centred(np.asarray(clouds, np.float64))
     points = height.shape[1]
     turned = np.concatenate([floor[:, points:], -floor[:, :points]], axis=1)
@@ -59,23 +59,23 @@ def _dots(a: Floats, b: Floats) -> Floats:
 
 
 def _centred(clouds: Floats) -> tuple[Floats, Floats]:
-    """Coordinates over the floor, centred, as [n, 2p] (all x, then all z), and heights [n, p]."""
+    """Returns centred floor coordinates [n, 2p] (all x, then all z) and heights [n, p]."""
     floor = clouds[:, :, [0, 2]]
     floor = floor - floor.mean(axis=1, keepdims=True)
     return np.concatenate([floor[:, :, 0], floor[:, :, 1]], axis=1), clouds[:, :, 1]
 
 
 def windowed(clouds: Floats, width: int) -> Floats:
-    """Each frame's cloud joined with those after it: [n, p, 3] -> [n - width + 1, width * p, 3]."""
+    """Joins the clouds of each `width` successive frames into one. [n, p, 3] -> [n - width + 1, width * p, 3]."""
     count = max(len(clouds) - width + 1, 0)
     return np.concatenate([clouds[shift : shift + count] for shift in range(width)], axis=1)
 
 
 def horn_rotation(target: ArrayLike, source: ArrayLike) -> Floats:
-    """The rotation about the origin that lays `source` on `target`: argmin_q sum |target - q source|^2.
+    """Returns the rotation about the origin that best lays `source` on `target`: argmin_q sum |target - q source|^2.
 
-    Horn 1987: the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix. The clouds are not
-    centred. [..., p, 3], [..., p, 3] -> [..., 4], with w >= 0.
+    Horn 1987: the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix. The clouds are not centred first.
+    [..., p, 3], [..., p, 3] -> [..., 4], with w >= 0.
     """
     s = np.swapaxes(np.asarray(source, np.float64), -1, -2) @ np.asarray(target, np.float64)
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = (tuple(s[..., i, j] for j in range(3)) for i in range(3))

@@ -1,6 +1,6 @@
 """Unit-quaternion algebra on arrays. Order is xyzw; every function broadcasts over leading axes.
 
-What is not here is SciPy's: `scipy.spatial.transform.Rotation`, which is slow to import and slow on many frames.
+For everything else there is `scipy.spatial.transform.Rotation`, which is slow to import and slow on many frames.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
-    """The rotation that turns by `b`, then by `a`. [..., 4], [..., 4] -> [..., 4]."""
+    """Returns the product: the rotation by `b`, then by `a`. [..., 4], [..., 4] -> [..., 4]."""
     a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
     ax, ay, az, aw = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
     bx, by, bz, bw = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
@@ -27,17 +27,17 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def conjugate(q: ArrayLike) -> Floats:
-    """The inverse of a unit quaternion. [..., 4] -> [..., 4]."""
+    """Returns the inverse of a unit quaternion. [..., 4] -> [..., 4]."""
     return np.asarray(q, np.float64) * np.array([-1.0, -1.0, -1.0, 1.0])
 
 
 def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
-    """Vectors `v` turned by `q`. [..., 4], [..., 3] -> [..., 3]."""
+    """Rotates the vectors `v` by `q`. [..., 4], [..., 3] -> [..., 3]."""
     q, v = np.asarray(q, np.float64), np.asarray(v, np.float64)
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
     tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
-    turned = np.empty((*tx.shape, 3))  # written out, for np.cross takes several times as long
+    turned = np.empty((*tx.shape, 3))  # written out, because np.cross takes several times as long
     turned[..., 0] = vx + w * tx + y * tz - z * ty
     turned[..., 1] = vy + w * ty + z * tx - x * tz
     turned[..., 2] = vz + w * tz + x * ty - y * tx
@@ -45,34 +45,34 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
 
 
 def length(q: ArrayLike) -> Floats:
-    """[..., n] -> [...]."""
+    """Returns the Euclidean norm over the last axis. [..., n] -> [...]."""
     q = np.asarray(q, np.float64)
     return np.sqrt(np.einsum("...i,...i->...", q, q))
 
 
 def normalise(q: ArrayLike) -> Floats:
-    """Scaled to unit length. [..., 4] -> [..., 4]."""
+    """Scales to unit length. [..., 4] -> [..., 4]."""
     q = np.asarray(q, np.float64)
     return np.asarray(q / length(q)[..., None])
 
 
 def angle(a: ArrayLike, b: ArrayLike) -> Floats:
-    """The angle in radians between two rotations, in [0, pi]. [..., 4], [..., 4] -> [...]."""
+    """Returns the angle in radians between two rotations, in [0, pi]. [..., 4], [..., 4] -> [...]."""
     difference = multiply(conjugate(a), b)
     return np.asarray(2.0 * np.arctan2(length(difference[..., :3]), np.abs(difference[..., 3])))
 
 
 def about(axis: ArrayLike, radians: ArrayLike) -> Floats:
-    """The turn by `radians` [...] about the unit vector `axis` [3] or [..., 3] -> [..., 4]."""
+    """Returns the rotation [..., 4] by `radians` [...] about the unit vector `axis`, [3] or [..., 3]."""
     axis, half = np.asarray(axis, np.float64), 0.5 * np.asarray(radians, np.float64)
     vector = axis * np.sin(half)[..., None]
     return np.concatenate([vector, np.cos(half)[..., None]], axis=-1)
 
 
 def from_euler(order: str, sines: Floats, cosines: Floats) -> Floats:
-    """Intrinsic turns about the axes in `order`, such as "zxy", one after the other.
+    """Returns the rotation [..., 4] of n intrinsic Euler angles about the axes in `order`, such as "zxy".
 
-    sines and cosines [..., n] are those of half the angles. -> [..., 4].
+    sines and cosines [..., n] are of half the angles.
     """
     q = np.zeros((*sines.shape[:-1], 4))
     q[..., 3] = 1.0
@@ -90,7 +90,7 @@ def from_euler(order: str, sines: Floats, cosines: Floats) -> Floats:
 
 
 def log(q: ArrayLike) -> Floats:
-    """The rotation vector of the shorter turn: its axis times radians. [..., 4] -> [..., 3]."""
+    """Returns the rotation vector of the shorter turn: its axis times its radians. [..., 4] -> [..., 3]."""
     q = np.asarray(q, np.float64)
     q = np.where(q[..., 3:] < 0.0, -q, q)
     sine = length(q[..., :3])
@@ -100,14 +100,14 @@ def log(q: ArrayLike) -> Floats:
 
 
 def exp(v: ArrayLike) -> Floats:
-    """The rotation of a rotation vector. [..., 3] -> [..., 4]."""
+    """Returns the rotation of a rotation vector. [..., 3] -> [..., 4]."""
     v = np.asarray(v, np.float64)
     half = 0.5 * length(v)
     return np.concatenate([0.5 * v * np.sinc(half / np.pi)[..., None], np.cos(half)[..., None]], axis=-1)
 
 
 def one_hemisphere(q: ArrayLike) -> Floats:
-    """The same rotations [frames, ..., 4], signed so that each frame is nearest to the one before."""
+    """Returns the same rotations [frames, ..., 4], with signs that keep each in the hemisphere of the frame before."""
     q = np.asarray(q, np.float64)
     turns = np.einsum("...i,...i->...", q[1:], q[:-1]) < 0.0
     if not turns.any():
@@ -118,18 +118,21 @@ def one_hemisphere(q: ArrayLike) -> Floats:
 
 
 def neighbours(count: int, frames: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
-    """The keys before and after real-valued frames [n], and how far past the first [n]; held at the ends of `count`."""
+    """Returns the whole frames before and after real-valued `frames` [n], and the fraction between them, each [n].
+
+    Frames outside the `count` frames are clamped to the first or last.
+    """
     at = np.clip(np.asarray(frames, np.float64), 0.0, count - 1)
     before = np.minimum(at.astype(np.int64), max(count - 2, 0))
     return before, np.minimum(before + 1, count - 1), at - before
 
 
 def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Floats:
-    """Spherical linear interpolation along the shorter arc. [..., 4], [..., 4], [...] -> [..., 4]."""
+    """Interpolates along the shorter arc (spherical linear). [..., 4], [..., 4], [...] -> [..., 4]."""
     a, b, t = np.asarray(a, np.float64), np.asarray(b, np.float64), np.asarray(t, np.float64)[..., None]
     dot = np.einsum("...i,...i->...", a, b)[..., None]
     b = np.where(dot < 0.0, -b, b)
-    # The half-chord keeps full precision for nearly equal rotations, where arccos(dot) has none.
+    # Half-chords keep full precision for nearly equal rotations, where arccos(dot) loses it.
     theta = 2.0 * np.arctan2(length(b - a), length(b + a))[..., None]
     small = theta < 1e-6
     sine = np.where(small, 1.0, np.sin(theta))

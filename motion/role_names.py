@@ -1,15 +1,15 @@
-"""The names by which rigs call their joints."""
+"""The joint names of the common rigs, and roles found by them."""
 
 from __future__ import annotations
 
 import re
 
-# What is left of a joint's name once prefixes, separators and the side are taken off, in order of preference.
+# A joint's name without prefixes, separators and the side, in order of preference.
 #                Mixamo, LAFAN1  Unreal            VRM, Bandai     Rigify       CMU (ASF)     others
 NAMES = {
     "hip":      ("upleg",        "thigh",          "upperleg",                  "femur",      "hip"),
     "knee":     ("leg",          "calf",           "lowerleg",     "shin",      "tibia",      "knee"),
-    "ankle":    ("ankle",        "foot"),  # SMPL has both, and its foot is the ball
+    "ankle":    ("ankle",        "foot"),  # SMPL has both; its "foot" is the ball
     "toe":      ("toebase",      "ball",           "toes",         "toe"),
     "shoulder": ("arm",          "upperarm",                                    "humerus",    "shoulder"),
     "elbow":    ("forearm",      "lowerarm",                                    "radius",     "elbow"),
@@ -27,9 +27,9 @@ WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
 def side_and_part(name: str) -> tuple[str, str]:
-    """A joint's side ("left", "right" or "") and the rest of its name, in small letters without separators.
+    """Returns a joint's side ("left", "right" or "") and the rest of its name, in lower case without separators.
 
-    "mixamorig:LeftUpLeg", "DEF-thigh.L", "J_Bip_L_UpperLeg", "thigh_l" and "lfemur" are all some left hip.
+    "mixamorig:LeftUpLeg" gives ("left", "upleg"), "DEF-thigh.L" ("left", "thigh"), "lfemur" ("left", "femur").
     """
     words = [word.lower() for word in WORD.findall(PREFIX.sub("", NAMESPACE.sub("", name)))]
     sides = [SIDES[word] for word in words if word in SIDES]
@@ -40,16 +40,17 @@ def side_and_part(name: str) -> tuple[str, str]:
 
 
 def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
-    """The joint of each role that names alone can tell: limbs, neck and head."""
+    """Returns the joints of the limbs, neck and head that are found by name alone, by role."""
     parts: dict[tuple[str, str], int] = {}
     for joint, name in enumerate(names):
         parts.setdefault(side_and_part(name), joint)
     found: dict[str, int] = {}
     for role, candidates in NAMES.items():
         sides = ("left", "right") if role in PAIRED else ("",)
-        # The first name that either side has counts for both: if one arm is called oddly, it is not its collar bone.
-        known = [[side for side in sides if (side, part) in parts] for part in candidates]
-        best = next(filter(None, known), [])
+        # Both sides use the same candidate, the first that either side has. Otherwise, if one arm had an unknown name,
+        # the collar bone on its side, which some rigs call "shoulder", would be taken instead.
+        matches = [[side for side in sides if (side, part) in parts] for part in candidates]
+        best = next(filter(None, matches), [])
         for side in best:
-            found[f"{side}_{role}" if side else role] = parts[side, candidates[known.index(best)]]
+            found[f"{side}_{role}" if side else role] = parts[side, candidates[matches.index(best)]]
     return found

@@ -1,4 +1,4 @@
-"""Which joint of a rig is the root, the pelvis, a knee, a shoulder ..."""
+"""Roles: which joint of a rig is the root, the pelvis, a knee, a shoulder ..."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.role_names import OPTIONAL, PAIRED, roles_by_name
 from motionsplice.motion.skeleton import Integers, Skeleton, chain
 
-GivenRole = str | Sequence[str]  # the name of a joint, or for the spine of several
+GivenRole = str | Sequence[str]  # a joint's name; for the spine also several
 NOTHING_GIVEN: Mapping[str, GivenRole] = MappingProxyType({})
 LIMBS = tuple(f"{side}_{role}" for role in PAIRED if role != "toe" for side in ("left", "right"))
 ENDS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder")
@@ -23,10 +23,18 @@ ENDS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder")
 
 @dataclass(frozen=True)
 class Roles:
-    """Joint indices by role. The pelvis is where the upper body hangs on the root.
+    """The joint indices of a rig by role. `neck`, `head` and the toes are -1 on rigs without them.
 
-    `spine` runs from the pelvis's child up to the joint at which the two arms part, so it may be empty.
-    `neck`, `head` and the toes are -1 on rigs that have none.
+    Attributes:
+        root: The joint at which the legs and the trunk branch; always joint 0.
+        pelvis: The joint by which the upper body hangs on the root, by default the root's child (`LowerBack` on CMU
+            rigs, `Spine` on Mixamo, `spine_01` on Unreal). It is never the root itself.
+        spine: The joints from the pelvis's child up to the joint at which the arms branch, in this order. Empty if the
+            arms branch at the pelvis.
+        neck: The lowest joint of the neck.
+        head: The head.
+        left_hip: The left hip. The other joints of legs and arms are named alike, left and right: knee, ankle, toe,
+            shoulder, elbow and wrist.
     """
 
     root: int
@@ -51,50 +59,63 @@ class Roles:
 
     @property
     def lower_cloud(self) -> tuple[int, ...]:
-        """The joints that time alignment looks at (Heck et al. 2006, 3.1)."""
+        """The joints that time alignment compares: root and knees (Heck et al. 2006, 3.1)."""
         return (self.root, self.left_knee, self.right_knee)
 
     @property
     def upper_cloud(self) -> tuple[int, ...]:
-        """The joints that spatial alignment looks at, the pelvis itself apart (Heck et al. 2006, 3.2)."""
+        """The joints that spatial alignment compares, besides the pelvis (Heck et al. 2006, 3.2)."""
         return (*self.spine, self.left_shoulder, self.right_shoulder)
 
     @property
     def feet(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Ankle and toe, if the rig has one, of the left and the right foot."""
+        """The joints of the left and of the right foot: the ankle, and the toe if the rig has one."""
         left, right = (self.left_ankle, self.left_toe), (self.right_ankle, self.right_toe)
-        return tuple(one for one in left if one >= 0), tuple(one for one in right if one >= 0)
+        return tuple(joint for joint in left if joint >= 0), tuple(joint for joint in right if joint >= 0)
 
     def leg_length(self, skeleton: Skeleton) -> float:
-        """Metres from hip over knee to ankle, mean of both legs."""
+        """Returns the length in metres from hip over knee to ankle, as the mean of both legs."""
         ends = ((self.left_hip, self.left_ankle), (self.right_hip, self.right_ankle))
         bones = [joint for hip, ankle in ends for joint in _between(skeleton, hip, ankle)]  # twist bones included
         return sum(skeleton.bone_length(joint) for joint in bones) / 2.0
 
 
 def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Roles:
-    """The roles of a rig, as `given` by joint name, else found by the names of the limbs and the shape of the tree.
+    """Finds the roles of a rig's joints by their names and the shape of the hierarchy.
 
-    The root must be joint 0 (`motion.formats.fold` sees to that). Raises RoleError if a role cannot be found, with
-    all joints, what was found, and a file to fill in; SettingsError for a role that there is not.
+    Knows the joint names of the common rigs: Mixamo, Unreal, CMU, LAFAN1, VRM, Rigify, Biped, SMPL and others.
+
+    Args:
+        skeleton: The rig. The root, at which legs and trunk branch, must be joint 0, as in clips from `read_clip`.
+        given: Joint names by role, which take precedence over what is found: limbs such as "left_hip", "neck", "head",
+            "left_toe", "right_toe", "pelvis", and "spine", for which several names may be given.
+
+    Returns:
+        The roles.
+
+    Raises:
+        RoleError: A role cannot be found, or the roles found do not form legs, arms and a trunk. The message lists all
+            joints and the roles that were found, and has the text of a roles file to fill in.
+        SettingsError: `given` has an unknown role.
     """
     found = limbs_by_name(skeleton.names, given)
     if missing := [role for role in LIMBS if role not in found]:
         raise RoleError(
-            f"no joint was found for {', '.join(missing)}. The joints are {', '.join(skeleton.names)}. "
-            f"Found were {', '.join(f'{role} = {skeleton.names[at]}' for role, at in found.items()) or 'none'}",
-            mend=f"Name the missing ones in a file and pass it as --roles:\n\n{_stub(missing)}",
+            f"no joint found for {', '.join(missing)}. Joints: {', '.join(skeleton.names)}. "
+            f"Roles found: {', '.join(f'{role} = {skeleton.names[at]}' for role, at in found.items()) or 'none'}",
+            mend=f"Name the missing joints in a file and pass it as --roles:\n\n{_stub(missing)}",
         )
     root = common_ancestor(skeleton.parents, [found[role] for role in ENDS])
     chest = common_ancestor(skeleton.parents, [found["left_shoulder"], found["right_shoulder"]])
     if root != 0 or chest == root:
-        problem = f"legs and arms part at {skeleton.names[root]!r} and {skeleton.names[chest]!r}, so there is no trunk"
+        meeting = f"legs and arms branch at {skeleton.names[root]!r}, both arms at {skeleton.names[chest]!r}"
+        problem = f"no trunk found: {meeting}"
         raise RoleError(problem, mend="Name the joints of the legs and arms in a file and pass it as --roles")
-    way = skeleton.chain(chest)
-    pelvis = way[way.index(root) - 1]
+    path = skeleton.chain(chest)
+    pelvis = path[path.index(root) - 1]
     if "pelvis" in given:
         pelvis = _joint("pelvis", given["pelvis"], skeleton.names)
-    trunk = way[: way.index(pelvis)][::-1] if pelvis in way else []
+    trunk = path[: path.index(pelvis)][::-1] if pelvis in path else []
     spine = given.get("spine", tuple(skeleton.names[joint] for joint in trunk))
     trunk = [_joint("spine", name, skeleton.names) for name in ((spine,) if isinstance(spine, str) else spine)]
     limbs = {role: found.get(role, -1) for role in (*LIMBS, *OPTIONAL)}
@@ -102,67 +123,77 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
         for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
             upper, middle, lower = (found[f"{side}_{joint}"] for joint in limb)
             if upper not in skeleton.chain(middle)[1:] or middle not in skeleton.chain(lower)[1:]:
-                problem = f"the {side} {limb[0]}, {limb[1]} and {limb[2]} do not hang on each other in this order"
-                raise RoleError(problem, mend="Name them again in a file and pass it as --roles")
-    if pelvis == root or pelvis not in way:
-        problem = f"the pelvis {skeleton.names[pelvis]!r} does not lie between the root and the arms"
-        raise RoleError(problem, mend="Leave it out, or name a joint of the trunk")
+                problem = f"the {side} {limb[0]}, {limb[1]} and {limb[2]} are not one chain of joints in this order"
+                raise RoleError(problem, mend="Name them in a file and pass it as --roles")
+    if pelvis == root or pelvis not in path:
+        problem = f"the pelvis {skeleton.names[pelvis]!r} is not between the root and the arms"
+        raise RoleError(problem, mend="Name a joint of the trunk, or leave the pelvis out")
     return Roles(root=root, pelvis=pelvis, spine=tuple(trunk), **limbs)
 
 
 def limbs_by_name(names: tuple[str, ...], given: Mapping[str, GivenRole]) -> dict[str, int]:
-    """The joint of each limb, of neck and head, as given or by name. Raises RoleError for a joint that is not there."""
+    """Returns the joints of the limbs, neck and head by role, as given or else found by name.
+
+    Raises RoleError for a given joint that the rig does not have, SettingsError for an unknown role.
+    """
     _check_known(given)
     found = roles_by_name(names)
     return found | {role: _joint(role, name, names) for role, name in given.items() if role in (*LIMBS, *OPTIONAL)}
 
 
 def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:
-    """The lowest joint that all of `joints` hang on."""
+    """Returns the lowest joint that is an ancestor of all `joints`, or one of them; `parents` [J]."""
     chains = [chain(parents, joint) for joint in joints]
     shared = set(chains[0]).intersection(*chains[1:])
     return next(joint for joint in chains[0] if joint in shared)
 
 
 def check_shape(positions: Floats, roles: Roles) -> None:
-    """Raises RoleError unless roles fit how a body moves, in most frames [F, J, 3]: knees below hips, shoulders above
-    the pelvis, and left and right on the same sides above and below."""
-    where = np.median(positions - positions[:, :1], axis=0)
+    """Raises RoleError unless the roles fit the motion of the body, given its joints' world positions [F, J, 3].
+
+    In the median frame, knees are below hips, shoulders above the pelvis, and the left shoulder on the left hip's side.
+    """
+    median = np.median(positions - positions[:, :1], axis=0)
     hips = positions[:, roles.left_hip] - positions[:, roles.right_hip]
     shoulders = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
-    for problem, sound in {
-        "the left knee is above the left hip": where[roles.left_knee, 1] < where[roles.left_hip, 1],
-        "the right knee is above the right hip": where[roles.right_knee, 1] < where[roles.right_hip, 1],
-        "the left shoulder is below the pelvis": where[roles.left_shoulder, 1] > where[roles.pelvis, 1],
-        "the right shoulder is below the pelvis": where[roles.right_shoulder, 1] > where[roles.pelvis, 1],
+    for problem, fits in {
+        "the left knee is above the left hip": median[roles.left_knee, 1] < median[roles.left_hip, 1],
+        "the right knee is above the right hip": median[roles.right_knee, 1] < median[roles.right_hip, 1],
+        "the left shoulder is below the pelvis": median[roles.left_shoulder, 1] > median[roles.pelvis, 1],
+        "the right shoulder is below the pelvis": median[roles.right_shoulder, 1] > median[roles.pelvis, 1],
         "left and right are crossed between hips and shoulders": np.median(np.sum(hips * shoulders, axis=1)) > 0.0,
     }.items():
-        if not sound:
+        if not fits:
             raise RoleError(
-                f"the roles do not fit the body: {problem}",
-                mend="Is the file Y up? If so, name the joints in a file and pass it as --roles",
+                f"the roles do not fit the motion: {problem}",
+                mend="Check that the file is Y up. If it is, name the joints in a file and pass it as --roles",
             )
 
 
 def read_roles_file(file: Path) -> dict[str, GivenRole]:
-    """The `[roles]` of a TOML file, joint names by role. Raises SettingsError, naming the file and the key."""
+    """Reads a TOML file with one table, `[roles]`: joint names by role.
+
+    Raises SettingsError if the file cannot be read or an entry is invalid. The message names the file and the key.
+    """
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
-        raise SettingsError(f"it cannot be read: {error.strerror}", file=str(file)) from None
+        raise SettingsError(f"the file cannot be read: {error.strerror}", file=str(file)) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"it is not TOML: {error}", file=str(file)) from None
+        raise SettingsError(f"the file is not TOML: {error}", file=str(file)) from None
     roles = document.get("roles")
     if not isinstance(roles, dict) or set(document) != {"roles"}:
-        raise SettingsError("it needs one table, [roles]", file=str(file), mend='Write [roles] and left_hip = "..."')
+        mend = 'Write [roles], and below it one line for each role, such as left_hip = "LeftUpLeg"'
+        raise SettingsError("expected one table, [roles]", file=str(file), mend=mend)
     try:
         _check_known(roles)
     except SettingsError as error:
         raise error.within(str(file)) from None
     for role, name in roles.items():
         names = name if isinstance(name, list) and role == "spine" else [name]
-        if not all(isinstance(one, str) for one in names):
-            raise SettingsError(f"{role} = {name!r} is not the name of a joint", file=str(file))
+        if not all(isinstance(joint, str) for joint in names):
+            problem = f"{role} = {name!r} is not the name of a joint"
+            raise SettingsError(problem, file=str(file), mend="Write the joint's name in quotes")
     return roles
 
 
@@ -175,14 +206,14 @@ def _check_known(given: Mapping[str, GivenRole]) -> None:
 
 def _joint(role: str, name: GivenRole, names: tuple[str, ...]) -> int:
     if name not in names:
-        raise RoleError(f"{role} is given as {name!r}, which is no joint", mend=did_you_mean(str(name), names))
+        raise RoleError(f"unknown joint {name!r} for role {role}", mend=did_you_mean(str(name), names))
     return names.index(str(name))
 
 
 def _between(skeleton: Skeleton, upper: int, lower: int) -> list[int]:
-    """The joints from `lower` up to `upper`, without it."""
-    way = skeleton.chain(lower)
-    return way[: way.index(upper)]
+    """Returns the joints from `lower` up to `upper`, without `upper`."""
+    path = skeleton.chain(lower)
+    return path[: path.index(upper)]
 
 
 def _stub(missing: Sequence[str]) -> str:

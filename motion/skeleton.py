@@ -1,4 +1,4 @@
-"""A rig at rest: joints, their order, and where each sits on its parent."""
+"""Skeletons: the joints of a rig, their hierarchy and their offsets in the bind pose."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ Integers = NDArray[np.int64]
 
 
 def chain(parents: Integers, joint: int) -> list[int]:
-    """The joints from `joint` up to where nothing is above, both included; parents [J] are negative there."""
-    up = [joint]
-    while parents[up[-1]] >= 0:
-        up.append(int(parents[up[-1]]))
-    return up
+    """Returns the joints from `joint` up to its root, both included. A root's entry in `parents` [J] is negative."""
+    path = [joint]
+    while parents[path[-1]] >= 0:
+        path.append(int(parents[path[-1]]))
+    return path
 
 
 def subtree(parents: Integers, joint: int) -> list[int]:
-    """`joint` and everything that hangs on it, parent before child, as `parents` [J] are."""
+    """Returns `joint` and all its descendants, parent before child, in the order of `parents` [J]."""
     inside = {joint}
     for candidate in range(joint + 1, len(parents)):
         if int(parents[candidate]) in inside:
@@ -33,15 +33,20 @@ def subtree(parents: Integers, joint: int) -> list[int]:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Joints ordered parent before child; all local frames are aligned with the world in the bind pose.
+    """A rig of J joints in its bind pose, in which every joint's local frame is aligned with the world.
 
-    names:       J joint names, each once.
-    parents:     [J] index of each joint's parent; the root is joint 0 and its parent is -1.
-    offsets:     [J, 3] metres, from the parent to the joint in the parent's frame; the root's is ignored.
-    end_parents: [E] joints that carry an end site (the tip of a toe, a finger, the head).
-    end_offsets: [E, 3] metres, from that joint to the end site.
+    Joints are ordered parent before child, below a single root.
 
-    Raises ClipError if any of this does not hold.
+    Attributes:
+        names: The J joint names, all different.
+        parents: [J] the index of each joint's parent. The root is joint 0, and its parent is -1.
+        offsets: [J, 3] metres, from the parent to the joint in the parent's frame. The root's offset is ignored.
+        end_parents: [E] the joint that carries each end site (the tip of a toe, of a finger, of the head).
+        end_offsets: [E, 3] metres, from that joint to the end site, in the joint's frame.
+
+    Raises:
+        ClipError: Names repeat, shapes do not match, joints are out of order, an end site's parent does not exist, or
+            an offset is not finite.
     """
 
     names: tuple[str, ...]
@@ -55,8 +60,8 @@ class Skeleton:
         if count == 0:
             raise ClipError("the skeleton has no joints")
         if len(set(self.names)) != count:
-            twice = next(name for i, name in enumerate(self.names) if name in self.names[:i])
-            raise ClipError("two joints have one name", place=f"joint {twice!r}", mend="Rename one of them")
+            repeated = next(name for i, name in enumerate(self.names) if name in self.names[:i])
+            raise ClipError("two joints have the same name", place=f"joint {repeated!r}", mend="Rename one of them")
         if self.parents.shape != (count,) or self.offsets.shape != (count, 3):
             raise ClipError(f"{count} joints need parents [{count}] and offsets [{count}, 3]")
         if self.parents[0] != -1 or np.any(self.parents[1:] < 0) or np.any(self.parents >= np.arange(count)):
@@ -64,38 +69,43 @@ class Skeleton:
         if self.end_offsets.shape != (len(self.end_parents), 3):
             raise ClipError("every end site needs one parent and one offset")
         if np.any((self.end_parents < 0) | (self.end_parents >= count)):
-            raise ClipError("an end site hangs on a joint that is not there")
+            raise ClipError("the parent of an end site does not exist")
         if not (np.isfinite(self.offsets).all() and np.isfinite(self.end_offsets).all()):
             raise ClipError("a bone offset is not a finite number")
 
     @property
     def joint_count(self) -> int:
+        """The number of joints, J, without end sites."""
         return len(self.names)
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """For each joint, the joints that hang on it."""
+        """For each joint, the indices of its children."""
         return tuple(tuple(np.flatnonzero(self.parents == joint).tolist()) for joint in range(self.joint_count))
 
     def index(self, name: str) -> int:
-        """The index of the joint called `name`; raises ClipError, with the near names, if there is none."""
+        """Returns the index of the joint called `name`.
+
+        Raises:
+            ClipError: No joint has that name. The message suggests similar names.
+        """
         try:
             return self.names.index(name)
         except ValueError:
-            raise ClipError(f"there is no joint {name!r}", mend=did_you_mean(name, self.names)) from None
+            raise ClipError(f"unknown joint {name!r}", mend=did_you_mean(name, self.names)) from None
 
     def chain(self, joint: int) -> list[int]:
-        """The joints from `joint` up to the root, both included."""
+        """Returns the joints from `joint` up to the root, both included."""
         return chain(self.parents, joint)
 
     def subtree(self, joint: int) -> list[int]:
-        """`joint` and everything that hangs on it, parent before child."""
+        """Returns `joint` and all its descendants, parent before child."""
         return subtree(self.parents, joint)
 
     def bone_length(self, joint: int) -> float:
-        """Metres from `joint` to its parent."""
+        """Returns the distance in metres from `joint` to its parent."""
         return float(np.linalg.norm(self.offsets[joint]))
 
     def scaled(self, factor: float) -> Skeleton:
-        """The same rig, `factor` times as large."""
+        """Returns the same rig, `factor` times as large."""
         return Skeleton(self.names, self.parents, self.offsets * factor, self.end_parents, self.end_offsets * factor)

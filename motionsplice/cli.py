@@ -1,23 +1,33 @@
-"""The command `motionsplice`."""
+"""The command `motionsplice`.
+
+Listing the commands imports none of them: each module is imported when its command is used.
+"""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Annotated
+from importlib import import_module
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.markup import escape
+from typer.core import TyperCommand
 
 from motionsplice import __version__
-from motionsplice.commands import bank as command_bank
-from motionsplice.commands import demo as command_demo
-from motionsplice.commands import hands as command_hands
-from motionsplice.commands import motion as command_motion
-from motionsplice.commands import serve as command_serve
-from motionsplice.commands import study as command_study
 from motionsplice.motion.errors import MotionError
+
+COMMANDS = {  # each command's module in `motionsplice.commands`, and the first line of its help
+    "precompute": ("bank", "Align clips to a baseline locomotion, and write a bank."),
+    "inspect": ("bank", "Show the clips of a bank, and how well each is aligned to the baseline."),
+    "splice": ("motion", "Splice an action's upper body onto a locomotion, and write the motion as BVH."),
+    "render": ("motion", "Draw motions as stick figures, or one hand of each, to judge them by eye."),
+    "hands": ("hands", "Align hands to a body that was captured separately, and write the body with their fingers."),
+    "study": ("study", "Find which upper-body motions correlate with the legs, and which of them other motions keep."),
+    "serve": ("serve", "Serve a bank's clips, poses, splices and streams over HTTP until stopped."),
+    "demo": ("demo", "Build a bank of the built-in motions, splice one, add hands to another, draw both, and serve."),
+}
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -25,8 +35,31 @@ app = typer.Typer(
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
-for group in (command_bank, command_motion, command_hands, command_study, command_serve, command_demo):
-    group.register(app)
+
+
+class LazyCommand(TyperCommand):
+    """A command's name and one line of help; the rest is imported when the command is used."""
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        assert self.name is not None
+        return _load(self.name).make_context(info_name, args, parent, **extra)
+
+
+def _load(name: str) -> Any:
+    """Imports a command's module, and returns the command."""
+    module = import_module(f"motionsplice.commands.{COMMANDS[name][0]}")
+    group = typer.Typer(rich_markup_mode="rich", pretty_exceptions_enable=False)
+    group.callback()(_nothing)  # makes it a group even if the module has one command
+    module.register(group)
+    return typer.main.get_group(group).commands[name]
+
+
+def _nothing() -> None:
+    pass
+
+
+for _name, (_, _help) in COMMANDS.items():
+    app.command(_name, help=_help, cls=LazyCommand)(_nothing)
 
 
 def _show_version(asked: bool) -> None:
@@ -50,18 +83,18 @@ def main() -> None:
 
 
 def run(command: Callable[[], object]) -> None:
-    """Runs a command. What a user can mend is told in one paragraph, and the exit status is 1."""
+    """Runs a command. An error that the user can correct is printed as one paragraph, and the exit status is 1."""
     try:
         command()
     except MotionError as error:
-        _tell(str(error))
+        _fail(str(error))
     except OSError as error:
-        _tell(f"{error.filename or 'the system'}: {error.strerror or error}")
+        _fail(f"{error.filename or 'the system'}: {error.strerror or error}")
     except KeyboardInterrupt:
         sys.exit(130)
 
 
-def _tell(problem: str) -> None:
+def _fail(problem: str) -> None:
     console = Console(stderr=True, emoji=False)
     console.print(f"[bold red]error:[/bold red] {escape(problem)}", highlight=False, soft_wrap=True)
     sys.exit(1)

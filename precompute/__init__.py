@@ -1,4 +1,1 @@
-"""The offline job, and the papers' whole-clip splice.
-
-Imports `runtime` and `motion`; commands and benchmarks import it.
-"""
+"""The offline job and the papers' whole-clip splice."""

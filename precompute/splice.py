@@ -1,6 +1,7 @@
-"""Whole-clip splicing: the papers' method, and the naive one. All run-time forms are judged by it.
+"""Whole-clip splicing: the papers' method, and plain DOF replacement to compare with.
 
-Heck, Kovar and Gleicher 2006, section 3; Heck's thesis, 4.2.
+`splice_exact` is the reference that tests and benchmarks compare the run-time splices with. Sources: Heck, Kovar and
+Gleicher 2006, section 3; Heck's thesis, section 4.2.
 """
 
 from __future__ import annotations
@@ -25,10 +26,13 @@ Posture = Literal["relative", "absolute", "off"]
 
 
 @dataclass(frozen=True, eq=False)
-class Splice:
-    """A spliced clip, which ends where the time alignment ends, and the time alignment it was made with.
+class WholeClipSplice:
+    """A spliced clip, and the time alignment that it was made with.
 
-    action_frames: [F] the real-valued action frame under each frame of the result.
+    Attributes:
+        clip: The result, F frames at the locomotion's rate. It ends where the time alignment ends.
+        action_frames: [F] The real-valued action frame under each frame of the result.
+        warp: The time alignment of the two clips.
     """
 
     clip: Clip
@@ -43,33 +47,62 @@ def splice_exact(
     *,
     posture: Posture = "relative",
     torso_offsets: tuple[Floats | None, Floats | None] = (None, None),
-) -> Splice:
-    """The action's upper body on the locomotion's root and lower body, by the papers' three steps.
+) -> WholeClipSplice:
+    """Splices the action's upper body onto the locomotion's root and lower body, by the papers' three steps.
 
-    All clips share one skeleton. Posture `relative` needs the `torso_offsets` [F, 4] of locomotion and action at their
-    own frames (`precompute.preparation.torso_offset`, `Bank.torso`); None for a clip that is its own neutral, as a
-    plain locomotion is (docs/method.md). Raises SkeletonError for clips on two skeletons, and ClipError for clips too
-    long or too short to be aligned.
+    The steps are time alignment, spatial alignment and posture transfer (Heck, Kovar and Gleicher 2006, 3.1 to 3.3).
+
+    Args:
+        locomotion: The clip that gives the root and the lower body.
+        action: The clip that gives the upper body. It has the locomotion's skeleton.
+        roles: Which joint of the skeleton is which.
+        posture: What posture transfer does. `absolute` gives the result the action's mean posture (3.3). `relative`
+            adds, frame by frame, what the action's torso does beyond its gait (docs/method.md). `off` does nothing.
+        torso_offsets: The torso offsets [F, 4] of the locomotion and of the action, quaternions (x, y, z, w) at each
+            clip's own frames (`Bank.torso`, or `precompute.preparation.torso_offset`). Only posture `relative` uses
+            them. None for a clip that is its own neutral, for example a plain locomotion.
+
+    Returns:
+        The spliced clip, its action frames and the time alignment.
+
+    Raises:
+        SkeletonError: The clips have different joints.
+        ClipError: The clips are too long or too short to be aligned, or the hips of a frame show no facing direction.
     """
     check_same_rig(locomotion, action)
     warp, action_frames = align_in_time(locomotion, action, roles)
-    kept = locomotion.frames(0, len(action_frames))
-    torso_l, torso_u = measure_torso(kept, roles), measure_torso(action, roles)
+    covered = locomotion.frames(0, len(action_frames))
+    torso_l, torso_u = measure_torso(covered, roles), measure_torso(action, roles)
     positions_u, rotations_u = action.sampled(action_frames)
     sampled = measure_torso(Clip(action.name, action.skeleton, locomotion.rate, positions_u, rotations_u), roles)
-    result = attach(kept, rotations_u, horn_rotation(torso_l.clouds, sampled.clouds), roles)
+    result = attach(covered, rotations_u, horn_rotation(torso_l.clouds, sampled.clouds), roles)
     if posture == "absolute":
         turn = horn_rotation(torso_u.posture, measure_torso(result, roles).posture)
         result = transfer_posture(result, torso_l, turn, roles)
     elif posture == "relative":
-        own = sampled_offsets(torso_offsets[0], np.arange(float(kept.frame_count)))
-        theirs = sampled_offsets(torso_offsets[1], action_frames)
-        result = transfer_posture(result, torso_l, quaternion.multiply(theirs, quaternion.conjugate(own)), roles)
-    return Splice(result, action_frames, warp)
+        offsets_l = sampled_offsets(torso_offsets[0], np.arange(float(covered.frame_count)))
+        offsets_u = sampled_offsets(torso_offsets[1], action_frames)
+        turn = quaternion.multiply(offsets_u, quaternion.conjugate(offsets_l))
+        result = transfer_posture(result, torso_l, turn, roles)
+    return WholeClipSplice(result, action_frames, warp)
 
 
 def splice_naive(locomotion: Clip, action: Clip, roles: Roles) -> Clip:
-    """Plain DOF replacement: at each moment the action's upper-body rotations, the action repeated as needed."""
+    """Replaces the locomotion's upper-body rotations by the action's at the same time (plain DOF replacement).
+
+    Nothing is aligned. An action shorter than the locomotion is repeated from its start.
+
+    Args:
+        locomotion: The clip that gives the root and the lower body.
+        action: The clip that gives the upper body. It has the locomotion's skeleton.
+        roles: Which joint of the skeleton is which.
+
+    Returns:
+        A clip of the locomotion's length and rate.
+
+    Raises:
+        SkeletonError: The clips have different joints.
+    """
     check_same_rig(locomotion, action)
     seconds = np.arange(locomotion.frame_count) / locomotion.rate
     frames = np.mod(seconds, action.duration) * action.rate if action.frame_count > 1 else seconds * 0.0
@@ -80,9 +113,10 @@ def splice_naive(locomotion: Clip, action: Clip, roles: Roles) -> Clip:
 
 
 def align_in_time(locomotion: Clip, action: Clip, roles: Roles) -> tuple[TimeWarp, Floats]:
-    """lambda(t) at the locomotion's own frames, up to where the alignment ends (Heck et al. 2006, 3.1).
+    """Aligns the action to the locomotion in time (Heck et al. 2006, 3.1).
 
-    Raises ClipError if that is before SHORTEST_CLIP, or if the clips are too long for `align_pair`.
+    Returns the alignment, and the action frames lambda(t) [F] at the locomotion's own frames, up to where the alignment
+    ends. Raises ClipError if it ends before SHORTEST_CLIP seconds, or if the clips are too long for `align_pair`.
     """
     cloud = list(roles.lower_cloud)
     if min(locomotion.duration, action.duration) < SHORTEST_CLIP:
@@ -98,14 +132,14 @@ def align_in_time(locomotion: Clip, action: Clip, roles: Roles) -> tuple[TimeWar
 
 def _too_short(locomotion: Clip, action: Clip) -> ClipError:
     return ClipError(
-        f"it goes in step with {locomotion.name!r} for less than {SHORTEST_CLIP} s before one of them ends",
+        f"it is in step with {locomotion.name!r} for less than {SHORTEST_CLIP} s before one of the clips ends",
         place=f"clip {action.name!r}",
         mend="Use the bank's splice (--method splice), which repeats the action",
     )
 
 
 def attach(locomotion: Clip, rotations_u: Floats, q_a: Floats, roles: Roles) -> Clip:
-    """Upper-body rotations [F, J, 4] on the locomotion, the pelvis turned by q_P^L q_A (3.2). q_a is [F, 4]."""
+    """Puts upper-body rotations [F, J, 4] on the locomotion, with the pelvis at q_P^L q_A (3.2); `q_a` is [F, 4]."""
     upper = locomotion.skeleton.subtree(roles.pelvis)
     rotations = locomotion.rotations.copy()
     rotations[:, upper] = rotations_u[:, upper]
@@ -114,15 +148,15 @@ def attach(locomotion: Clip, rotations_u: Floats, q_a: Floats, roles: Roles) -> 
 
 
 def transfer_posture(splice: Clip, torso_l: Torso, turn: Floats, roles: Roles) -> Clip:
-    """The pelvis turned by q_G, which is `turn` [4] or [F, 4] as seen in the posture frame (3.3, docs/method.md)."""
-    seen = quaternion.multiply(quaternion.multiply(torso_l.frames, turn), quaternion.conjugate(torso_l.frames))
+    """Turns the pelvis by q_G: the rotation `turn` [4] or [F, 4], given in the posture frame (3.3, docs/method.md)."""
+    q_g = quaternion.multiply(quaternion.multiply(torso_l.frames, turn), quaternion.conjugate(torso_l.frames))
     rotations = splice.rotations.copy()
-    rotations[:, roles.pelvis] = quaternion.multiply(seen, splice.rotations[:, roles.pelvis])
+    rotations[:, roles.pelvis] = quaternion.multiply(q_g, splice.rotations[:, roles.pelvis])
     return replace(splice, rotations=rotations)
 
 
 def sampled_offsets(offsets: Floats | None, frames: Floats) -> Floats:
-    """Torso offsets [F, 4] at real-valued frames [n]; identities for a clip that is its own neutral."""
+    """Returns torso offsets [F, 4] sampled at real-valued frames [n]; identities if `offsets` is None."""
     if offsets is None:
         return np.broadcast_to(quaternion.IDENTITY, (len(frames), 4))
     before, after, t = quaternion.neighbours(len(offsets), frames)
@@ -135,5 +169,5 @@ def check_same_rig(locomotion: Clip, action: Clip) -> None:
     if a.names != b.names or not np.array_equal(a.parents, b.parents):
         raise SkeletonError(
             f"clips {locomotion.name!r} and {action.name!r} have different joints",
-            mend="Bring both to one skeleton first: a bank does so",
+            mend="Bring both to one skeleton first, as building a bank does",
         )

@@ -1,9 +1,10 @@
-"""A bank on disk: opened, verified and mapped. Immutable, and shared by all processes that map it (docs/bank.md)."""
+"""Banks: opened, verified and memory-mapped (docs/bank.md)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -32,19 +33,44 @@ TABLE_FOLDER = "tables"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bank:
-    """All clips of a bank on one skeleton, and their tables (`TABLES` gives shapes and types)."""
+    """All clips of a game character on one skeleton, with the tables that align them.
+
+    A bank is immutable. Its tables are memory-mapped, so all processes that open it share their pages.
+
+    Attributes:
+        path: The bank's folder.
+        manifest: Names, entries and digests of everything in the bank.
+        tables: The tables by name; `runtime.format.manifest.TABLES` lists shapes and types.
+
+    Example:
+        ```python
+        from motionsplice import Bank
+
+        bank = Bank.open("demo/bank")
+        for clip in bank.clips:
+            print(clip.name, clip.kind, f"{clip.duration:.2f} s")
+        print(bank.phase("walk")[:3], bank.contacts("walk")[0])
+        ```
+    """
 
     path: Path
     manifest: Manifest
     tables: Tables
 
     @classmethod
-    def open(cls, path: str | Path, *, verify: bool = True) -> Bank:
-        """Maps the bank in the folder `path`, after verifying the digest of everything in it.
+    def open(cls, path: str | PathLike[str], *, verify: bool = True) -> Bank:
+        """Maps the bank in a folder.
 
-        Without `verify` only what is needed is read, so a large bank opens at once; that its tables fit together is
-        checked all the same, and no damaged number can lead a kernel astray, only spoil poses. `verify` may be called
-        later. Raises BankError, naming file and mend, if it is not there, of another version, cut short or altered.
+        Without `verify` only the manifest and the headers of tables are read, so a large bank opens at once. Shapes and
+        row numbers are checked in any case: a damaged table can spoil poses, but cannot make a kernel read outside the
+        tables. `verify` may be called later.
+
+        Args:
+            path: The bank's folder.
+            verify: Whether to check the digest and the numbers of every table.
+
+        Raises:
+            BankError: The bank is missing, of another version, cut short or altered. Names the file.
         """
         folder = Path(path)
         manifest = Manifest.read(folder)
@@ -55,42 +81,51 @@ class Bank:
         return bank
 
     def verify(self) -> None:
-        """Checks the digest and the numbers of every table, reading all of them. Raises BankError, naming the file."""
+        """Checks the digest and the numbers of every table, which reads all of them.
+
+        Raises:
+            BankError: A table was cut short or altered. Names the file.
+        """
         check_contents(self.manifest, self.tables, self.files)
 
     @property
     def files(self) -> dict[str, Path]:
-        """The file of each table."""
+        """The file of each table, by the table's name."""
         return files(self.path, self.manifest)
 
     @property
     def digest(self) -> str:
+        """BLAKE2b digest of the manifest's body, in hex. Equal digests mean equal banks."""
         return self.manifest.digest
 
     @property
     def skeleton(self) -> Skeleton:
+        """The skeleton of all clips: J joints, parents before children."""
         return self.manifest.skeleton
 
     @property
     def roles(self) -> Roles:
+        """The joints that are the pelvis, the shoulders and so on."""
         return self.manifest.roles
 
     @property
     def baseline(self) -> BaselineEntry:
+        """The stride that all clips are aligned to."""
         return self.manifest.baseline
 
     @property
     def clips(self) -> tuple[ClipEntry, ...]:
+        """The entries of all clips, in order of name; a clip's number is its index here."""
         return self.manifest.clips
 
     @property
     def hands(self) -> tuple[HandsEntry, ...]:
-        """Which hands lie on which clips."""
+        """The entries of all hands clips, one for each clip that they are aligned to."""
         return self.manifest.hands
 
     @cached_property
     def layout(self) -> Layout:
-        """Where in the rows of `lower` and `upper` what lies."""
+        """The columns of the tables `lower`, `upper` and `hands`."""
         return Layout.of(self.skeleton, self.roles)
 
     @cached_property
@@ -98,7 +133,11 @@ class Bank:
         return {clip.name: number for number, clip in enumerate(self.clips)}
 
     def number(self, name: str) -> int:
-        """The index of the clip called `name`; raises UnknownClipError with the near names if there is none."""
+        """Returns the number of a clip: its index in `clips`.
+
+        Raises:
+            UnknownClipError: The bank has no such clip. Suggests similar names.
+        """
         try:
             return self._numbers[name]
         except KeyError:
@@ -106,12 +145,16 @@ class Bank:
             raise UnknownClipError(problem, mend=did_you_mean(name, self._numbers)) from None
 
     def clip(self, name: str) -> ClipEntry:
-        """The entry of the clip called `name`; raises UnknownClipError."""
+        """Returns the entry of a clip.
+
+        Raises:
+            UnknownClipError: The bank has no such clip. Suggests similar names.
+        """
         return self.clips[self.number(name)]
 
     @cached_property
     def hand_clips(self) -> tuple[str, ...]:
-        """The clips of hands by name; their numbers are their places here."""
+        """Names of all hands clips, sorted; the number of a hands clip is its index here."""
         return tuple(sorted({one.name for one in self.hands}))
 
     @cached_property
@@ -119,7 +162,11 @@ class Bank:
         return {name: number for number, name in enumerate(self.hand_clips)}
 
     def hand_number(self, name: str) -> int:
-        """The number of the hands called `name`; raises UnknownClipError with the near names if there are none."""
+        """Returns the number of a hands clip: its index in `hand_clips`.
+
+        Raises:
+            UnknownClipError: The bank has no such hands. Suggests similar names.
+        """
         if name in self._hand_numbers:
             return self._hand_numbers[name]
         problem = f"the bank has no hands {name!r}"
@@ -128,16 +175,26 @@ class Bank:
         raise UnknownClipError(problem, mend=did_you_mean(name, self.hand_clips))
 
     def hand_frames(self, name: str, body: str) -> NDArray[np.float64]:
-        """Which frame [F, 2] of the hands called `name`, left and right, goes with each frame of the clip `body`.
+        """Returns the frame [F, 2] of a hands clip that goes with each of the F frames of a clip: left, right hand.
 
-        Raises UnknownClipError if the hands do not lie on that clip.
+        Args:
+            name: The hands clip.
+            body: The clip that it is aligned to.
+
+        Raises:
+            UnknownClipError: The bank has no such hands, or they are not aligned to `body`.
         """
         return np.asarray(self.tables["hand_frames"][self._hand_rows(name, body)[: self.clip(body).frame_count]])
 
     def hand_motion(self, name: str, body: str) -> NDArray[np.float64]:
-        """Rotations [rows, n, 4] of the joints `layout.hands.joints`: the hands called `name` on the clip `body`.
+        """Returns the rotations [rows, n, 4], xyzw, of the n joints `layout.hands.joints`: hands laid on a clip.
 
-        Raises UnknownClipError if they do not.
+        Args:
+            name: The hands clip.
+            body: The clip that it is aligned to; its seam is included, so `rows` is its `row_count`.
+
+        Raises:
+            UnknownClipError: The bank has no such hands, or they are not aligned to `body`.
         """
         rows = self.tables["hands"][self._hand_rows(name, body)]
         return self.layout.hands.lanes(rows)[:, : len(self.layout.hands.joints)].astype(np.float64)
@@ -147,33 +204,58 @@ class Bank:
         for one in self.hands:
             if (one.name, one.body) == (name, body):
                 return one.first_row + np.arange(self.clip(body).row_count)
-        raise self.no_hands(name, body)
+        raise self.hands_not_aligned(name, body)
 
-    def no_hands(self, name: str, body: str) -> UnknownClipError:
-        """That hands do not lie on a clip, as an error."""
+    def hands_not_aligned(self, name: str, body: str) -> UnknownClipError:
+        """Returns the error for hands that are not aligned to the clip `body`; it lists the clips they fit."""
         bodies = ", ".join(repr(one.body) for one in self.hands if one.name == name)
-        return UnknownClipError(f"hands {name!r} are not aligned to clip {body!r}", mend=f"They are to {bodies}")
+        problem = f"hands {name!r} are not aligned to clip {body!r}"
+        return UnknownClipError(problem, mend=f"They are aligned to {bodies}")
 
     def neutral(self, name: str) -> str:
-        """The name of the clip that the posture of `name` is relative to."""
+        """Returns the name of the neutral of a clip: the clip that its posture is relative to.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         return self.clips[int(self.tables["neutral"][self.number(name)])].name
 
     def motion(self, name: str, *, seam: bool = False) -> Clip:
-        """The clip called `name`, on the bank's skeleton, in its editable form; with `seam`, its seam after it."""
+        """Returns a clip in its editable form, on the bank's skeleton.
+
+        Args:
+            name: The clip.
+            seam: Whether to append the frames of its seam, which lead from its end back into the loop.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         rows = self._rows(name, seam)
         roots, rotations = self.layout.motion(self.tables["lower"][rows], self.tables["upper"][rows])
         return Clip(name, self.skeleton, self.clip(name).rate, roots, rotations)
 
     def torso(self, name: str, *, seam: bool = False) -> TorsoRows:
-        """How the upper body of the clip called `name` sits on its root at each frame; with `seam`, its seam's too."""
+        """Returns how the upper body of a clip sits on its root at each frame; with `seam`, at those of its seam too.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         return self.layout.torso(self.tables["lower"][self._rows(name, seam)])
 
     def phase(self, name: str) -> NDArray[np.float64]:
-        """The phase of each frame [F] of the clip called `name`, cycles of the baseline."""
+        """Returns the phase [F] of each frame of a clip, in cycles of the baseline.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         return np.asarray(self.tables["phase_of_frame"][self._rows(name, False)])
 
     def phase_at(self, name: str, seconds: float) -> float:
-        """The phase of the clip called `name` at a time, cycles of the baseline; its ends' beyond them."""
+        """Returns the phase of a clip at a time, in cycles of the baseline; times outside it are clamped to its ends.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         entry = self.clip(name)
         frame = min(max(seconds * entry.rate, 0.0), entry.frame_count - 1.0)
         before = min(int(frame), entry.frame_count - 2)
@@ -181,11 +263,21 @@ class Bank:
         return float(here + (frame - before) * (after - here))
 
     def root_path(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
-        """The way [F, 4] of the clip called `name`: x, height of the ground and z, metres, and heading, radians."""
+        """Returns the root path [F, 4] of a clip: x, ground height and z in metres, heading in radians about Y.
+
+        With `seam`, the frames of its seam are included.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         return np.asarray(self.tables["paths"][self._rows(name, seam)])
 
     def contacts(self, name: str) -> list[Contact]:
-        """When which foot of the clip called `name` stands."""
+        """Returns the times at which each foot of a clip is on the ground, in order of time.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         return contacts_of(self.tables["contacts"][self._rows(name, False)], self.clip(name).rate)
 
     def _rows(self, name: str, seam: bool) -> slice:
@@ -194,6 +286,7 @@ class Bank:
 
 
 def files(folder: Path, manifest: Manifest) -> dict[str, Path]:
+    """Returns the file of each table of the bank in `folder`, by the table's name."""
     return {name: folder / TABLE_FOLDER / f"{Path(manifest.tables[name]).name}.npy" for name in TABLES}
 
 
@@ -202,5 +295,5 @@ def _map(name: str, file: Path) -> NDArray[Any]:
         return np.asarray(np.load(file, mmap_mode="r", allow_pickle=False))
     except FileNotFoundError:
         raise BankError(f"table {name!r} is missing", file=str(file), mend=REBUILD) from None
-    except Exception as error:  # of a damaged header, whatever Python's parser raises
-        raise BankError(f"table {name!r} is cut short or no table: {error}", file=str(file), mend=REBUILD) from None
+    except Exception as error:  # NumPy parses a damaged header as Python source, which can raise almost anything
+        raise BankError(f"table {name!r} is cut short or not an array: {error}", file=str(file), mend=REBUILD) from None

@@ -1,70 +1,92 @@
-"""Characters: what a game does with splices from one second to the next.
+"""Characters: locomotions, actions and hands played over time, with transitions, root motion and events.
 
-Each is a row of numbers (`runtime.characters.state`), and one call advances or evaluates all of them. Commands fill the
-part of a row that waits; the kernels begin what waits when its moment has come.
+Each character is a row of numbers (`runtime.characters.state`), and one call advances or evaluates all rows. A command
+writes what is to begin into the waiting part of a row; kernels begin it when its moment has come.
 """
 
 from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import clip_references as references
 from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.clip_references import newest_mix, played_clips, strange_rows, worn_hands
-from motionsplice.runtime.characters.commands import Locomotion, at_least_0, mask_of, part_of_1, shares_of
-from motionsplice.runtime.requests import (
-    FLOAT64,
-    METHODS,
-    POSTURES,
-    Memory,
-    Method,
-    Poses,
-    Posture,
-    check_array,
-    known,
-    time_fault,
+from motionsplice.runtime.characters.action import Action, waiting_action, waiting_stop
+from motionsplice.runtime.characters.commands import (
+    BLEND,
+    Locomotion,
+    not_negative,
+    shares_of,
+    waiting_group,
+    waiting_hands,
+    weight_in_range,
 )
+from motionsplice.runtime.requests import FLOAT64, Memory, Poses, check_array, known
 from motionsplice.runtime.stage import Stage
 
-BLEND = 0.3  # seconds
 States = NDArray[np.float64]
 Rows = NDArray[np.int64] | NDArray[np.bool_] | Sequence[int] | slice | int
 
 
 class Characters:
-    """n characters, which are shown `rate` times a second.
+    """n characters that play locomotions, actions and hands of a bank, at a fixed frame rate.
 
-    state: [n, COLUMNS] float64, a row for each, to be saved, copied and restored at will. The same commands at the same
-    frames give the same bytes, whichever other characters there are. Clips are named by their number in the bank, so a
-    state goes with the bank it was saved of. Raises SettingsError if the state or the rate is not that.
+    Commands take `rows`: the characters they are for, as any NumPy index. A command that raises changes nothing. All
+    commands raise UnknownClipError for unknown names and SettingsError for invalid settings.
 
-    rows: those that a command is for, in any way in which NumPy names some.
+    Args:
+        stage: The bank, ready for characters.
+        rate: Frames per second: how often `advance` and `evaluate` are called.
+        state: Rows to start from; none if omitted.
+
+    Attributes:
+        stage: The stage.
+        rate: Frames per second.
+        state: [n, COLUMNS] float64, one row for each character; may be saved, copied and restored. The same commands
+            at the same frames give the same bytes, whatever other characters there are. Rows refer to clips by number,
+            so they belong to the bank they were made with.
+
+    Raises:
+        SettingsError: `rate` is not positive and finite, or `state` has another type or shape or does not fit the bank.
+
+    Example:
+        ```python
+        from motionsplice import Action, Bank, Characters, Evaluator, Stage
+
+        characters = Characters(Stage(Evaluator(Bank.open("demo/bank"))), rate=60.0)
+        hero, *_ = characters.add(2, "walk")
+        characters.act(hero, Action("wave", when="left_foot", loop=False))
+        poses = characters.stage.evaluator.poses(len(characters))
+        for frame in range(120):
+            characters.evaluate(poses)
+            characters.advance()
+        ```
     """
 
     def __init__(self, stage: Stage, rate: float, state: States | None = None) -> None:
         self.stage = stage
         self.rate = rate
         self.state = np.zeros((0, col.COLUMNS)) if state is None else state
-        self._room = self.state  # whose first rows the state is, or was
+        self._room = self.state  # the array whose first rows are the state
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
         if not 0.0 < rate < np.inf:
-            raise SettingsError(f"{rate} is no number of frames per second")
-        if len(strange := strange_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
-            problem = f"character {strange[0]} plays what this bank has not, or is no row of one"
-            raise SettingsError(problem, mend="Is its state that of another bank?")
+            raise SettingsError(f"the rate is {rate}, expected a positive number of frames per second")
+        if len(invalid := references.invalid_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
+            problem = f"row {invalid[0]} is not a valid character state for this bank"
+            raise SettingsError(problem, mend="Was it saved with another bank?")
         self._share = Memory.begin(0, rate).share
 
     @classmethod
     def warm(cls, stage: Stage) -> None:
-        """Compiles the kernels, or loads them compiled."""
+        """Compiles the kernels or loads them from the cache, so that later calls do not wait."""
         characters = cls(stage, 60.0)
         characters.add(1, stage.bank.clips[0].name)
         characters.advance()
@@ -74,26 +96,43 @@ class Characters:
         return len(self.state)
 
     def copy(self) -> Self:
-        """The same characters, on their own from now on."""
+        """Returns independent copies of the characters on the same stage."""
         twin = copy.copy(self)
         twin.state = twin._room = self.state.copy()
         return twin
 
-    def add(self, count: int, locomotion: Locomotion, **options: Any) -> NDArray[np.int64]:
-        """Adds characters at the origin, facing Z, and returns their rows; options are those of `play`."""
+    def add(self, count: int, locomotion: Locomotion, *, time: float = 0.0, loop: bool = True) -> NDArray[np.int64]:
+        """Adds characters at the origin, facing Z.
+
+        Args:
+            count: How many to add.
+            locomotion: What they play, as in `play`.
+            time: Seconds into the clips at which they start.
+            loop: Whether to go on at the end of a clip, instead of holding its last frame.
+
+        Returns:
+            Their rows [count].
+
+        Raises:
+            UnknownClipError: A clip is unknown.
+            TimeRangeError: `time` is outside a clip.
+            SettingsError: `count` is negative, or the weights are invalid.
+        """
+        if count < 0:
+            raise SettingsError(f"cannot add {count} characters", mend="Add 0 or more")
         rows = np.arange(len(self), len(self) + count)
         before, self.state = self.state, self._longer(count)
         self.state[rows] = 0.0
         self.state[rows[:, None], [col.SPEED, col.COS]] = 1.0
         try:
-            self.play(rows, locomotion, **{"blend": 0.0, **options})
+            self.play(rows, locomotion, time=time, blend=0.0, loop=loop)
         except Exception:
             self.state = before
             raise
         return rows
 
     def _longer(self, count: int) -> States:
-        """The state with so many rows more. Room is doubled when it is used up, so that one by one costs no more."""
+        """Returns the state with `count` more rows. Storage doubles when it is full, so adding one by one is cheap."""
         needed = len(self) + count
         if needed > len(self._room) or self.state.base is not self._room:
             self._room = np.empty((needed + len(self), col.COLUMNS))
@@ -101,7 +140,7 @@ class Characters:
         return self._room[:needed]
 
     def remove(self, rows: Rows) -> None:
-        """Removes characters; those after them move up."""
+        """Removes characters; later rows move up."""
         self.state = np.delete(self.state, rows, axis=0)
 
     def play(
@@ -114,188 +153,150 @@ class Characters:
         curve: col.Curve = "smooth",
         loop: bool = True,
     ) -> None:
-        """Goes over to a locomotion, or to a mix of up to MOST_MIXED by weight, within `blend` seconds.
+        """Blends over to a locomotion, or to a group of locomotions that are mixed by weight.
 
-        It enters in step with what is played, at the first moment from `time` on that is; one without a gait, or after
-        one, just there. While two groups are still being blended a third one waits, and a newer one takes its place.
-        Raises UnknownClipError, TimeRangeError or SettingsError.
+        The new locomotion enters in step with the current one. If either has no gait, it enters exactly at `time`.
+        While two groups are still being blended, a third waits; a newer one replaces it.
+
+        Args:
+            rows: The characters.
+            locomotion: Name of a clip, or weights of up to 4 clips by name; only their ratios matter.
+            time: Seconds into the clips: the earliest frame to enter at.
+            blend: Seconds to blend.
+            curve: Shape of the blend: `linear`, `smooth`, `ease_in` or `ease_out`.
+            loop: Whether to go on at the end of a clip, instead of holding its last frame.
+
+        Raises:
+            TimeRangeError: `time` is NaN or outside a clip.
         """
-        weights = shares_of(self.stage.bank, locomotion)
-        for clip in weights:
-            if (fault := time_fault("time", time, self.stage.bank.clips[clip])) is not None:
-                raise fault
-        part = np.zeros(col.HANDS - col.NEXT_COUNT)
-        part[:5] = len(weights), time, at_least_0("blend", blend), known(col.CURVES, "curve", curve), loop
-        for number, (clip, weight) in enumerate(weights.items()):
-            part[col.NEXT_CLIPS - col.NEXT_COUNT + number] = clip
-            part[col.NEXT_WEIGHTS - col.NEXT_COUNT + number] = weight
-        self.state[rows, col.NEXT_COUNT : col.HANDS] = part
+        group = waiting_group(self.stage.bank, locomotion, time, blend, curve, loop)
+        self.state[rows, col.NEXT_COUNT : col.HANDS] = group
         self._begin(rows)
 
-    def weigh(self, rows: Rows, weights: Mapping[str, float]) -> None:
-        """Changes the weights of the newest mix, of whose clips those left out get none: each frame, if you like, for
-        they are followed within about a tenth of a second. Raises UnknownClipError or SettingsError."""
+    def mix(self, rows: Rows, weights: Mapping[str, float]) -> None:
+        """Changes the weights of the newest group. Characters follow within about a tenth of a second.
+
+        It may be called in each frame. Clips of the group that are left out get weight 0; clips outside it are refused.
+
+        Args:
+            rows: The characters.
+            weights: Weights by name of clip; only their ratios matter.
+        """
         given = shares_of(self.stage.bank, weights)
         goals = []
         for row in self._numbers(rows):
-            clips, at = newest_mix(self.state[row])
+            clips, at = references.newest_mix(self.state[row])
             if missing := given.keys() - set(clips):
                 name = self.stage.bank.clips[min(missing)].name
-                raise SettingsError(f"{name!r} is not one of the locomotions that are mixed", mend="Play them first")
+                raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
             goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
-        for row, at, weighed in goals:
-            self.state[row, at] = weighed
+        for row, at, shares in goals:
+            self.state[row, at] = shares
 
-    def act(
-        self,
-        rows: Rows,
-        action: str,
-        *,
-        when: col.When = "now",
-        start: float = 0.0,
-        blend: float = BLEND,
-        blend_out: float = BLEND,
-        curve: col.Curve = "smooth",
-        weight: float = 1.0,
-        loop: bool = True,
-        own_clock: bool | tuple[float, float] = False,
-        mask: col.Mask = "upper_body",
-        method: Method = "splice",
-        posture: Posture = "relative",
-    ) -> None:
-        """Begins an action over what is played, within `blend` seconds, in place of one that waits.
+    def act(self, rows: Rows, action: Action) -> None:
+        """Begins an action over the locomotion. It replaces an action that is still waiting.
 
-        It begins `now`, in step, at the first moment from `start` on that is; or in `phase`, when `start` itself is in
-        step; or when a foot comes down. Its speed follows the locomotion's phase, but for where it goes by its
-        `own_clock`: always, or between two times of its own, after which it comes back into step. Without `loop` it is
-        faded out within `blend_out` before it ends, and ACTION_ENDED tells when it is gone. Raises UnknownClipError,
-        TimeRangeError or SettingsError.
+        The action's speed follows the locomotion's phase, except while it plays by its own clock; afterwards it returns
+        into step. The event ACTION_ENDED reports that an action without a loop has faded out.
+
+        Raises:
+            TimeRangeError: `action.start` is NaN or outside the clip.
         """
-        bank = self.stage.bank
-        clip = bank.number(action)
-        entry = bank.clips[clip]
-        if (fault := time_fault("start", start, entry)) is not None:
-            raise fault
-        own = (0.0, np.inf) if own_clock is True else own_clock or (np.inf, np.inf)
-        if not 0.0 <= own[0] <= own[1]:
-            raise SettingsError(f"own_clock {own} should be two times, the earlier first")
-        part = np.zeros(col.ACTION_COLUMNS)
-        part[col.CLIP], part[col.KIND] = clip, known(METHODS, "method", method)
-        part[col.PHASE] = self.stage.bank.phase_at(action, start)
-        part[col.FRAME] = start * entry.rate
-        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
-        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
-        part[col.FADING_OUT], part[col.LOOP] = at_least_0("blend_out", blend_out), loop
-        part[col.MASK] = mask_of(self.stage.limbs, mask)
-        part[col.POSTURE] = known(POSTURES, "posture", posture)
-        part[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
-        part[col.REMEMBERED :] = Memory.begin(1, self.rate).state[0]
-        self._wait(rows, part, known(col.WHENS, "moment", when))
+        slot = waiting_action(action, self.stage.bank, self.stage.limbs, self.rate)
+        self._wait(rows, slot, known(col.WHENS, "moment", action.when))
 
     def stop(self, rows: Rows, *, blend: float = BLEND, curve: col.Curve = "smooth") -> None:
-        """Fades all actions out within `blend` seconds. Raises SettingsError."""
-        part = np.zeros(col.ACTION_COLUMNS)
-        part[col.KIND], part[col.MASK] = col.OWN, col.UPPER_BODY
-        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
-        self._wait(rows, part, col.NOW)
+        """Fades out all actions within `blend` seconds."""
+        self._wait(rows, waiting_stop(blend, curve), col.NOW)
 
     def wear(
-        self,
-        rows: Rows,
-        hands: str | None,
-        *,
-        blend: float = BLEND,
-        curve: col.Curve = "smooth",
-        weight: float = 1.0,
+        self, rows: Rows, hands: str | None, *, blend: float = BLEND, curve: col.Curve = "smooth", weight: float = 1.0
     ) -> None:
-        """Lays hands over whatever is played of the clips to which they are aligned, within `blend` seconds.
+        """Lays hands over the clips to which they are aligned. They replace other hands.
 
-        They take the place of others; None lays all hands off. Where another clip is played, its own hands are shown.
-        While some are still being faded into others a third waits, and newer ones take its place. Raises
-        UnknownClipError or SettingsError.
+        A clip to which they are not aligned keeps its own hands. While two are still being blended, a third waits; a
+        newer one replaces it.
+
+        Args:
+            rows: The characters.
+            hands: Name of a hands clip; None for the clips' own hands.
+            blend: Seconds to blend.
+            curve: Shape of the blend, as in `play`.
+            weight: Weight of these hands over the clips' own, 0 to 1.
         """
-        part = np.zeros(col.HANDS_COLUMNS)
-        part[col.CLIP] = col.BARE if hands is None else self.stage.bank.hand_number(hands)
-        part[[col.WEIGHT, col.LAGGING, col.GOAL]] = part_of_1(weight)
-        part[col.LASTING], part[col.CURVE] = at_least_0("blend", blend), known(col.CURVES, "curve", curve)
-        self.state[rows, col.NEXT_HANDS : col.HANDS_WAIT] = part
+        self.state[rows, col.NEXT_HANDS : col.HANDS_WAIT] = waiting_hands(self.stage.bank, hands, blend, curve, weight)
         self.state[rows, col.HANDS_WAIT] = 1.0
         self._begin(rows)
 
     def speed(self, rows: Rows, speed: float) -> None:
-        """How fast they play, as a part of the clips' own speed. Raises SettingsError."""
-        self.state[rows, col.SPEED] = at_least_0("speed", speed)
+        """Sets the playback speed, 0 or more; 1 is as captured."""
+        self.state[rows, col.SPEED] = not_negative("speed", speed)
 
     def weight(self, rows: Rows, weight: float) -> None:
-        """How much of the newest action is shown, followed within about a tenth of a second. Raises SettingsError."""
-        part_of_1(weight)
+        """Sets the weight of the newest action, 0 to 1. Characters follow within about a tenth of a second."""
+        weight_in_range(weight)
         for row in self._numbers(rows):
-            s = self.state[row]
-            if s[col.WHEN]:
-                s[col.NEXT_ACTION + col.GOAL] = weight
-            elif s[col.ACTIONS]:
-                s[col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS + col.GOAL] = weight
+            if (slot := references.newest_action(self.state[row])) is not None:
+                self.state[row, slot + col.GOAL] = weight
 
     def place(self, rows: Rows, position: Sequence[float], heading: float = 0.0) -> None:
-        """Puts them elsewhere: position [3], metres, of the ground under them, and heading, radians about Y from Z.
-
-        Raises SettingsError.
-        """
+        """Moves characters to a position [3] on the ground, metres, and a heading, radians about Y from Z."""
         if np.shape(position) != (3,) or not np.isfinite([*position, heading]).all():
-            raise SettingsError("a place needs three numbers, and a heading one")
+            raise SettingsError("a position must be three finite numbers, and a heading one")
         self.state[rows, col.PLACE : col.PLACE + 3] = position
         self.state[rows, col.HEADING] = heading
         self.state[rows, col.SIN], self.state[rows, col.COS] = np.sin(0.5 * heading), np.cos(0.5 * heading)
 
     def in_place(self, rows: Rows, in_place: bool = True) -> None:
-        """Shows them at the origin, facing Z, for a game that moves them by `deltas` itself."""
+        """Poses characters at the origin, facing Z, for games that apply `deltas` themselves."""
         self.state[rows, col.IN_PLACE] = in_place
 
     def advance(self, frames: int = 1) -> int:
-        """Moves all on by a frame. Returns the bits of all events that happened; `events` are each character's.
+        """Advances all characters, by one frame if not given otherwise.
 
-        Several frames in one step are nearly those one by one: what would begin or end within them does at their end.
+        Several frames in one step give nearly the same as one by one: what begins or ends within the step does so at
+        its end.
+
+        Returns:
+            The bits of all events that happened to any character (EVENT_NAMES); `events` has them by character.
+
+        Raises:
+            SettingsError: `frames` is negative.
         """
+        if frames < 0:
+            raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
         stage, state = self.stage, self.state.reshape(-1)
         return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, state, frames / self.rate))
 
     def evaluate(self, out: Poses) -> None:
-        """Writes every character's pose into `out`, which has as many rows. Raises SettingsError."""
+        """Writes the n characters' poses into `out`, which must have room for exactly n. Raises SettingsError."""
         stage = self.stage
         if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
-            raise SettingsError(f"there are {len(self)} characters, and room for {len(out.flat)} poses")
+            problem = f"{len(self)} characters need {len(self)} poses, found room for {len(out.flat)}"
+            raise SettingsError(problem, mend="Create the poses with Evaluator.poses(len(characters))")
         work = (stage.evaluator.arrays, stage.limbs, self.state.reshape(-1), self._share)
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 
-    def lacking(self, bank: Bank) -> set[str]:
-        """The names of clips that are played, or wait to be, and of hands that are worn, which another bank has not."""
-        clips = {self.stage.bank.clips[number].name for number in np.unique(played_clips(self.state)[1]).tolist()}
-        worn = {self.stage.bank.hand_clips[number] for number in np.unique(worn_hands(self.state)[1]).tolist()}
-        return (clips - {clip.name for clip in bank.clips}) | (worn - set(bank.hand_clips))
+    def missing_clips(self, bank: Bank) -> set[str]:
+        """Returns the names of clips and hands, played or waiting, that another bank does not have."""
+        return references.missing_names(self.state, self.stage.bank, bank)
 
     def moved(self, stage: Stage) -> Characters:
-        """The same characters on another bank, which has all clips and hands of theirs, at the same frames."""
-        at, played = played_clips(self.state)
-        numbers = np.zeros(len(self.stage.bank.clips))
-        for number in np.unique(played).tolist():
-            numbers[number] = stage.bank.number(self.stage.bank.clips[number].name)
-        state = self.state.copy()
-        state[at] = numbers[played]
-        at, worn = worn_hands(self.state)
-        state[at] = [stage.bank.hand_number(self.stage.bank.hand_clips[number]) for number in worn]
-        clock_kernels.settle_in(stage.evaluator.arrays, stage.ground, state.reshape(-1))
+        """Returns copies on another bank, at the same frames. Raises UnknownClipError if it lacks a clip or hands."""
+        state = references.renumbered(self.state, self.stage.bank, stage.bank)
+        clock_kernels.recompute_from_frames(stage.evaluator.arrays, stage.ground, state.reshape(-1))
         return Characters(stage, self.rate, state)
 
     @property
     def deltas(self) -> States:
-        """What the last frame added to where they are [n, 4]: metres to the left, up and ahead, as seen from where they
-        were, and radians about Y."""
+        """Root motion of the last frame [n, 4], relative to the previous place and heading: metres to the left, up and
+        ahead, and radians about Y."""
         return self.state[:, col.DELTA : col.DELTA + 4]
 
     @property
     def events(self) -> NDArray[np.int64]:
-        """What happened to each [n] in the last frame, bits of EVENT_NAMES."""
+        """Events of the last frame [n], bits of EVENT_NAMES."""
         return self.state[:, col.EVENTS].astype(np.int64)
 
     def _begin(self, rows: Rows) -> None:
@@ -305,7 +306,7 @@ class Characters:
     def _numbers(self, rows: Rows) -> NDArray[np.int64]:
         return np.atleast_1d(np.arange(len(self))[rows])
 
-    def _wait(self, rows: Rows, part: States, when: int) -> None:
-        self.state[rows, col.NEXT_ACTION : col.NEXT_ACTION + col.ACTION_COLUMNS] = part
+    def _wait(self, rows: Rows, slot: States, when: int) -> None:
+        self.state[rows, col.NEXT_ACTION : col.NEXT_ACTION + col.ACTION_COLUMNS] = slot
         self.state[rows, col.WHEN] = when
         self._begin(rows)

@@ -1,4 +1,4 @@
-"""The evaluator: checks requests once, then lets the kernels write poses into the caller's arrays."""
+"""The evaluator: checks requests, then lets kernels write poses into the caller's arrays."""
 
 from __future__ import annotations
 
@@ -22,30 +22,50 @@ from motionsplice.runtime.requests import (
     POSTURES,
     Float32s,
     Memory,
-    Method,
     Poses,
-    Posture,
     Requests,
     check_array,
     known,
     time_fault,
 )
+from motionsplice.runtime.splice import Splice
 
 NO_MEMORY = Memory(np.empty((0, arrays.MEMORY_COLUMNS)), 0.0)
-ONE_AT_A_TIME = Lock()  # not every threading layer of numba's bears two parallel calls at once
+ONE_AT_A_TIME = Lock()  # some of Numba's threading layers crash when two parallel kernels run at once
 
 
 class Evaluator:
-    """Evaluates splices of a bank's clips in constant time per character (Heck's thesis, 4.3).
+    """Evaluates splices of a bank's clips, in constant time per character and frame (Heck's thesis, 4.3).
 
-    With `threads`, batches are divided among so many. Not to be shared between threads: each makes its own, over the
-    same bank.
+    An evaluator owns scratch memory, so threads must not share it: make one for each thread, over the same bank.
+
+    Args:
+        bank: The bank.
+        threads: Number of threads among which a batch is divided.
+
+    Attributes:
+        bank: The bank.
+        arrays: The bank as flat arrays for kernels.
+        scratch: Scratch memory of the kernels.
+
+    Raises:
+        SettingsError: `threads` is below 1 or above the number of Numba's threads.
+
+    Example:
+        ```python
+        from motionsplice import Bank, Evaluator, Splice
+
+        evaluator = Evaluator(Bank.open("demo/bank"))
+        pose = evaluator.pose(Splice("walk", "carry_box"), time=1.5)
+        print(pose.root_positions[0], pose.rotations.shape)
+        clip = evaluator.clip(Splice("walk", "carry_box"))
+        ```
     """
 
     def __init__(self, bank: Bank, *, threads: int = 1) -> None:
         most = numba.config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
         if not 1 <= threads <= most:
-            raise SettingsError(f"{threads} threads cannot be had", mend=f"Ask for 1 to {most}")
+            raise SettingsError(f"cannot use {threads} threads", mend=f"Give 1 to {most}")
         self.bank = bank
         self._threads = threads
         self._joints = bank.skeleton.joint_count
@@ -56,16 +76,22 @@ class Evaluator:
         self._one = Requests.empty(1)
 
     def poses(self, count: int) -> Poses:
-        """Room for the poses of `count` characters."""
+        """Returns arrays for the poses of `count` characters; their contents are undefined."""
         return Poses.empty(count, self._joints)
 
     def evaluate(self, requests: Requests, out: Poses, memory: Memory | None = None) -> None:
-        """Writes every character's pose into `out`, which has as many rows as `requests`.
+        """Writes the pose of each request into `out`. If a request is invalid, nothing is written.
 
-        Posture `running` needs `memory`, which each call carries on by one frame; a memory of one character takes all
-        requests for that one's, in order. Raises TimeRangeError, naming the first character at fault, if a time or
-        start is not a number or lies outside its clip; SettingsError if a clip, method or posture number is unknown or
-        sizes differ.
+        Args:
+            requests: n requests.
+            out: Arrays for n poses.
+            memory: Required for posture `running`. A memory of n characters is advanced by one frame. A memory of one
+                character is advanced by n frames: all requests are then about this character, in order of time.
+
+        Raises:
+            TimeRangeError: A time or start is NaN or outside its clip. Names the first invalid request.
+            SettingsError: A clip, method, posture or hands number is unknown, hands are not aligned to the clip that
+                gives the upper body, posture `running` has no memory, or sizes differ.
         """
         self._check_room(requests, out, memory)
         remembered = memory or NO_MEMORY
@@ -80,102 +106,104 @@ class Evaluator:
             raise self._fault(requests, fault)
 
     def world_positions(self, poses: Poses, out: Float32s) -> None:
-        """Writes world positions [n, J, 3], metres, of evaluated poses into `out`. Raises SettingsError."""
+        """Writes the world positions of all joints by forward kinematics.
+
+        Args:
+            poses: n evaluated poses.
+            out: [n, J, 3] float32, metres.
+
+        Raises:
+            SettingsError: `out` or `poses` has another shape.
+        """
         count = len(poses.flat)
         check_array("rotations", poses.rotations, FLOAT32, (count, self._joints, 4))
         check_array("world positions", out, FLOAT32, (count, self._joints, 3))
         flat = out.reshape(count, 3 * self._joints)
         world_kernels.world_positions(self._rig, poses.root_positions, poses.flat, self._world, flat)
 
-    def pose(
-        self,
-        locomotion: str,
-        time: float,
-        action: str | None = None,
-        *,
-        start: float = 0.0,
-        method: Method = "splice",
-        posture: Posture = "relative",
-        hands: str | None = None,
-    ) -> Poses:
-        """One character's pose, by name. Without an action it is the locomotion alone.
+    def pose(self, splice: Splice, time: float) -> Poses:
+        """Returns one pose of a splice.
 
-        With `hands`, which must be aligned to the clip that gives the upper body, its hands are theirs. Raises
-        UnknownClipError, TimeRangeError or SettingsError.
+        Args:
+            splice: The splice.
+            time: Seconds into the locomotion.
+
+        Raises:
+            UnknownClipError: The bank has no such clip or hands, or the hands are not aligned to the clip that gives
+                the upper body.
+            TimeRangeError: `time` or `start` is NaN or outside its clip.
+            SettingsError: Method or posture is unknown, or the posture is `running`, which needs a memory.
         """
         out = self.poses(1)
-        self._one.records[0] = self.record(locomotion, action, time, start, method, posture, hands)
+        self._one.records[0] = self.record(splice)
+        self._one.time[0] = time
         self._evaluate_one(self._one, out, None)
         return out
 
     def sequence(
-        self,
-        locomotion: str,
-        times: NDArray[np.float64] | list[float],
-        action: str | None = None,
-        *,
-        start: float = 0.0,
-        method: Method = "splice",
-        posture: Posture = "relative",
-        hands: str | None = None,
-        memory: Memory | None = None,
+        self, splice: Splice, times: NDArray[np.float64] | list[float], *, memory: Memory | None = None
     ) -> Poses:
-        """The poses of one splice at many times [n] in order, seconds into the locomotion. Raises as `pose` does.
+        """Returns n poses of a splice, as one character plays them.
 
-        With `memory`, of one character, that is carried on to the last of them.
+        Args:
+            splice: The splice.
+            times: [n] seconds into the locomotion, in order.
+            memory: Memory of one character, advanced by n frames. Required for posture `running`.
+
+        Raises:
+            MotionError: For the same reasons as `pose`.
         """
         requests, out = Requests.empty(len(times)), self.poses(len(times))
-        requests.records[:] = self.record(locomotion, action, 0.0, start, method, posture, hands)
+        requests.records[:] = self.record(splice)
         requests.time[:] = times
         self._evaluate_one(requests, out, memory)
         return out
 
-    def clip(
-        self,
-        locomotion: str,
-        action: str | None = None,
-        *,
-        start: float = 0.0,
-        method: Method = "splice",
-        posture: Posture = "relative",
-        hands: str | None = None,
-    ) -> Clip:
-        """A whole splice, at the locomotion's own frames, as a clip. Raises as `pose` does."""
-        times, rate = self.frame_times(locomotion), self.bank.clip(locomotion).rate
-        memory = Memory.begin(1, rate)
-        poses = self.sequence(
-            locomotion, times, action, start=start, method=method, posture=posture, hands=hands, memory=memory
-        )
+    def clip(self, splice: Splice) -> Clip:
+        """Returns a whole splice as a clip, at the locomotion's own frames.
+
+        Posture `running` is allowed: its memory begins with the first frame.
+
+        Raises:
+            MotionError: For the same reasons as `pose`.
+        """
+        rate = self.bank.clip(splice.locomotion).rate
+        poses = self.sequence(splice, self.frame_times(splice.locomotion), memory=Memory.begin(1, rate))
         return Clip(
-            name=locomotion if action is None else f"{locomotion}+{action}",
+            name=splice.name,
             skeleton=self.bank.skeleton,
             rate=rate,
             root_positions=poses.root_positions.astype(np.float64),
             rotations=poses.rotations.astype(np.float64),
         )
 
-    def action_frames(
-        self, locomotion: str, times: NDArray[np.float64], action: str, *, start: float = 0.0
-    ) -> NDArray[np.float64]:
-        """The time alignment curve: which frame of the action a splice shows at `times` [n] -> [n], real-valued.
+    def action_frames(self, splice: Splice, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the time alignment curve [n]: the real-valued frame of the action that is played at each time.
 
-        Frames past the action's last one lie in its seam (docs/bank.md). Raises as `pose` does.
+        Frames past the action's last frame are in its seam (docs/bank.md).
+
+        Args:
+            splice: The splice.
+            times: [n] seconds into the locomotion.
+
+        Raises:
+            MotionError: For the same reasons as `pose`.
         """
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        requests.records[:] = self.record(locomotion, action, 0.0, start, "splice", "off", None)
+        requests.records[:] = self.record(splice)
         requests.time[:] = times
-        if (fault := kernels.first_at_fault(self.arrays, requests.records, False)) >= 0:
+        if (fault := kernels.first_at_fault(self.arrays, requests.records, True)) >= 0:
             raise self._fault(requests, fault)
         kernels.action_frames(self.arrays, requests.records, frames)
         return frames
 
     def frame_times(self, locomotion: str) -> NDArray[np.float64]:
-        """The times, in seconds, of a locomotion's own frames."""
+        """Returns the times [F], in seconds, of the F frames of a locomotion. Raises UnknownClipError."""
         clip = self.bank.clip(locomotion)
         return np.arange(clip.frame_count) / clip.rate
 
     def warm(self) -> None:
-        """Compiles the kernels, or loads them compiled, so that no later call has to wait for it."""
+        """Compiles the kernels or loads them from the cache, so that later calls do not wait."""
         requests, joints = Requests.empty(1), self.bank.skeleton.joint_count
         poses = self.poses(1)
         for memory in (None, Memory.begin(1, rate=60.0)):
@@ -184,29 +212,20 @@ class Evaluator:
             self.evaluate(Requests.empty(2), self.poses(2))
         self.world_positions(poses, np.empty((1, joints, 3), np.float32))
 
-    def record(
-        self,
-        locomotion: str,
-        action: str | None,
-        time: float,
-        start: float,
-        method: str,
-        posture: str,
-        hands: str | None,
-    ) -> tuple[int, int, float, float, int, int, int, int]:
-        """A record of Requests by name. Raises UnknownClipError or SettingsError."""
-        number = self.bank.number(locomotion)
-        played = number if action is None else self.bank.number(action)
-        form = NONE if action is None else known(METHODS, "method", method)
-        worn = 0
-        if hands is not None:
-            worn, upper = 1 + self.bank.hand_number(hands), number if form == NONE else played
-            if self.arrays.hand_rows[worn - 1, upper] < 0:
-                raise self.bank.no_hands(hands, self.bank.clips[upper].name)
-        return number, played, time, start, 0, form, known(POSTURES, "posture", posture), worn
+    def record(self, splice: Splice) -> tuple[int, int, float, float, int, int, int, int]:
+        """Returns a splice as a record of Requests, at time 0. Raises UnknownClipError or SettingsError."""
+        locomotion = self.bank.number(splice.locomotion)
+        action = locomotion if splice.action is None else self.bank.number(splice.action)
+        method = NONE if splice.action is None else known(METHODS, "method", splice.method)
+        hands = 0
+        if splice.hands is not None:
+            hands, upper = 1 + self.bank.hand_number(splice.hands), locomotion if method == NONE else action
+            if self.arrays.hand_rows[hands - 1, upper] < 0:
+                raise self.bank.hands_not_aligned(splice.hands, self.bank.clips[upper].name)
+        return locomotion, action, 0.0, splice.start, 0, method, known(POSTURES, "posture", splice.posture), hands
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
-        """As `evaluate`, for requests about one character, whose number says nothing in an error."""
+        """Evaluates requests about one character; errors then leave out the number of the request."""
         try:
             self.evaluate(requests, out, memory)
         except TimeRangeError as error:
@@ -215,18 +234,19 @@ class Evaluator:
     def _check_room(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         count = len(requests.records)
         if out.flat.shape != (count, 4 * self._joints):
-            problem = (
-                f"there are {count} requests, and room for {len(out.flat)} poses of {out.rotations.shape[1]} joints"
+            found = f"{len(out.flat)} poses of {out.rotations.shape[1]} joints"
+            raise SettingsError(
+                f"{count} requests need {count} poses of {self._joints} joints, found room for {found}",
+                mend="Create the poses with Evaluator.poses(len(requests))",
             )
-            raise SettingsError(problem, mend="Evaluator.poses makes room for as many characters as there are requests")
         if memory is not None and len(memory.state) not in (1, count):
             raise SettingsError(
-                f"there are {count} requests, and a memory of {len(memory.state)} characters",
-                mend="Give a Memory of as many characters, or of the one that all requests are about",
+                f"{count} requests need a memory of {count} characters or of 1, found {len(memory.state)}",
+                mend="Create it with Memory.begin(len(requests), rate); 1 if all requests are about one character",
             )
 
     def _fault(self, requests: Requests, character: int) -> SettingsError | TimeRangeError:
-        """What is wrong with a request, as an error."""
+        """Returns the error for an invalid request."""
         request, clips = requests.records[character], self.bank.clips
         place = f"character {character}" if len(requests.records) > 1 else ""
         for label, number, top in (
@@ -237,24 +257,26 @@ class Evaluator:
         ):
             if not 0 <= number < top:
                 return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
-        if (astray := self._fault_of_hands(request, place)) is not None:
-            return astray
+        if (hands_fault := self._fault_of_hands(request, place)) is not None:
+            return hands_fault
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
             if (fault := time_fault(label, float(request[label]), clip, place)) is not None:
                 return fault
+        if request["posture"] != POSTURES["running"]:
+            return SettingsError(f"posture number {request['posture']} is refused by `first_at_fault`", place=place)
         return SettingsError(
-            "posture 'running' is a mean over the frames so far, and there is no memory of them",
+            "posture 'running' is a mean over earlier frames and needs a memory of them",
             place=place,
-            mend="Evaluate frame after frame with a Memory, or ask for a whole clip",
+            mend="Evaluate frame by frame with a Memory, or ask for a whole clip",
         )
 
     def _fault_of_hands(self, request: Any, place: str) -> SettingsError | None:
-        """What is wrong with the hands of a request, if anything is."""
+        """Returns the error if the hands of a request are unknown or not aligned to its upper body, else None."""
         hands, count = int(request["hands"]) - 1, len(self.bank.hand_clips)
         if hands >= count:
             return SettingsError(f"hands number {hands + 1} lies outside 0 to {count}", place=place)
         upper = self.bank.clips[request["locomotion" if request["method"] == NONE else "action"]].name
         if hands >= 0 and self.arrays.hand_rows[hands, self.bank.number(upper)] < 0:
-            astray = self.bank.no_hands(self.bank.hand_clips[hands], upper)
-            return SettingsError(astray.problem, place=place, mend=astray.mend)
+            fault = self.bank.hands_not_aligned(self.bank.hand_clips[hands], upper)
+            return SettingsError(fault.problem, place=place, mend=fault.mend)
         return None

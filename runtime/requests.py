@@ -1,4 +1,4 @@
-"""What is asked of the evaluator, and the arrays that it answers in and remembers by."""
+"""The evaluator's inputs and outputs: requests, poses and memories, as flat arrays."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from motionsplice.runtime.kernels.posture import ABSOLUTE, OFF, RELATIVE, RUNNIN
 Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
 METHODS: Mapping[str, int] = {"none": NONE, "naive": NAIVE, "splice": SPLICE}
+"""The number of each method in `Requests.method`, by name."""
 POSTURES: Mapping[str, int] = {"off": OFF, "relative": RELATIVE, "absolute": ABSOLUTE, "running": RUNNING}
+"""The number of each posture in `Requests.posture`, by name."""
 FLOAT32, FLOAT64 = np.dtype(np.float32), np.dtype(np.float64)
 TIME_CONSTANT = 2.0  # seconds: about two strides
 
@@ -42,17 +44,37 @@ REQUEST = np.dtype(
 
 
 class Requests:
-    """What n characters play at one moment; fill the columns in place, frame by frame.
+    """The splices of n characters at one moment, as a structure of arrays. Fill the columns in place, frame by frame.
 
-    locomotion, action: [n] int32 clip numbers (`Bank.number`).
-    time:   [n] float64 seconds into the locomotion.
-    start:  [n] float64 seconds into the action before which it does not begin; the first frame at or after it
-            that is in step with the locomotion's first frame goes with that.
-    cycles: [n] int32 whole cycles by which the action is ahead of that; ignored unless the method is `splice`.
-    method, posture: [n] uint8, values of METHODS and POSTURES.
-    hands:  [n] uint16, 0 for the fingers of the clip that gives the upper body, else 1 more than a number of hands
-            (`Bank.hand_number`) that lie on that clip.
-    records: [n] REQUEST, the same memory, a record for each character. Raises SettingsError if they are not that.
+    Attributes:
+        records: [n] REQUEST, one record for each character. All other attributes are views of its columns.
+        locomotion: [n] int32, number of the clip that gives root and lower body (`Bank.number`).
+        action: [n] int32, number of the clip that gives the upper body.
+        time: [n] float64, seconds into the locomotion.
+        start: [n] float64, seconds into the action: its earliest frame. The first frame from there on that is in step
+            with the locomotion's first frame is played with it. Method `naive` starts at exactly this time.
+        cycles: [n] int32, whole cycles to add to the action's phase. Only method `splice` uses it.
+        method: [n] uint8, values of METHODS.
+        posture: [n] uint8, values of POSTURES.
+        hands: [n] uint16, 0 for the fingers of the clip that gives the upper body; else 1 + the number of hands
+            (`Bank.hand_number`) that are aligned to this clip.
+
+    Raises:
+        SettingsError: `records` has another type or shape, or is not contiguous.
+
+    Example:
+        ```python
+        from motionsplice import Bank, Evaluator, Requests
+
+        bank = Bank.open("demo/bank")
+        evaluator, requests = Evaluator(bank), Requests.empty(1000)
+        poses = evaluator.poses(1000)
+        requests.locomotion[:] = bank.number("walk")
+        requests.action[:] = bank.number("wave")
+        for frame in range(60):
+            requests.time[:] = frame / 60.0
+            evaluator.evaluate(requests, poses)
+        ```
     """
 
     def __init__(self, records: NDArray[np.void]) -> None:
@@ -69,7 +91,7 @@ class Requests:
 
     @classmethod
     def empty(cls, count: int) -> Requests:
-        """Room for `count` characters: clip 0 from its start, `splice`, `relative`."""
+        """Returns `count` requests for clip 0 from its start, with method `splice` and posture `relative`."""
         requests = cls(np.zeros(count, REQUEST))
         requests.method[:], requests.posture[:] = SPLICE, RELATIVE
         return requests
@@ -79,9 +101,15 @@ class Requests:
 
 
 class Poses:
-    """Room for the poses of n characters: root_positions [n, 3] metres, rotations [n, J, 4] xyzw, both float32.
+    """Output arrays for the poses of n characters with J joints.
 
-    Raises SettingsError if an array is of another shape or type, or not side by side in memory.
+    Attributes:
+        root_positions: [n, 3] float32, metres.
+        rotations: [n, J, 4] float32, local rotations as quaternions xyzw.
+        flat: [n, 4 J] float32, a view of `rotations`.
+
+    Raises:
+        SettingsError: An array has another shape or type, or is not contiguous.
     """
 
     def __init__(self, root_positions: Float32s, rotations: Float32s) -> None:
@@ -94,28 +122,38 @@ class Poses:
 
     @classmethod
     def empty(cls, count: int, joints: int) -> Poses:
+        """Returns arrays for `count` characters of `joints` joints; their contents are undefined."""
         return cls(np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32))
 
 
 def check_array(what: str, array: NDArray[Any], kind: np.dtype[Any], shape: tuple[int, ...]) -> None:
-    """That kernels know an array, lest results be lost in a copy, or a kernel compiled anew. Raises SettingsError."""
+    """Checks dtype, shape and contiguity, so that kernels write into this array, not a copy, and are not recompiled.
+
+    Raises SettingsError.
+    """
     if array.shape != shape or array.dtype != kind or not array.flags.c_contiguous:
+        found = f"{array.dtype}{list(array.shape)}" + ("" if array.flags.c_contiguous else ", not contiguous")
         raise SettingsError(
-            f"{what} need {kind}{list(shape)}, side by side in memory, and not {array.dtype}{list(array.shape)}",
-            mend="Evaluator.poses, Requests.empty and Memory.begin make room",
+            f"{what}: expected a contiguous array {kind}{list(shape)}, found {found}",
+            mend="Create arrays with Evaluator.poses, Requests.empty and Memory.begin",
         )
 
 
 class Memory:
-    """What the evaluator remembers from frame to frame of n characters, or of the one that all requests are about.
+    """What the evaluator remembers of characters from frame to frame: of n, or of one that all requests are about.
 
-    Where a torso's joints lie so that no alignment is clearly the best, the last one is held. For posture `running` it
-    is the mean posture of the splice so far, which starts from the locomotion's stored posture and follows new frames
-    with a time constant (Heck's thesis, 4.3).
+    Two things are remembered. If the torso's joints allow no unique best rotation, the last unambiguous one is reused.
+    And posture `running` needs the mean posture of the splice so far: it starts from the locomotion's stored posture
+    and follows new frames with a time constant (Heck's thesis, 4.3).
 
-    state: [n, 10] float64, to be saved and restored at will. turns [n, 4], the last alignments, and means [n, 6]
-    metres, NaN until they begin, are parts of it. share: how much of a new frame goes into the mean. Raises
-    SettingsError if the state is not that.
+    Attributes:
+        state: [n, 10] float64, may be saved and restored. NaN where a mean has not begun.
+        share: The weight of a new frame in the mean, 0 to 1.
+        turns: [n, 4], the last unambiguous rotations as quaternions xyzw, a view of `state`.
+        means: [n, 6] metres, mean positions of left and right shoulder in the posture frame, a view of `state`.
+
+    Raises:
+        SettingsError: `state` has another type or shape, or is not contiguous.
     """
 
     def __init__(self, state: NDArray[np.float64], share: float) -> None:
@@ -127,18 +165,30 @@ class Memory:
 
     @classmethod
     def begin(cls, count: int, rate: float, time_constant: float = TIME_CONSTANT) -> Memory:
-        """For `count` characters that are evaluated `rate` times per second of motion; time_constant in seconds."""
+        """Returns a memory in which nothing has happened yet.
+
+        Args:
+            count: Number of characters.
+            rate: How often they are evaluated, in frames per second of motion.
+            time_constant: Seconds in which the mean posture follows the splice.
+
+        Raises:
+            SettingsError: `rate` or `time_constant` is not above 0.
+        """
+        if not (rate > 0.0 and time_constant > 0.0):
+            problem = f"a memory needs a rate and a time constant above 0, found {rate} and {time_constant}"
+            raise SettingsError(problem, mend="Give the frames per second at which the characters are evaluated")
         memory = cls(np.empty((count, MEMORY_COLUMNS)), 1.0 - math.exp(-1.0 / (rate * time_constant)))
         memory.forget(slice(None))
         return memory
 
     def forget(self, characters: int | slice) -> None:
-        """For characters that start anew."""
+        """Clears the memory of characters that start over."""
         self.turns[characters], self.means[characters] = IDENTITY, np.nan
 
 
 def time_fault(label: str, seconds: float, clip: ClipEntry, place: str = "") -> TimeRangeError | None:
-    """What is wrong with a time in a clip, if that lies outside it or is not a number."""
+    """Returns the error if a time in seconds is NaN or outside a clip, else None."""
     if seconds >= 0.0 and (seconds - LATE) * clip.rate <= clip.frame_count - 1.0:
         return None
     problem = f"{label} {seconds} s lies outside clip {clip.name!r}, which lasts {clip.duration:.3f} s"
@@ -146,8 +196,8 @@ def time_fault(label: str, seconds: float, clip: ClipEntry, place: str = "") -> 
 
 
 def known(constants: Mapping[str, int], label: str, name: str) -> int:
-    """The kernel constant of a method or posture; raises SettingsError if there is none of that name."""
+    """Returns the kernel constant of a method, posture, mask or the like; raises SettingsError for an unknown name."""
     try:
         return constants[name]
     except KeyError:
-        raise SettingsError(f"there is no {label} {name!r}", mend=did_you_mean(name, constants)) from None
+        raise SettingsError(f"unknown {label} {name!r}", mend=did_you_mean(name, constants)) from None

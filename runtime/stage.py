@@ -1,4 +1,4 @@
-"""A bank as characters play on it: what their kernels need beside the evaluator."""
+"""The stage: the bank-wide arrays that characters share."""
 
 from __future__ import annotations
 
@@ -9,7 +9,20 @@ from motionsplice.runtime.evaluator import Evaluator
 
 
 class Stage:
-    """A bank as characters play on it. Not to be shared between threads, as the evaluator."""
+    """Everything that characters on one bank share: the evaluator, and arrays for root motion, masks and mixing.
+
+    A stage owns scratch memory, as does its evaluator, so threads must not share it.
+
+    Args:
+        evaluator: The evaluator.
+
+    Attributes:
+        evaluator: The evaluator.
+        bank: Its bank.
+        ground: Root paths and foot contacts of all rows of the bank.
+        limbs: Joints of the parts of the upper body, for masks.
+        mixing: Scratch memory for mixing.
+    """
 
     def __init__(self, evaluator: Evaluator) -> None:
         bank = evaluator.bank

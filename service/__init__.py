@@ -1,4 +1,1 @@
-"""Frames over HTTP and WebSocket.
-
-Imports `runtime` and `motion`; never `precompute`, which it runs in processes of its own.
-"""
+"""Serves frames over HTTP and WebSocket. The offline job runs in its own process."""

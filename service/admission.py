@@ -1,4 +1,4 @@
-"""Who is answered: the bearer token, and the web pages that may ask."""
+"""Access control: the bearer token, and the web origins that may send requests."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ SUBPROTOCOL, BEARER = "motionsplice", "bearer."
 
 
 class Admission:
-    """Checks requests and handshakes before anything else is done for them."""
+    """Checks the token and the origin of requests and handshakes."""
 
     def __init__(self, settings: Settings) -> None:
         self._token = settings.token.get_secret_value().encode() if settings.token else None
         self._origins = frozenset(origin.encode() for origin in settings.origins)
 
     def check(self, scope: Scope) -> bytes | None:
-        """The origin of the page that asks, if one does and may. Raises OriginError or TokenError."""
+        """Returns the request's Origin header, or None. Raises OriginError or TokenError if it is not allowed."""
         origin = host = authorization = None
         for name, value in scope["headers"]:
             if name == b"origin":
@@ -31,17 +31,19 @@ class Admission:
                 host = value
             elif name == b"authorization":
                 authorization = value
-        if origin is not None and not self._may_ask(origin, host):
-            mend = "Name it in MOTIONSPLICE_ORIGINS"
-            raise OriginError(f"pages of {origin.decode('latin-1')!r:.100} may not ask", mend=mend)
+        if origin is not None and not self._is_allowed(origin, host):
+            mend = "Add it to MOTIONSPLICE_ORIGINS"
+            raise OriginError(
+                f"requests from web pages of {origin.decode('latin-1')!r:.100} are not allowed", mend=mend
+            )
         if self._token is not None and not self._is_open(scope):
-            given = self._offered(scope, authorization)
-            if not hmac.compare_digest(given, self._token):
+            found = self._offered(scope, authorization)
+            if not hmac.compare_digest(found, self._token):
                 mend = "Send the header `Authorization: Bearer TOKEN`"
                 raise TokenError("the token is missing or wrong", mend=mend)
         return origin
 
-    def _may_ask(self, origin: bytes, host: bytes | None) -> bool:
+    def _is_allowed(self, origin: bytes, host: bytes | None) -> bool:
         if b"*" in self._origins or origin in self._origins:
             return True
         return host is not None and origin.partition(b"://")[2] == host  # the service's own pages
@@ -51,7 +53,7 @@ class Admission:
         return path in OPEN or path.startswith(ASSETS) or scope.get("method") == "OPTIONS"
 
     def _offered(self, scope: Scope, authorization: bytes | None) -> bytes:
-        """The token that comes with a request; browsers offer it to a WebSocket as a subprotocol."""
+        """Returns the token of a request. For a WebSocket, browsers send it as a subprotocol."""
         if authorization is not None:
             kind, _, token = authorization.partition(b" ")
             return token.strip() if kind.lower() == b"bearer" else b""

@@ -1,4 +1,4 @@
-"""The service, put together: FastAPI for what is told once, the front for what is asked every tick."""
+"""Assembles the service: the front answers what games request every tick, FastAPI the rest."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from motionsplice.service.front import Front
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi import document
-from motionsplice.service.problems import MEDIA_TYPE, problem, told
+from motionsplice.service.problems import MEDIA_TYPE, kind_of, problem
 from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
 from motionsplice.service.settings import Settings
@@ -29,7 +29,7 @@ from motionsplice.service.shared import Shared
 
 
 def create_app(bank: Bank, settings: Settings | None = None) -> Front:
-    """An application that serves a bank. It is ready (`/readyz`) once the kernels are warm."""
+    """Returns an ASGI application that serves a bank. It is ready (`/readyz`) once the kernels are compiled."""
     shared = Shared(settings or Settings(), Serving(bank), Metrics())
     clips = shared.settings.clips if shared.settings.token is not None else None
     job = Job(clips, bank.path) if clips is not None else None
@@ -38,17 +38,17 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         warming = asyncio.create_task(shared.serving.warm())
-        lasting = [asyncio.create_task(front.hub.run())]
+        tasks = [asyncio.create_task(front.hub.run())]
         if shared.settings.watch or job is not None:
-            lasting.append(asyncio.create_task(watch(shared.serving, shared.metrics)))
+            tasks.append(asyncio.create_task(watch(shared.serving, shared.metrics)))
         if job is not None:
-            lasting.append(asyncio.create_task(job.run()))
+            tasks.append(asyncio.create_task(job.run()))
         yield
-        for task in lasting:
+        for task in tasks:
             task.cancel()
-        await asyncio.gather(warming, *lasting, return_exceptions=True)
+        await asyncio.gather(warming, *tasks, return_exceptions=True)
 
-    # Its documentation pages bring their own scripts and styles, where FastAPI's own need the internet.
+    # Serves the scripts and styles of the documentation pages itself; those of FastAPI come from the internet.
     app = FastAPIOffline(title="motionsplice", lifespan=lifespan)
     front = Front(shared, app)
     app.include_router(bank_routes(shared))
@@ -60,10 +60,10 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     app.add_exception_handler(HTTPException, _http_problem)
     app.add_exception_handler(Exception, _failure)
 
-    def describe_anew(_: Edition) -> None:
-        app.openapi_schema = None  # its examples are of the bank that was
+    def discard_schema(_: Edition) -> None:
+        app.openapi_schema = None  # its examples are from the previous bank
 
-    shared.serving.listeners.append(describe_anew)
+    shared.serving.listeners.append(discard_schema)
 
     @app.get("/", include_in_schema=False)
     async def get_root() -> RedirectResponse:
@@ -74,7 +74,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
 
 async def _motion_problem(_: Request, error: Exception) -> Response:
     assert isinstance(error, MotionError)
-    return _problem(*told(error), str(error))
+    return _problem(*kind_of(error), str(error))
 
 
 async def _request_problem(_: Request, error: Exception) -> Response:
@@ -91,7 +91,7 @@ async def _http_problem(_: Request, error: Exception) -> Response:
 
 
 async def _failure(_: Request, __: Exception) -> Response:
-    return _problem(500, "failure", "the service failed; its log says how")
+    return _problem(500, "failure", "the service failed; see its log")
 
 
 def _problem(status: int, kind: str, detail: str) -> Response:

@@ -1,6 +1,6 @@
-"""The outermost layer: who may ask, what is cached, and the direct route to what is asked for once a tick.
+"""The outermost layer: access control, caching, and a direct route for the requests of every tick.
 
-FastAPI's routing and models take several times as long as a pose does, so those calls do not pass through it.
+FastAPI's routing and models take several times as long as a pose, so those requests bypass FastAPI.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from motionsplice.service.answers.splice import splice
 from motionsplice.service.answers.stream import stream
 from motionsplice.service.characters.hub import Hub
 from motionsplice.service.logs import request_id, request_ids
-from motionsplice.service.problems import MEDIA_TYPE, UnknownBankError, problem, told
+from motionsplice.service.problems import MEDIA_TYPE, UnknownBankError, kind_of, problem
 from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)
@@ -48,7 +48,7 @@ class Front:
         self.hub = Hub(shared)
         self._request_ids = request_ids()
         self._admission = Admission(shared.settings)
-        self._kept = b"private" if shared.settings.token else b"public"
+        self._cache_scope = b"private" if shared.settings.token else b"public"
         self._poses = PoseAnswers()
         self._direct: dict[tuple[str, str], Handler] = {
             ("GET", POSE): self._pose,
@@ -66,19 +66,19 @@ class Front:
             await self.app(scope, receive, send)
 
     def begin_stop(self) -> None:
-        """Tells all streams that the service stops; once is enough."""
+        """Ends all streams and WebSockets. Further calls do nothing."""
         if not self.shared.stopping.is_set():
             self.shared.stopping.set()
             self._stopping = asyncio.ensure_future(self.hub.stop())
 
     def next_request_id(self) -> str:
-        """Under which the log has a request."""
+        """Returns a new id, under which the log lists a request."""
         return f"{next(self._request_ids):x}"
 
     def answer_at_once(self, query: bytes, headers: Headers) -> tuple[Answer, str] | None:
-        """The answer to GET /v1/pose and the request's number, for a server that can do without a task.
+        """Returns the answer to GET /v1/pose and the request's id, for a server that answers without a task.
 
-        None if it has to be told more of: that it is refused, or kept by a cache.
+        Returns None for a request that must take the usual route: one that is refused, or comes from a web page.
         """
         try:
             if self._admission.check({"headers": headers, "path": POSE}) is not None:
@@ -103,14 +103,14 @@ class Front:
                     status = 204
                     await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
                     return
-            path, immutable = self._below_a_bank(path)
+            path, immutable = self._without_digest(path)
             cacheable = path in CACHED or path.startswith(CACHED_BELOW) or (immutable and path == POSE)
             if method in ("GET", "HEAD") and cacheable:
-                method = "GET"  # of HEAD too: the server leaves the body out
+                method = "GET"  # for HEAD the server drops the body
                 etag = b'"%s"' % self.shared.serving.bank.digest.encode()
-                keep = b"%s, max-age=31536000, immutable" % self._kept if immutable else b"no-cache"
+                keep = b"%s, max-age=31536000, immutable" % self._cache_scope if immutable else b"no-cache"
                 cached = [(b"etag", etag), (b"cache-control", keep)]
-                if _has(scope, etag):
+                if _client_has(scope, etag):
                     status = 304
                     await send({"type": "http.response.start", "status": status, "headers": [*headers, *cached]})
                     await send({"type": "http.response.body", "body": b""})
@@ -124,26 +124,26 @@ class Front:
                 inner = {**scope, "path": path, "method": method}
                 status = await self._fastapi(inner, receive, send, headers, cached)
         except MotionError as error:
-            status, kind = told(error)
+            status, kind = kind_of(error)
             await _refuse(send, status, kind, str(error), headers)
             logger.info("refused", extra={"path": path, "status": status, "detail": str(error)})
         except Exception:
             logger.exception("failed", extra={"path": path})
-            await _refuse(send, 500, "failure", "the service failed; its log says how", headers)
+            await _refuse(send, 500, "failure", "the service failed; see its log", headers)
         finally:
             self.shared.metrics.answered(path if (method, path) in self._direct else "other", status)
 
-    def _below_a_bank(self, path: str) -> tuple[str, bool]:
-        """A path, without the digest of the bank that it may name, and whether it does. Raises UnknownBankError."""
+    def _without_digest(self, path: str) -> tuple[str, bool]:
+        """Returns a path without a bank's digest, and whether it had one. Raises UnknownBankError."""
         if not path.startswith(BANKS):
             return path, False
         digest, _, rest = path[len(BANKS) :].partition("/")
         if digest != self.shared.serving.bank.digest:
-            raise UnknownBankError(f"no bank {digest!r:.40} is served", mend="GET /v1/server tells which is")
+            raise UnknownBankError(f"the bank {digest!r:.40} is not served", mend="GET /v1/server returns the digest")
         return BELOW + rest, True
 
     async def _fastapi(self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers) -> int:
-        """What FastAPI answers, with our headers."""
+        """Answers with FastAPI, and adds headers. Returns the status."""
         status = 500
 
         async def with_headers(message: Message) -> None:
@@ -157,7 +157,7 @@ class Front:
         try:
             await self.app(scope, receive, with_headers)
         except Exception:
-            logger.exception("failed", extra={"path": scope["path"]})  # the client has been told
+            logger.exception("failed", extra={"path": scope["path"]})  # FastAPI has answered 500
         return status
 
     async def _pose(self, shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
@@ -170,11 +170,11 @@ class Front:
         try:
             self._admission.check(scope)
             if scope["path"] != CHARACTERS:
-                await _refuse_handshake(send, 404, "http", f"there is no WebSocket here, but at {CHARACTERS}", identity)
+                await _refuse_handshake(send, 404, "http", f"no WebSocket here. Connect to {CHARACTERS}.", identity)
                 return
             await self.hub.serve(scope, receive, send)
         except MotionError as error:
-            status, kind = told(error)
+            status, kind = kind_of(error)
             await _refuse_handshake(send, status, kind, str(error), identity)
 
 
@@ -193,8 +193,8 @@ async def _stream(shared: Shared, scope: Scope, receive: Receive, send: Send, he
     return 200
 
 
-def _has(scope: Scope, etag: bytes) -> bool:
-    """Whether the client has what has this tag."""
+def _client_has(scope: Scope, etag: bytes) -> bool:
+    """Returns whether the client's If-None-Match header lists this tag."""
     for name, value in scope["headers"]:
         if name == b"if-none-match":
             return value.strip() == b"*" or etag in [tag.strip().removeprefix(b"W/") for tag in value.split(b",")]

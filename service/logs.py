@@ -1,4 +1,4 @@
-"""The log: a JSON object a line for machines, or a line for people where a terminal reads it."""
+"""The log: lines of JSON, or lines of plain text on a terminal."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ import orjson
 
 request_id: ContextVar[str] = ContextVar("request_id", default="")
 
-USUAL = frozenset(vars(logging.makeLogRecord({}))) | {"message", "asctime", "color_message", "taskName"}
+STANDARD_FIELDS = frozenset(vars(logging.makeLogRecord({}))) | {"message", "asctime", "color_message", "taskName"}
 
 
 def request_ids() -> itertools.count[int]:
-    """Numbers for requests, which begin anywhere, so that those of several processes can be told apart."""
+    """Returns a counter for request ids. It starts at a random number, so that ids of several processes differ."""
     return itertools.count(int.from_bytes(os.urandom(5), "big") << 16)
 
 
 class JsonLines(logging.Formatter):
-    """Time, level, logger and message of a record, the request that it is about, and all its extra fields."""
+    """Formats a record as JSON: time, level, logger, message, request id and all extra fields."""
 
     def format(self, record: logging.LogRecord) -> str:
-        told: dict[str, Any] = {
+        fields: dict[str, Any] = {
             "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
             "level": record.levelname.lower(),
             "logger": record.name,
             "message": record.getMessage(),
         }
         if identity := request_id.get():
-            told["request_id"] = identity
-        told |= _extra(record)
+            fields["request_id"] = identity
+        fields |= _extra(record)
         if record.exc_info:
-            told["exception"] = self.formatException(record.exc_info)
-        return orjson.dumps(told, default=str).decode()
+            fields["exception"] = self.formatException(record.exc_info)
+        return orjson.dumps(fields, default=str).decode()
 
 
 class Lines(logging.Formatter):
-    """The same for people."""
+    """Formats a record as plain text."""
 
     def format(self, record: logging.LogRecord) -> str:
         extra = "".join(f" {key}={value}" for key, value in _extra(record).items())
@@ -51,7 +51,7 @@ class Lines(logging.Formatter):
 
 
 def log_config() -> dict[str, Any]:
-    """For logging.config: everything to stderr."""
+    """Returns a configuration for logging.config that writes everything to stderr."""
     formatter = "motionsplice.service.logs.Lines" if sys.stderr.isatty() else "motionsplice.service.logs.JsonLines"
     return {
         "version": 1,
@@ -64,4 +64,4 @@ def log_config() -> dict[str, Any]:
 
 
 def _extra(record: logging.LogRecord) -> dict[str, Any]:
-    return {key: value for key, value in vars(record).items() if key not in USUAL}
+    return {key: value for key, value in vars(record).items() if key not in STANDARD_FIELDS}

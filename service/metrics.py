@@ -1,4 +1,4 @@
-"""What is counted, for Prometheus (docs/operation.md). With several workers any of them tells the sum of all."""
+"""Metrics for Prometheus (docs/operation.md). With several workers, each reports the sum of all."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from contextlib import contextmanager
 from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from prometheus_client.multiprocess import MultiProcessCollector
 
-SHARED_FOLDER = "PROMETHEUS_MULTIPROC_DIR"  # where workers put their numbers; prometheus_client reads it when imported
+SHARED_FOLDER = "PROMETHEUS_MULTIPROC_DIR"  # where workers write metrics; prometheus_client reads it at import
 SECONDS = (*(base * 10.0**power for power in range(-4, 0) for base in (1.0, 2.0, 5.0)), 1.0)
 
 
 class Metrics:
-    """The numbers of one process."""
+    """The metrics of one process."""
 
     def __init__(self) -> None:
         self._registry = CollectorRegistry()
         self.frames_sent = Counter("motionsplice_frames_sent", "Frames sent on streams", registry=self._registry)
         self.frames_skipped = Counter(
             "motionsplice_frames_skipped",
-            "Frames that a client was too slow for, or the clock",
+            "Frames skipped because a client or the clock was too slow",
             registry=self._registry,
         )
         self.tick_lateness = Histogram(
             "motionsplice_tick_lateness_seconds",
-            "How late frames were begun to be made",
+            "Delay between when frames were due and when their evaluation began",
             registry=self._registry,
             buckets=SECONDS,
         )
@@ -37,11 +37,11 @@ class Metrics:
             buckets=SECONDS,
         )
         self.exchanges = Counter(
-            "motionsplice_bank_exchanges", "Banks that were taken or refused", ["result"], registry=self._registry
+            "motionsplice_bank_exchanges", "New banks that were served or refused", ["result"], registry=self._registry
         )
         self._connections = Gauge(
             "motionsplice_connections",
-            "Open connections, and what runs on them",
+            "Open connections: http counts all, stream and characters the streaming ones",
             ["kind"],
             registry=self._registry,
             multiprocess_mode="livesum",
@@ -57,24 +57,24 @@ class Metrics:
         self._digest = ""
 
     def connections(self, kind: str) -> Gauge:
-        """How many there are: `http` of them all, `stream` and `characters` of those that stream."""
+        """Returns the gauge of a kind: `http` for all connections, `stream` and `characters` for streaming ones."""
         return self._connections.labels(kind)
 
     @contextmanager
     def connection(self, kind: str) -> Iterator[None]:
-        """Counts one for as long as it lasts."""
+        """Counts a connection while the context lasts."""
         with self.connections(kind).track_inprogress():
             yield
 
     def answered(self, route: str, status: int) -> None:
-        """Counts a request; `route` is one of few, never a client's own text."""
+        """Counts a request. `route` is one of a few constants, never text from a client."""
         counter = self._answered.get((route, status))
         if counter is None:
             counter = self._answered[route, status] = self._requests.labels(route, str(status))
         counter.inc()
 
     def serves(self, digest: str) -> None:
-        """Tells which bank is served now."""
+        """Records the digest of the bank that is served."""
         if self._digest and self._digest != digest:
             self._bank.labels(self._digest).set(0)
             self._bank.remove(self._digest)
@@ -82,7 +82,7 @@ class Metrics:
         self._digest = digest
 
     def render(self) -> tuple[bytes, str]:
-        """All numbers in Prometheus' text format, and its media type."""
+        """Returns all metrics in Prometheus' text format, and its media type."""
         registry = self._registry
         if SHARED_FOLDER in os.environ:
             registry = CollectorRegistry()

@@ -1,30 +1,31 @@
-"""What the service tells of itself, its bank and its clips."""
+"""Models of the answers about the service, its bank and its clips."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from importlib.metadata import version
 from typing import Any
 
 from pydantic import BaseModel, Field
 
+from motionsplice import __version__
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import FEET, Contact
 from motionsplice.runtime.format.manifest import ClipEntry
 from motionsplice.service.settings import Settings
 from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
+from motionsplice.service.wire.messages import PROTOCOL
 
 LIMITS = tuple(name for name in Settings.model_fields if name.startswith("max_") or name.endswith("_seconds"))
 
 
 class AxesInfo(BaseModel):
-    """One way to have axes and units: component i is `order[i]` of glTF's times `signs[i]`, in `unit`."""
+    """Axes and unit of an engine: component i is glTF's component `order[i]` times `signs[i]`, in `unit`."""
 
     name: str
-    told: str
+    description: str
     unit: str
-    metres: float = Field(description="in one unit")
+    metres: float = Field(description="length of one unit in metres")
     order: tuple[int, int, int]
     signs: tuple[int, int, int]
 
@@ -32,7 +33,7 @@ class AxesInfo(BaseModel):
     def of(cls, axes: Axes) -> AxesInfo:
         return cls(
             name=axes.name,
-            told=axes.told,
+            description=axes.description,
             unit=axes.unit,
             metres=1.0 / axes.scale,
             order=axes.order,
@@ -41,22 +42,24 @@ class AxesInfo(BaseModel):
 
 
 class ServerInfo(BaseModel):
-    """The service: what it serves, in which forms, and how much of it."""
+    """The service: its bank, its encodings and its limits."""
 
     version: str
-    bank: str = Field(description="digest")
+    protocol: int = Field(description="version of docs/protocol.md")
+    bank: str = Field(description="digest of the bank")
     ready: bool
     axes: list[AxesInfo]
     encodings: list[str]
-    int16_error: float = Field(description="degrees by which a rotation in int16 is off at most")
+    int16_error: float = Field(description="largest error of a rotation in int16, degrees")
     parts: list[str]
-    uploads: bool
-    limits: dict[str, float]
+    uploads: bool = Field(description="whether clips can be uploaded")
+    limits: dict[str, int | float]
 
     @classmethod
     def of(cls, bank: Bank, settings: Settings, *, ready: bool) -> ServerInfo:
         return cls(
-            version=version("motionsplice"),
+            version=__version__,
+            protocol=PROTOCOL,
             bank=bank.digest,
             ready=ready,
             axes=[AxesInfo.of(axes) for axes in AXES.values()],
@@ -85,7 +88,7 @@ class BankInfo(BaseModel):
     baseline: str
     clips: int
     joints: int
-    seconds: float = Field(description="of motion in all clips")
+    seconds: float = Field(description="total duration of all clips")
     tables: list[TableInfo]
 
     @classmethod
@@ -111,16 +114,13 @@ class BankInfo(BaseModel):
 
 
 class SkeletonInfo(BaseModel):
-    """Joints in the order in which all rotations come; offsets in the axes asked for; the root's parent is -1.
-
-    roles: the joint of each role, or joints, by name.
-    """
+    """The skeleton: joints in the order of all rotations, and offsets in the requested axes."""
 
     axes: AxesInfo
     joints: list[str]
-    parents: list[int]
-    offsets: list[list[float]]
-    roles: dict[str, str | list[str] | None]
+    parents: list[int] = Field(description="index of each joint's parent; -1 for the root")
+    offsets: list[list[float]] = Field(description="from the parent")
+    roles: dict[str, str | list[str] | None] = Field(description="name of the joint or joints of each role")
 
     @classmethod
     def of(cls, bank: Bank, axes: Axes) -> SkeletonInfo:
@@ -141,7 +141,7 @@ def _named(names: tuple[str, ...], joint: Any) -> str | list[str] | None:
 
 
 class ContactsInfo(BaseModel):
-    """When each foot comes down and goes up again, in order: seconds into the clip, its ends for what goes on there."""
+    """Stances of each foot in order: seconds at which it touches down and lifts off, or the clip's first or last."""
 
     left: list[tuple[float, float]]
     right: list[tuple[float, float]]
@@ -155,7 +155,7 @@ class ContactsInfo(BaseModel):
 
 
 class ClipInfo(BaseModel):
-    """One clip: seconds, frames per second, and how far its legs are from the baseline's, metres."""
+    """One clip. Durations are in seconds, mismatches in metres, the rate in frames per second."""
 
     name: str
     kind: str
@@ -163,17 +163,17 @@ class ClipInfo(BaseModel):
     duration: float
     rate: float
     frames: int
-    cycles: float = Field(description="strides that it takes")
-    loop: int = Field(description="strides after which it is as it was, and can be repeated; 0: none")
-    neutral: str = Field(description="the clip that its posture is relative to")
-    hands: list[str] = Field(description="that can be laid on it")
-    contacts: ContactsInfo = Field(description="of its feet with the ground")
-    mean_mismatch: float
-    worst_mismatch: float
-    shoulder_motion: float = Field(description="how far the torso moves beyond the neutral's gait, radians")
+    cycles: float = Field(description="number of strides")
+    loop: int = Field(description="number of strides that can be repeated seamlessly; 0: none")
+    neutral: str = Field(description="the clip to which its posture is relative")
+    hands: list[str] = Field(description="hands clips that can be laid on it")
+    contacts: ContactsInfo = Field(description="contacts of its feet with the ground")
+    mean_mismatch: float = Field(description="mean distance of root and knees from the baseline's")
+    worst_mismatch: float = Field(description="largest distance of root and knees from the baseline's")
+    shoulder_motion: float = Field(description="motion of the torso beyond the neutral's gait, radians")
     warnings: list[str]
     notes: list[str]
-    source: str = Field(description="digest of the file that it comes from")
+    source: str = Field(description="digest of its motion file")
 
     @classmethod
     def of(cls, bank: Bank, clip: ClipEntry) -> ClipInfo:

@@ -1,14 +1,15 @@
-"""The OpenAPI document: FastAPI's own part, and the direct route's, told from the very lists that check its queries."""
+"""The OpenAPI document: FastAPI's part, and the direct route's, generated from the lists that check its queries."""
 
 from __future__ import annotations
 
-from importlib.metadata import version
-from typing import Any
+from typing import Any, get_args
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from motionsplice import __version__
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.requests import Posture
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.poses import POSES
 from motionsplice.service.answers.splice import BVH, SPLICE
@@ -25,29 +26,29 @@ from motionsplice.service.wire.query import REQUIRED, Query
 
 ABOUT = """Splices the upper body of any clip onto the lower body of any other.
 
-Right-handed, Y up, characters face Z; metres, seconds, unit quaternions xyzw; other engines' axes and units on request.
-Rotations are in the parent's frame, the root's in the world. Whatever depends on the bank alone is also found below
-`/v1/banks/{digest}`, where any cache may keep it for ever. `docs/protocol.md` describes the bytes."""
+Right-handed, Y up, characters face Z; metres, seconds, unit quaternions xyzw. `axes` selects another engine's axes and
+units. Rotations are in the parent's frame, the root's in the world. Everything that depends only on the bank is also
+available below `/v1/banks/{digest}`, where caches may keep it for ever. `docs/protocol.md` describes the bytes."""
 OCTETS = {"type": "string", "format": "binary"}
-NOT_MODIFIED: Responses = {304: {"description": "The client has it already"}}
+NOT_MODIFIED: Responses = {304: {"description": "The client's cached copy is current"}}
 BUSY = problem_response(429, "Too many streams at once")
-LIMITED = problem_response(422, "A parameter that means nothing, or more than the service allows")
+LIMITED = problem_response(422, "An invalid parameter, or more than the service allows")
 
 
 def document(app: FastAPI, shared: Shared) -> dict[str, Any]:
-    """The document, with examples that the served bank can answer."""
+    """Returns the document. Its examples are requests that the served bank can answer."""
     if app.openapi_schema is None:
-        told = get_openapi(title=app.title, version=version("motionsplice"), description=ABOUT, routes=app.routes)
-        told["components"]["schemas"]["Problem"] = Problem.model_json_schema()
-        told["components"]["schemas"]["Frames"] = FRAMES
-        told["components"]["schemas"]["Batch"] = BATCH
-        told["paths"] |= _direct(shared.serving.bank)
-        told["paths"] = dict(sorted(told["paths"].items()))
+        schema = get_openapi(title=app.title, version=__version__, description=ABOUT, routes=app.routes)
+        schema["components"]["schemas"]["Problem"] = Problem.model_json_schema()
+        schema["components"]["schemas"]["Frames"] = FRAMES
+        schema["components"]["schemas"]["Batch"] = BATCH
+        schema["paths"] |= _direct(shared.serving.bank)
+        schema["paths"] = dict(sorted(schema["paths"].items()))
         if shared.settings.token is not None:
-            told["components"]["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
-            told["security"] = [{"token": []}]
-        _fill_in(told["paths"], shared)
-        app.openapi_schema = told
+            schema["components"]["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
+            schema["security"] = [{"token": []}]
+        _fill_in(schema["paths"], shared)
+        app.openapi_schema = schema
     return app.openapi_schema
 
 
@@ -59,13 +60,13 @@ FRAMES = {
         "rotations": [[0.032, 0.314, -0.006, 0.949], [-0.067, 0.022, -0.012, 0.997]],
     },
     "title": "Frames",
-    "description": "F frames of n characters of J joints (docs/protocol.md, Frames). F or n are left out where they "
-    "are always one. In MessagePack arrays are blobs of little-endian numbers.",
+    "description": "F frames of n characters with J joints (docs/protocol.md, Frames). F and n are left out where they "
+    "are always one. In MessagePack, arrays are blobs of little-endian numbers.",
     "required": ["bank", "root_positions"],
     "properties": {
         "bank": {"type": "string", "description": "digest"},
         "frame": {"type": "integer", "description": "number of the first frame"},
-        "count": {"type": "integer", "description": "how many frames"},
+        "count": {"type": "integer", "description": "number of frames"},
         "rate": {"type": "number", "description": "frames per second"},
         "root_positions": {"type": "array", "items": {}, "description": "[F, n, 3] float32"},
         "rotations": {"type": "array", "items": {}, "description": "[F, n, J, 4] float32 or int16"},
@@ -82,24 +83,22 @@ BATCH = {
         "locomotion": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips"},
         "time": {"type": "array", "items": {"type": "number"}, "description": "[n] seconds into the locomotion"},
         "action": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: none"},
-        "hands": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: none"},
+        "hands": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: its own"},
         "start": {"type": "array", "items": {"type": "number"}, "description": "[n] seconds into the action"},
         "method": {"type": "string", "enum": ["splice", "naive", "none"]},
-        "posture": {"type": "string", "enum": ["relative", "absolute", "off"]},
+        "posture": {"type": "string", "enum": [posture for posture in get_args(Posture) if posture != "running"]},
     },
 }
 
 
 def _direct(bank: Bank) -> dict[str, Any]:
-    """The operations that FastAPI does not know."""
+    """Returns the operations of the direct route, which FastAPI does not know."""
     frames = {JSON: {"schema": {"$ref": "#/components/schemas/Frames"}}, MSGPACK: {"schema": OCTETS}}
     batch = _batch_example(bank)
     return {
         "/v1/pose": {
             "get": {
-                **_told(
-                    "One pose", "The splice at one moment: it costs the same at the end of a clip as at its start."
-                ),
+                **_about("One pose", "The splice at one moment. It costs the same anywhere in a clip."),
                 "operationId": "get_pose",
                 "parameters": _parameters(POSE),
                 "responses": _responses(frames, NOT_MODIFIED, UNKNOWN, REFUSED, NOT_READY),
@@ -107,7 +106,7 @@ def _direct(bank: Bank) -> dict[str, Any]:
         },
         "/v1/poses": {
             "post": {
-                **_told("Poses of many characters", "The call that a game makes once a tick."),
+                **_about("Poses of many characters", "The request that a game sends every tick."),
                 "operationId": "post_poses",
                 "parameters": _parameters(POSES),
                 "requestBody": {
@@ -124,13 +123,13 @@ def _direct(bank: Bank) -> dict[str, Any]:
                     NOT_READY,
                     problem_response(408, "The body did not arrive"),
                     problem_response(413, "The body is too large"),
-                    problem_response(415, "A body of another type"),
+                    problem_response(415, "A body of an unsupported type"),
                 ),
             }
         },
         "/v1/splice": {
             "get": {
-                **_told("A whole splice", "All frames, or a range of them, in one piece that any cache can keep."),
+                **_about("A whole splice", "All frames, or a range of them, in one cacheable answer."),
                 "operationId": "get_splice",
                 "parameters": _parameters(SPLICE),
                 "responses": _responses(
@@ -140,10 +139,10 @@ def _direct(bank: Bank) -> dict[str, Any]:
         },
         "/v1/stream": {
             "get": {
-                **_told(
+                **_about(
                     "A splice as a stream",
-                    "Messages, each with its length before it, four bytes big-endian: a header, then `ahead` frames in "
-                    "each, as MessagePack maps.",
+                    "Length-delimited messages (four bytes, big-endian): a header, then maps of `ahead` frames "
+                    "each, in MessagePack.",
                 ),
                 "operationId": "get_stream",
                 "parameters": _parameters(STREAM),
@@ -152,15 +151,15 @@ def _direct(bank: Bank) -> dict[str, Any]:
         },
         "/v1/characters": {
             "get": {
-                **_told(
-                    "Characters, over a WebSocket",
-                    "Commands are sent as JSON text, frames come as MessagePack. Without an upgrade to a WebSocket "
-                    "there is nothing here.",
+                **_about(
+                    "Characters over a WebSocket",
+                    "Commands are JSON text, frames are MessagePack. A request without an upgrade to a WebSocket is a "
+                    "404.",
                 ),
                 "operationId": "characters",
                 "parameters": _parameters(CHARACTERS),
                 "responses": {
-                    "101": {"description": "The handshake is done"},
+                    "101": {"description": "The handshake is accepted"},
                     **_responses(None, problem_response(404, "No WebSocket handshake"), LIMITED, BUSY, NOT_READY),
                 },
             }
@@ -168,7 +167,7 @@ def _direct(bank: Bank) -> dict[str, Any]:
     }
 
 
-def _told(summary: str, description: str) -> dict[str, Any]:
+def _about(summary: str, description: str) -> dict[str, Any]:
     return {"tags": ["motion"], "summary": summary, "description": description}
 
 
@@ -187,18 +186,18 @@ def _parameters(query: Query) -> list[dict[str, Any]]:
 
 def _responses(content: dict[str, Any] | None, *others: Responses) -> dict[str, Any]:
     good = {"200": {"description": "The frames", "content": content}} if content else {}
-    return good | {str(status): told for one in others for status, told in one.items()}
+    return good | {str(status): response for one in others for status, response in one.items()}
 
 
 def _fill_in(paths: dict[str, Any], shared: Shared) -> None:
-    """Puts examples into what the interactive page asks, and shows in answers what there is."""
+    """Adds examples from the served bank to the parameters and answers."""
     bank = shared.serving.bank
     locomotion, action = _clips(bank)
-    asked = {"name": locomotion, "locomotion": locomotion, "action": action, "time": 0.5, "count": 10, "rate": 30}
+    examples = {"name": locomotion, "locomotion": locomotion, "action": action, "time": 0.5, "count": 10, "rate": 30}
     for path, operations in paths.items():
         for parameter in operations.get("get", {}).get("parameters", []):
-            if (name := parameter["name"]) in asked:
-                parameter["example"] = "postures" if path == "/v1/tables/{name}" else asked[name]
+            if (name := parameter["name"]) in examples:
+                parameter["example"] = "postures" if path == "/v1/tables/{name}" else examples[name]
     clip = ClipInfo.of(bank, bank.clip(locomotion))
     for path, answer in (
         ("/v1/server", ServerInfo.of(bank, shared.settings, ready=True)),
@@ -211,8 +210,8 @@ def _fill_in(paths: dict[str, Any], shared: Shared) -> None:
 
 
 def _answer(paths: dict[str, Any], path: str) -> dict[str, Any]:
-    told: dict[str, Any] = paths[path]["get"]["responses"]["200"]["content"][JSON]
-    return told
+    content: dict[str, Any] = paths[path]["get"]["responses"]["200"]["content"][JSON]
+    return content
 
 
 def _clips(bank: Bank) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""Errors as problem+json (RFC 9457): which error is which problem, and what it looks like."""
+"""Errors as problem+json (RFC 9457)."""
 
 from __future__ import annotations
 
@@ -14,47 +14,47 @@ URN = "urn:motionsplice:"
 
 
 class RequestError(MotionError):
-    """A parameter, key or command that is unknown, missing or means nothing."""
+    """A parameter, key or command that is unknown, missing or invalid."""
 
 
 class LimitError(MotionError):
-    """More than the service allows one client."""
+    """The request exceeds a limit of the service."""
 
 
 class TooLargeError(MotionError):
-    """A body of more bytes than the service takes."""
+    """A body with more bytes than the service accepts."""
 
 
 class TooSlowError(MotionError):
-    """A body that does not arrive."""
+    """A body that does not arrive in time."""
 
 
 class MediaTypeError(MotionError):
-    """A body of a type that is not read."""
+    """A body of an unsupported type."""
 
 
 class NotReadyError(MotionError):
-    """Poses are asked for before the kernels are warm."""
+    """A request for poses before the kernels are compiled."""
 
 
 class BusyError(MotionError):
-    """Too many streams at once."""
+    """The service is at capacity: connections, streams or characters."""
 
 
 class UploadError(MotionError):
-    """A clip for a service that takes none."""
+    """An upload to a service that does not accept clips."""
 
 
 class UnknownBankError(MotionError):
-    """A bank that is not served, or not any more."""
+    """A bank or table that is not served, or not any more."""
 
 
 class TokenError(MotionError):
-    """No token, or a wrong one."""
+    """A missing or wrong token."""
 
 
 class OriginError(MotionError):
-    """A web page that is not allowed to ask."""
+    """A web page whose origin is not allowed."""
 
 
 PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
@@ -78,28 +78,28 @@ PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
 
 
 class Problem(BaseModel):
-    """What went wrong, and what to do about it."""
+    """An error: what is wrong, and what to do."""
 
     type: str = Field(examples=[URN + "unknown-clip"])
     title: str = Field(examples=["Not Found"])
     status: int = Field(examples=[404])
     detail: str = Field(examples=["the bank has no clip 'wlak'. Did you mean 'walk'?"])
-    request_id: str = Field(examples=["5f3a9c0e"], description="Under which the service's log has it")
+    request_id: str = Field(examples=["5f3a9c0e"], description="The id under which the service's log lists the request")
 
 
 def at_most(name: str, given: float, most: float) -> None:
-    """Raises LimitError if a client asks for more than the service allows."""
+    """Checks a number against a limit. Raises LimitError if it is larger."""
     if given > most:
-        raise LimitError(f"{name}: {given:g} is more than {most:g}", mend="Ask for less")
+        raise LimitError(f"{name}: {given:g} is more than {most:g}", mend=f"Ask for at most {most:g}")
 
 
-def told(error: MotionError) -> tuple[int, str]:
-    """The status and the kind of an error."""
+def kind_of(error: MotionError) -> tuple[int, str]:
+    """Returns the HTTP status and the problem type of an error."""
     return next(PROBLEMS[kind] for kind in type(error).__mro__ if kind in PROBLEMS)
 
 
 def problem(status: int, kind: str, detail: str, request_id: str) -> bytes:
-    """A problem as JSON."""
+    """Returns a problem as JSON."""
     return orjson.dumps(
         {
             "type": URN + kind,

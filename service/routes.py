@@ -1,4 +1,4 @@
-"""What the service tells of itself and its bank. Nothing here is asked for once a tick, so FastAPI does the work."""
+"""Routes about the service and its bank. Games do not request them every tick, so FastAPI answers them."""
 
 from __future__ import annotations
 
@@ -19,54 +19,54 @@ OCTETS = {"type": "string", "format": "binary"}
 
 
 def problem_response(status: int, description: str) -> Responses:
-    """How the schema tells of a problem."""
+    """Returns the entry of a problem in the schema."""
     schema = {"$ref": "#/components/schemas/Problem"}
     return {status: {"description": description, "content": {MEDIA_TYPE: {"schema": schema}}}}
 
 
-UNKNOWN = problem_response(404, "Unknown clip, table or bank; the near names are suggested")
-REFUSED = problem_response(422, "A parameter that is unknown, missing or means nothing")
-NOT_READY = problem_response(503, "Kernels are still being compiled")
+UNKNOWN = problem_response(404, "Unknown clip, table or bank; similar names are suggested")
+REFUSED = problem_response(422, "A parameter that is unknown, missing or invalid")
+NOT_READY = problem_response(503, "The kernels are still being compiled")
 
 
 def only_known_parameters(request: Request) -> None:
-    """Refuses what FastAPI would pass over: a misspelt parameter. Raises RequestError."""
+    """Raises RequestError for an unknown parameter, which FastAPI would ignore."""
     known = [field.alias for field in request.scope["route"].dependant.query_params]
     for name in request.query_params:
         if name not in known:
-            mend = did_you_mean(name[:40], known) if known else "It takes none"
-            raise RequestError(f"there is no parameter {name[:40]!r}", mend=mend)
+            mend = did_you_mean(name[:40], known) if known else "This request has no parameters"
+            raise RequestError(f"unknown parameter {name[:40]!r}", mend=mend)
 
 
 def bank_routes(shared: Shared) -> APIRouter:
-    """Routes below /v1 that tell what there is."""
+    """Returns the routes below /v1 about the service and its bank."""
     router = APIRouter(prefix="/v1", tags=["bank"], dependencies=[Depends(only_known_parameters)])
     serving = shared.serving
 
     @router.get("/server", summary="The service")
     async def get_server() -> ServerInfo:
-        """What it serves, in which axes and encodings, and its limits."""
+        """The digest of its bank, its axes and encodings, and its limits."""
         return ServerInfo.of(serving.bank, shared.settings, ready=serving.ready)
 
     @router.get("/bank", summary="The bank")
     async def get_bank() -> BankInfo:
-        """Its digest, under which everything can be cached, and its tables."""
+        """Its digest, under which answers can be cached, and its tables."""
         return BankInfo.of(serving.bank)
 
     @router.get("/skeleton", summary="The skeleton", responses=REFUSED)
     async def get_skeleton(
         axes: Annotated[Literal["gltf", "unity", "unreal", "godot"], Query(description="Axes of the offsets")] = "gltf",
     ) -> SkeletonInfo:
-        """Joints in the order in which all rotations come, and which of them is which."""
+        """Joints in the order of all rotations, their parents and offsets, and the joint of each role."""
         return SkeletonInfo.of(serving.bank, AXES[axes])
 
     @router.get("/clips", summary="All clips")
     async def get_clips() -> list[ClipInfo]:
-        """What can be spliced, and how well each clip is aligned to the baseline."""
+        """All clips that can be spliced, and how well each is aligned to the baseline."""
         return [ClipInfo.of(serving.bank, clip) for clip in serving.bank.clips]
 
     @router.get("/clips/{name}", summary="One clip", responses={**UNKNOWN, **REFUSED})
-    async def get_clip(name: Annotated[str, Path(description="A clip's name, as in the list of all")]) -> ClipInfo:
+    async def get_clip(name: Annotated[str, Path(description="A clip name, as in the list of all clips")]) -> ClipInfo:
         """One entry of the list of all clips."""
         return ClipInfo.of(serving.bank, serving.bank.clip(name))
 
@@ -77,7 +77,7 @@ def bank_routes(shared: Shared) -> APIRouter:
         responses={200: {"description": "The file", "content": {"application/msgpack": {"schema": OCTETS}}}},
     )
     async def get_manifest() -> Response:
-        """The file `manifest.msgpack` as docs/bank.md describes it."""
+        """The file `manifest.msgpack`, which docs/bank.md describes."""
         return Response(serving.bank.manifest.data, media_type="application/msgpack")
 
     @router.get(
@@ -92,34 +92,34 @@ def bank_routes(shared: Shared) -> APIRouter:
             **REFUSED,
         },
     )
-    async def get_table(name: Annotated[str, Path(description="A table's name, as the bank tells it")]) -> FileResponse:
-        """A `.npy` file; `Range` is understood."""
+    async def get_table(name: Annotated[str, Path(description="A table name, as in `/v1/bank`")]) -> FileResponse:
+        """A `.npy` file. `Range` is supported."""
         files = serving.bank.files
         if name not in files:
             raise UnknownBankError(f"the bank has no table {name!r:.40}", mend=did_you_mean(name[:40], files))
         try:
             found = os.stat(files[name])
         except FileNotFoundError:
-            raise UnknownBankError("the table is no longer on disk", mend="Ask for the newest bank") from None
+            raise UnknownBankError("the table is no longer on disk", mend="Request it from the newest bank") from None
         return FileResponse(files[name], media_type="application/octet-stream", stat_result=found)
 
     return router
 
 
 def health_routes(shared: Shared) -> APIRouter:
-    """Liveness, readiness and numbers, for whatever watches the process."""
+    """Returns the routes for monitoring: liveness, readiness and metrics."""
     router = APIRouter(tags=["service"])
 
     @router.get("/healthz", summary="Is the process alive?", status_code=204, response_class=Response)
     async def get_health() -> Response:
-        """Answers as soon as the service listens."""
+        """Answers 204 as soon as the service listens."""
         return Response(status_code=204)
 
     @router.get(
-        "/readyz", summary="Are the kernels warm?", status_code=204, response_class=Response, responses=NOT_READY
+        "/readyz", summary="Are the kernels compiled?", status_code=204, response_class=Response, responses=NOT_READY
     )
     async def get_readiness() -> Response:
-        """Poses and streams are served from then on, until the service is told to stop."""
+        """Answers 204 once the kernels are compiled, and 503 before and while the service stops."""
         if shared.stopping.is_set():
             raise NotReadyError("the service is stopping")
         _ = shared.serving.edition
@@ -127,7 +127,7 @@ def health_routes(shared: Shared) -> APIRouter:
 
     @router.get(
         "/metrics",
-        summary="Numbers for Prometheus",
+        summary="Metrics for Prometheus",
         response_class=Response,
         responses={200: {"description": "In Prometheus' text format", "content": {"text/plain": {}}}},
     )

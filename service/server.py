@@ -1,4 +1,4 @@
-"""Running the service: its socket, and one process or several that share it."""
+"""Runs the service: its socket, and the process or processes that share it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from motionsplice.service.metrics import SHARED_FOLDER
 from motionsplice.service.settings import Settings
 
 BACKLOG = 2048
-MOST_UNSENT = 1024 * 1024  # bytes that the kernel keeps for a slow client, so that it is soon known to be one
+MOST_UNSENT = 1024 * 1024  # bytes that the kernel buffers for a client; few, so that a slow one is soon noticed
 
 
 def listen(settings: Settings) -> socket.socket:
-    """The socket that clients connect to. Raises SettingsError if it cannot be had."""
+    """Returns the socket that clients connect to. Raises SettingsError if the address cannot be used."""
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     listener = socket.socket(family)
     try:
@@ -34,13 +34,13 @@ def listen(settings: Settings) -> socket.socket:
         listener.listen(BACKLOG)
     except OSError as error:
         listener.close()
-        problem = f"{settings.host}:{settings.port} cannot be listened on: {error.strerror or error}"
-        raise SettingsError(problem, mend="Give another --host or --port, or end what listens there") from None
+        problem = f"cannot listen on {settings.host}:{settings.port}: {error.strerror or error}"
+        raise SettingsError(problem, mend="Choose another --host or --port") from None
     return listener
 
 
 def serve(path: Path, settings: Settings, listener: socket.socket) -> None:
-    """Serves the bank at `path`, which was verified, until stopped."""
+    """Serves the bank at `path` until stopped. The caller has verified the bank."""
     if settings.workers == 1:
         uvicorn.Server(EdgeConfig(path, settings)).run(sockets=[listener])
         return

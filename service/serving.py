@@ -1,4 +1,4 @@
-"""The bank that is served. It may be exchanged for another; what plays on the old one goes on until it moves over."""
+"""The bank that is served. It can be exchanged; connections that play the old bank keep it until they move."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class Edition:
-    """A bank with a warm evaluator, which the event loop alone uses."""
+    """A bank with a compiled evaluator. Only the event loop uses it."""
 
     bank: Bank
     evaluator: Evaluator
@@ -28,13 +28,13 @@ class Edition:
 
     @property
     def rig(self) -> dict[str, Any]:
-        """What clients must know to take its frames apart: the bank's digest, its joints and their parents."""
+        """What clients need to decode frames: the bank's digest, the joints and their parents."""
         skeleton = self.bank.skeleton
         return {"bank": self.bank.digest, "joints": list(skeleton.names), "parents": skeleton.parents.tolist()}
 
     @classmethod
     def warm(cls, bank: Bank) -> Edition:
-        """Compiles the kernels, or loads them: seconds the first time."""
+        """Compiles the kernels or loads them from the cache; the first time takes seconds."""
         evaluator = Evaluator(bank)
         evaluator.warm()
         warm_encoding()
@@ -44,24 +44,26 @@ class Edition:
 
 
 class Serving:
-    """Which edition is served. Until its kernels are warm there is a bank, and no edition.
+    """Holds the edition that is served. Until the kernels are compiled there is a bank, but no edition.
 
-    `bank` is the newest. Whoever must know of an exchange adds itself to `listeners`.
+    Attributes:
+        bank: The newest bank.
+        listeners: Called with the new edition at each exchange, and with the first one.
     """
 
     def __init__(self, bank: Bank) -> None:
         self.bank = bank
         self.listeners: list[Callable[[Edition], None]] = []
         self._edition: Edition | None = None
-        self._lacking = "the kernels are still being compiled"
+        self._reason = "the kernels are still being compiled"
 
     async def warm(self) -> None:
-        """Warms the first edition in a thread, so that the event loop goes on. If that fails, it stays unready."""
+        """Compiles the kernels in a thread. If that fails, the service stays unready and logs why."""
         try:
             edition = await asyncio.to_thread(Edition.warm, self.bank)
         except Exception:
-            self._lacking = "the kernels could not be compiled; the service's log says why"
-            logger.exception("kernels could not be compiled, so no pose will be served")
+            self._reason = "the kernels could not be compiled; see the service's log"
+            logger.exception("the kernels could not be compiled, so no poses are served")
         else:
             self.exchange(edition)
 
@@ -74,11 +76,11 @@ class Serving:
     def edition(self) -> Edition:
         """The newest edition. Raises NotReadyError until there is one."""
         if self._edition is None:
-            raise NotReadyError(self._lacking, mend="Ask /readyz")
+            raise NotReadyError(self._reason, mend="Wait until /readyz answers 204")
         return self._edition
 
     def exchange(self, edition: Edition) -> None:
-        """Serves another edition from now on; on the event loop, between two frames."""
+        """Serves another edition from now on. Called on the event loop, between two frames."""
         self.bank, self._edition = edition.bank, edition
         for listener in self.listeners:
             listener(edition)

@@ -1,4 +1,4 @@
-"""Settings of the service, from the environment (`MOTIONSPLICE_HOST` ...) or given."""
+"""Settings of the service, from arguments or the environment (`MOTIONSPLICE_HOST` ...)."""
 
 from __future__ import annotations
 
@@ -16,40 +16,38 @@ SECOND = Annotated[float, Field(gt=0.0, le=3600.0, allow_inf_nan=False)]
 
 
 class Settings(BaseSettings):
-    """Where the service listens, whom it answers, and how much one client may ask for. Raises SettingsError."""
+    """The address, access control and limits of the service. Raises SettingsError if a value is invalid."""
 
     model_config = SettingsConfigDict(env_prefix=PREFIX, extra="forbid")
 
     host: str = Field(default="127.0.0.1", description="Address to listen on")
-    port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 takes a free one")
+    port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 chooses a free one")
     workers: int = Field(default=1, ge=1, le=256, description="Processes that share the port and the mapped bank")
-    watch: bool = Field(default=False, description="Exchange the bank when a new one is written in its place")
-    clips: Path | None = Field(default=None, description="Folder that uploaded clips are put into; none: no uploads")
+    watch: bool = Field(default=False, description="Serve a new bank when one is written in place of the old")
+    clips: Path | None = Field(default=None, description="Folder for uploaded clips; without it, uploads are refused")
     token: SecretStr | None = Field(
-        default=None, min_length=8, description="What clients must know; none: all are answered"
+        default=None, min_length=8, description="Token that clients must send; without it, all are answered"
     )
     origins: Annotated[tuple[str, ...], NoDecode] = Field(
-        default=(), description="Web origins whose pages may ask, comma-separated; * for all"
+        default=(), description="Web origins whose pages may send requests, comma-separated; * for all"
     )
 
-    max_header: int = Field(default=16 * 1024, ge=1024, description="Bytes of a request's line and headers")
+    max_header: int = Field(default=16 * 1024, ge=1024, description="Bytes of a request line and headers")
     max_body: int = Field(default=4 * 2**20, ge=1024, description="Bytes of a batch of poses")
     max_upload: int = Field(default=256 * 2**20, ge=1024, description="Bytes of an uploaded clip")
-    max_message: int = Field(default=64 * 1024, ge=1024, description="Bytes of a command over a WebSocket")
+    max_message: int = Field(default=64 * 1024, ge=1024, description="Bytes of a message of commands over a WebSocket")
     max_batch: int = Field(default=10_000, ge=1, description="Characters in a batch of poses")
     max_characters: int = Field(default=10_000, ge=1, description="Characters of one WebSocket")
     max_frames: int = Field(
-        default=20_000, ge=1, description="Frames of one splice; of a stream a hundred times as many"
+        default=20_000, ge=1, description="Frames of one splice; a stream may have 100 times as many"
     )
     max_rate: float = Field(
         default=120.0, ge=1.0, le=1000.0, description="Frames per second of a WebSocket or a paced stream"
     )
     max_ahead: int = Field(default=120, ge=1, le=1000, description="Frames in one message")
-    max_commands: float = Field(
-        default=1000.0, ge=1.0, description="Commands per second of one WebSocket; more have to wait"
-    )
-    max_load: float = Field(
-        default=600_000.0, ge=1.0, description="Characters per second of all WebSockets, in each process"
+    max_commands: int = Field(default=1000, ge=1, description="Commands per second of one WebSocket; further ones wait")
+    max_load: int = Field(
+        default=600_000, ge=1, description="Characters evaluated per second for all WebSockets, in each process"
     )
     max_streams: int = Field(default=256, ge=1, description="Streams and WebSockets at once, in each process")
     max_connections: int = Field(default=4096, ge=1, description="Connections at once, in each process")
@@ -57,12 +55,10 @@ class Settings(BaseSettings):
         default=512, ge=1, description="Connections at once of one address, in each process"
     )
 
-    request_seconds: SECOND = Field(default=10.0, description="In which a request must have arrived")
-    idle_seconds: SECOND = Field(default=60.0, description="After which a connection that is not used is closed")
-    stall_seconds: SECOND = Field(default=8.0, description="After which a client that reads nothing is cut off")
-    stop_seconds: SECOND = Field(
-        default=3.0, description="That streams have to end in when the service is told to stop"
-    )
+    request_seconds: SECOND = Field(default=10.0, description="Seconds in which a request must arrive")
+    idle_seconds: SECOND = Field(default=60.0, description="Seconds after which an unused connection is closed")
+    stall_seconds: SECOND = Field(default=8.0, description="Seconds after which a client that reads nothing is cut off")
+    stop_seconds: SECOND = Field(default=3.0, description="Seconds that streams have to end when the service stops")
 
     @model_validator(mode="before")
     @classmethod
@@ -78,11 +74,11 @@ class Settings(BaseSettings):
             return handler(values)
         except ValidationError as error:
             wrong = [f"{_variable(one['loc'])} {_given(one)}: {one['msg']}" for one in error.errors()]
-            raise SettingsError("; ".join(wrong), mend="Set it to another value, or unset it") from None
+            raise SettingsError("; ".join(wrong), mend="Set another value, or unset it") from None
 
 
 def _given(error: ErrorDetails) -> str:
-    return "cannot be used" if "token" in error["loc"] else f"is {error['input']!r}"
+    return "is invalid" if "token" in error["loc"] else f"is {error['input']!r}"
 
 
 def _variable(place: tuple[int | str, ...]) -> str:

@@ -1,4 +1,4 @@
-"""What all parts of one service process share."""
+"""State that all parts of one service process share."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from motionsplice.service.settings import Settings
 
 @dataclass(frozen=True, eq=False)
 class Shared:
-    """The settings, the bank that is served, the numbers that are counted, and whether the service is stopping."""
+    """The settings, the bank that is served, the metrics, the open streams, and whether the service is stopping."""
 
     settings: Settings
     serving: Serving
@@ -25,9 +25,9 @@ class Shared:
 
     @contextmanager
     def admitted(self) -> Iterator[None]:
-        """Counts a stream for as long as it lasts. Raises BusyError if there are as many as may be."""
+        """Admits a stream while the context lasts. Raises BusyError if `max_streams` are open."""
         if len(self.streams) >= self.settings.max_streams:
-            problem = f"there are {self.settings.max_streams} streams already, as many as this process serves"
+            problem = f"this process already serves {self.settings.max_streams} streams, which is its limit"
             raise BusyError(problem, mend="Try again later, or ask another process")
         stream = object()
         self.streams.add(stream)

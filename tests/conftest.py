@@ -11,7 +11,7 @@ from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 
-# A first call may compile a kernel, and CI machines stall: how long an example takes says nothing here.
+# No deadline: a first call may compile a kernel, and CI machines stall.
 settings.register_profile("motionsplice", deadline=None)
 settings.load_profile("motionsplice")
 
@@ -48,7 +48,7 @@ def clip_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def bank(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    """The bank of `clip_folder`; not to be changed by a test."""
+    """The bank of `clip_folder`; tests must not change it."""
     path = tmp_path_factory.mktemp("banks") / "bank"
     outcome = build_bank([clip_folder], path, baseline="walk", jobs=1)
     assert not outcome.failed
@@ -76,7 +76,7 @@ hand = "right"
 
 @pytest.fixture(scope="session")
 def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Clips without fingers, an action with fingers, and two clips of hands that are laid on some of them."""
+    """Clips without fingers, an action with fingers, and two hands clips that are aligned to some of them."""
     folder = tmp_path_factory.mktemp("hands")
     clips = {name: CLIPS[name] for name in ("walk", "run", "wave")}
     hands = {"counting": COUNTING.body, "counting_hands": COUNTING.hands, "other_hands": OTHERS.hands}
@@ -89,7 +89,7 @@ def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def hands_bank(hands_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    """The bank of `hands_folder`; not to be changed by a test."""
+    """The bank of `hands_folder`; tests must not change it."""
     path = tmp_path_factory.mktemp("banks") / "hands"
     outcome = build_bank([hands_folder], path, baseline="walk", jobs=1)
     assert not outcome.failed
@@ -98,7 +98,7 @@ def hands_bank(hands_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> 
 
 @pytest.fixture(scope="session")
 def real_motion() -> Path:
-    """The folder of real motion capture, which is not part of the project."""
+    """The folder of real motion capture, which is not part of the project; skips the test if it is missing."""
     if not REAL_MOTION.is_dir():
-        pytest.skip("real motion capture is not beside the project (../shared/mocap/cmu)")
+        pytest.skip("real motion capture not found (../shared/mocap/cmu)")
     return REAL_MOTION

@@ -1,4 +1,4 @@
-"""What is measured of a clip of the built-in humanoid: joint angles, soles on the ground, leans, speed."""
+"""Measurements on clips of the built-in humanoid: joint angles, soles on the ground, lean, speed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def at(clip: Clip, name: str) -> Floats:
 
 
 def bend(clip: Clip, upper: str, middle: str, lower: str) -> Floats:
-    """Degrees [F] by which a limb is off straight."""
+    """Degrees [F] by which a limb is bent; 0 is straight."""
     first = at(clip, middle) - at(clip, upper)
     second = at(clip, lower) - at(clip, middle)
     cosine = np.sum(first * second, axis=-1) / np.linalg.norm(first, axis=-1) / np.linalg.norm(second, axis=-1)
@@ -31,13 +31,13 @@ def knee(clip: Clip, side: str) -> Floats:
 
 
 def heading(clip: Clip) -> Floats:
-    """Unit vectors [F, 3] over the floor: where the pelvis faces."""
+    """Unit vectors [F, 3] in the floor plane: the direction that the pelvis faces."""
     facing = quaternion.rotate(clip.rotations[:, 0], [0.0, 0.0, 1.0]) * [1.0, 0.0, 1.0]
     return np.asarray(facing / np.linalg.norm(facing, axis=-1, keepdims=True))
 
 
 def ahead(clip: Clip, name: str, of: str = "Hips") -> Floats:
-    """Metres [F] by which one joint is ahead of another, as the pelvis faces."""
+    """Metres [F] by which one joint is ahead of another, in the direction that the pelvis faces."""
     return np.asarray(np.sum((at(clip, name) - at(clip, of)) * heading(clip), axis=-1))
 
 
@@ -51,7 +51,7 @@ def soles(clip: Clip, side: str) -> tuple[Floats, Floats, Floats]:
 
 
 def footholds(clip: Clip) -> Floats:
-    """Where the ankles are while a foot is flat on the ground, in the order of the way along Z: [n, 3]."""
+    """Positions [n, 3] of the ankles while a foot is flat on the ground, in order of Z."""
     placed = []
     for side in SIDES:
         foot = at(clip, side + "Foot")
@@ -63,7 +63,7 @@ def footholds(clip: Clip) -> Floats:
 
 
 def resting(clip: Clip, side: str) -> float:
-    """The part of the time in which the ball of a foot does not move."""
+    """The share of time during which the ball of a foot does not move."""
     return float(np.mean(np.linalg.norm(np.diff(soles(clip, side)[1], axis=0), axis=-1) * RATE < 0.05))
 
 
@@ -91,6 +91,6 @@ def part(clip: Clip, start: float, end: float) -> Clip:
 
 
 def period(curve: Floats) -> int:
-    """The frames after which a curve repeats best, among 0.5 to 1.7 seconds."""
+    """The lag in frames, between 0.5 and 1.7 seconds, at which a curve repeats best."""
     lags = range(int(0.5 * RATE), int(1.7 * RATE))
     return min(lags, key=lambda lag: float(np.mean((curve[lag:] - curve[:-lag]) ** 2)))

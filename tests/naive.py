@@ -35,7 +35,7 @@ def planar_distance(a: Floats, b: Floats) -> float:
 
 
 def increasing_coefficients(design: Floats, y: Floats, floor: Floats) -> Floats:
-    """Least squares with increments of at least `floor`, as SciPy solves it for a first value and increments."""
+    """Least squares with increments of at least `floor`: SciPy solves for the first value and the increments."""
     count = design.shape[1]
     rise = np.concatenate([np.ones((count, 1)), np.tril(np.ones((count, count - 1)), -1)], axis=1)
     fit = lsq_linear(design @ rise, y, bounds=(np.concatenate([[-np.inf], floor]), np.inf), method="bvls", tol=1e-12)
@@ -59,7 +59,7 @@ def cheapest_path_cost(grid: Floats, most_flat: int) -> Floats:
 
 
 def ring_cost(distances: Floats, wound: Sequence[int]) -> float:
-    """What one way round a ring costs: a frame costs the mean of the cells it passed."""
+    """The cost of one path round a ring: each frame costs the mean of the cells that it passes."""
     cells = distances.shape[1]
     total = float(distances[0, wound[0] % cells])
     for frame, (before, here) in enumerate(itertools.pairwise(wound), 1):
@@ -69,7 +69,7 @@ def ring_cost(distances: Floats, wound: Sequence[int]) -> float:
 
 
 def best_ring_cost(distances: Floats, most_advance: int, most_zero: int) -> float:
-    """The least cost of any allowed way round a ring, by trying all."""
+    """The least cost of any allowed path round a ring, by trying every path."""
     frames, cells = distances.shape
     best = math.inf
     for start in range(cells):
@@ -129,13 +129,13 @@ def pose(
         theirs, own = rotation_between(torso_u.offsets, frame_u), rotation_between(torso_l.offsets, frame_l)
         turn = quaternion.multiply(theirs, quaternion.conjugate(own))
     frame = rotation_between(torso_l.frames, frame_l)
-    seen = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
-    rotations[pelvis] = quaternion.multiply(seen, turned)
+    world_turn = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
+    rotations[pelvis] = quaternion.multiply(world_turn, turned)
     return root, rotations
 
 
 def wear(bank: Bank, hands: str | None, body: str, frame: float, rotations: Floats) -> None:
-    """Hands over the rotations [J, 4] of a body at a real-valued frame."""
+    """Lays hands over the rotations [J, 4] of a body at a real-valued frame."""
     if hands is not None:
         rotations[list(bank.layout.hands.joints)] = rotation_between(bank.hand_motion(hands, body), frame)
 
@@ -153,9 +153,9 @@ def rotation_between(rotations: Floats, frame: float) -> Floats:
 
 
 def gap(target: Floats, source: Floats) -> float:
-    """How clearly one rotation is the best: the second eigenvalue of Horn's matrix below the largest, as a part of it.
+    """How clearly one rotation is the best: the difference of Horn's two largest eigenvalues over the largest.
 
-    It is 2 (s2 +- s3) of s1 + s2 +- s3, the singular values of the correlation, minus for a mirrored one.
+    It is 2 (s2 +- s3) / (s1 + s2 +- s3), with the singular values of the correlation; minus if it mirrors.
     """
     correlation = target.T @ source
     first, second, third = np.linalg.svd(correlation)[1] * [1.0, 1.0, np.sign(np.linalg.det(correlation))]
@@ -168,7 +168,7 @@ def best_rotation(target: Floats, source: Floats) -> Floats:
 
 
 def followed(bank: Bank, splice: Clip, locomotion: str, action: str, time_constant: float) -> Clip:
-    """A splice without posture, given that of the action by a running mean of its own."""
+    """Turns a splice with posture `off` to the action's posture, by a running mean of its own."""
     torso, postures = measure_torso(splice, bank.roles), bank.tables["postures"]
     mean, share = postures[bank.number(locomotion)].copy(), 1.0 - math.exp(-1.0 / (splice.rate * time_constant))
     turns = []

@@ -19,7 +19,7 @@ UP = [0.0, 1.0, 0.0]
 
 
 class Locomotion(NamedTuple):
-    """What a slot of locomotion gives: its share, its root as seen from its path, and how its torso sits on it."""
+    """A locomotion slot: its share, its root relative to its path, its rotations and its torso."""
 
     share: float
     root: Floats
@@ -31,7 +31,7 @@ class Locomotion(NamedTuple):
 
 
 def mixed(rotations: Sequence[Floats], shares: Sequence[float]) -> Floats:
-    """Rotations [..., 4] by their shares, each added by the shorter way round."""
+    """Mixes rotations [..., 4] by their shares, each added along the shorter arc."""
     total = np.zeros_like(rotations[0])
     for rotation, share in zip(rotations, shares, strict=True):
         near = np.sum(total * rotation, axis=-1, keepdims=True)
@@ -78,29 +78,29 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
             turn = quaternion.multiply(rotation_between(torso.offsets, at), quaternion.conjugate(offset))
         elif layer[col.POSTURE] == POSTURES["absolute"]:
             turn = best_rotation(bank.tables["postures"][bank.number(name)], posture)
-        seen = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
-        pelves.append(quaternion.multiply(seen, turned))
-    ways = limbs(bank)
+        world_turn = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
+        pelves.append(quaternion.multiply(world_turn, turned))
+    chains = limbs(bank)
     for joint in upper:
-        part = next((part for part, way in ways.items() if joint in bank.skeleton.subtree(way[-1])), 0)
+        part = next((part for part, chain in chains.items() if joint in bank.skeleton.subtree(chain[-1])), 0)
         if joint == pelvis:
             rotations[joint] = mixed(pelves, [weight[0] for weight in weights])
         else:
             given = [weight[part] for weight in weights]
-            if part and joint == ways[part][-1]:
+            if part and joint == chains[part][-1]:
                 for number, layer in enumerate(layers, 1):
                     given[number] *= not is_apart(layer)
             if sum(given) > 1e-9:
                 rotations[joint] = mixed([source[joint] for source in sources], given)
-    for part, way in ways.items():
+    for part, chain in chains.items():
         rest = 1.0 - sum(w[part] for w, layer in zip(weights[1:], layers, strict=True) if is_apart(layer))
         for number, layer in enumerate(layers, 1):
             if is_apart(layer) and weights[number][part] > 0.0:
-                wanted = quaternion.multiply(pelves[number], chained(sources[number], way))
-                trunk = quaternion.multiply(rotations[pelvis], chained(rotations, way[:-1]))
+                wanted = quaternion.multiply(pelves[number], chained(sources[number], chain))
+                trunk = quaternion.multiply(rotations[pelvis], chained(rotations, chain[:-1]))
                 local = quaternion.multiply(quaternion.conjugate(trunk), wanted)
                 share = weights[number][part]
-                rotations[way[-1]] = mixed([local, rotations[way[-1]]], [share, max(rest, 0.0)])
+                rotations[chain[-1]] = mixed([local, rotations[chain[-1]]], [share, max(rest, 0.0)])
                 rest += share
     if not s[col.IN_PLACE]:
         turn = quaternion.about(UP, s[col.HEADING])
@@ -110,8 +110,10 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
 
 
 def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> None:
-    """What a character wears over the rotations [J, 4] of a body: each hands, mixed with the body's own by their
-    weight, faded in over those below them. What is not aligned to the body is the body's own.
+    """Lays the hands that a character wears over the rotations [J, 4] of a body.
+
+    Each slot is mixed with the body's own hands by its weight, and faded in over the slots below it. Hands that are not
+    aligned to the body stand for the body's own.
     """
     joints, worn = list(bank.layout.hands.joints), list[Floats]()
     shares = [1.0]
@@ -120,9 +122,9 @@ def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> N
         name = bank.hand_clips[int(slot[col.CLIP])] if slot[col.CLIP] != col.BARE else ""
         aligned = any((one.name, one.body) == (name, body) for one in bank.hands)
         worn.append(rotation_between(bank.hand_motion(name, body), frame) if aligned else rotations[joints])
-        risen, given = fade(slot), float(slot[col.WEIGHT]) if aligned else 0.0
-        shares = [(1.0 - risen) * share for share in shares] + [risen * given]
-        shares[0] += risen * (1.0 - given)
+        faded, given = fade(slot), float(slot[col.WEIGHT]) if aligned else 0.0
+        shares = [(1.0 - faded) * share for share in shares] + [faded * given]
+        shares[0] += faded * (1.0 - given)
     below = shares[0]
     for turns, share in zip(worn, shares[1:], strict=True):
         below += share
@@ -149,12 +151,12 @@ def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:
 
 
 def parts_of_layers(layers: Sequence[Floats]) -> list[list[float]]:
-    """The share of each part that the locomotions' own upper body has, then each action."""
+    """Returns the share of each part: of the locomotions' own upper body, then of each action."""
     weights = [[1.0] * col.PARTS]
     for layer in layers:
-        risen = fade(layer)
+        faded = fade(layer)
         given = 0.0 if layer[col.KIND] == col.OWN else layer[col.WEIGHT]
-        covers = [risen if int(layer[col.MASK]) >> part & 1 else 0.0 for part in range(col.PARTS)]
+        covers = [faded if int(layer[col.MASK]) >> part & 1 else 0.0 for part in range(col.PARTS)]
         weights = [[w * (1.0 - c) for w, c in zip(one, covers, strict=True)] for one in weights]
         weights[0] = [w + c * (1.0 - given) for w, c in zip(weights[0], covers, strict=True)]
         weights.append([c * given for c in covers])
@@ -177,7 +179,7 @@ def is_apart(layer: Floats) -> bool:
 
 
 def limbs(bank: Bank) -> dict[int, list[int]]:
-    """By the number of the part, the joints from the pelvis's child to where a limb parts from the spine."""
+    """Returns, by number of part, the joints from the pelvis's child to the first joint of a limb."""
     skeleton, roles = bank.skeleton, bank.roles
     chest = common_ancestor(skeleton.parents, [roles.left_shoulder, roles.right_shoulder])
     found = {}
@@ -187,8 +189,9 @@ def limbs(bank: Bank) -> dict[int, list[int]]:
     return found
 
 
-def chained(rotations: Floats, way: Sequence[int]) -> Floats:
+def chained(rotations: Floats, chain: Sequence[int]) -> Floats:
+    """Returns the product of the rotations along a chain of joints."""
     turn = np.asarray(quaternion.IDENTITY)
-    for joint in way:
+    for joint in chain:
         turn = quaternion.multiply(turn, rotations[joint])
     return turn

@@ -1,4 +1,4 @@
-"""Slow, readable twins of what aligns hands to a body."""
+"""Slow, readable twins of the kernels that align hands to a body."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ UP = [0.0, 1.0, 0.0]
 
 
 def turn(body: HandMotion, hands: HandMotion, i: int, j: int) -> Floats:
-    """The turn about Y that lays a window of the hands on one of the body (equation 7), found as SciPy finds turns."""
+    """The turn about Y that aligns a window of the hands to a window of the body (equation 7), by search."""
 
     def window(points: Floats, at: int) -> Floats:
         frames = np.clip(np.arange(at - WINDOW // 2, at + WINDOW // 2 + 1), 0, len(points) - 1)
@@ -33,7 +33,7 @@ def sign(values: Floats, zone: float) -> Floats:
 
 
 def phase_cost(body: HandMotion, hands: HandMotion, rate: float, i: int, j: int, turned: Floats) -> float:
-    """Equation 6: by how much the signs of both derivatives of all points differ."""
+    """Equation 6: the squared difference of the signs of both derivatives, summed over all points."""
     ours, theirs = derivatives(body.points, rate), derivatives(hands.points, rate)
     cost = 0.0
     for point in range(4):
@@ -41,13 +41,13 @@ def phase_cost(body: HandMotion, hands: HandMotion, rate: float, i: int, j: int,
             (ours.velocity, theirs.velocity, ours.still, theirs.still),
             (ours.acceleration, theirs.acceleration, ours.steady, theirs.steady),
         ):
-            seen = rotate(turned, b[j, point])
-            cost += float(np.sum((sign(a[i, point], zone) - sign(seen, their_zone)) ** 2))
+            derivative = rotate(turned, b[j, point])
+            cost += float(np.sum((sign(a[i, point], zone) - sign(derivative, their_zone)) ** 2))
     return cost
 
 
 def pace_cost(body: HandMotion, hands: HandMotion, rate: float, i: int, j: int, turned: Floats) -> float:
-    """By how much both derivatives differ, each as a part of its clip's."""
+    """The squared difference of both derivatives, each divided by its clip's deviation, summed over all points."""
     ours, theirs = derivatives(body.points, rate), derivatives(hands.points, rate)
     cost = 0.0
     for point in range(4):
@@ -75,7 +75,7 @@ def palm_cost(body: HandMotion, hands: HandMotion, i: int, j: int, turned: Float
 
 
 def path_cost(costs: Floats, low: Integers, high: Integers) -> float:
-    """The least cost of a monotone path through a band, by the whole matrix, infinite outside (equations 1 to 3)."""
+    """The least cost of a monotone path through a band (equations 1 to 3), by a full matrix, infinite outside it."""
     columns = int(high.max()) + 1
     whole = np.full((len(costs), columns), np.inf)
     for i, row in enumerate(costs):

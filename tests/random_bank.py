@@ -1,4 +1,4 @@
-"""Banks of random numbers, for what must hold whatever a bank is about: any tree, any row, any cloud."""
+"""Banks of random numbers, for properties that hold for any skeleton, any rows and any clouds."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RATE = 30.0
 
 
 def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) -> Bank:
-    """A bank in memory alone. `points` of the upper cloud lie as in a torso, on one line, or in one point."""
+    """Returns a bank in memory. The `points` of its upper cloud lie as in a torso, on a line or in one point."""
     draw = np.random.default_rng(seed)
     skeleton = Skeleton(
         names=tuple(f"joint {number}" for number in range(joints)),

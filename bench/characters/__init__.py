@@ -1,1 +1,1 @@
-"""What characters are like from one second to the next."""
+"""Benchmarks of characters over time: pops, steps, replays and cost."""

@@ -1,13 +1,15 @@
-"""What characters are like from one second to the next: `python -m bench.characters [CLIPS] [--baseline NAME]`.
+"""Measures characters over time: `python -m bench.characters [CLIPS] [--baseline NAME]`.
 
-pops         random commands to a character for six seconds, again and again: the fastest that any joint moves, over the
-             fastest of the clips that were played, and of the same played without transitions.
-phases       of both locomotions, while one goes over into the other: how far they are out of step.
-replay       10,000 commands, given again: whether the same bytes come of it, also after a restore in the middle.
-slide        how far feet slide over the ground while all that is mixed has them stand, metres, median over stances.
-masks        the right arm of an action on a person who walks otherwise: how far elbow and wrist are, from the hips, off
-             the motion of the person who does both; with the arm's own rotations, and turned with its attachment.
-cost         of a character and frame, in turns with a plain splice by the evaluator.
+pops         A character receives random commands for six seconds, in many scenes. How fast does the fastest joint move,
+             relative to the fastest joint of the clips played, and of the same playback without transitions?
+phases       While one locomotion blends into another, how far apart are their phases?
+replay       Do 10,000 recorded commands give the same bytes a second time, and after a restore half-way?
+slide        How far do feet slide over the ground while all blended clips have them planted? Metres, median of stances.
+masks        An action's right arm is played on another walk. How far are elbow and wrist, relative to the hips, from
+             the motion of a person who does both? With the arm's own rotations, and turned with its attachment.
+cost         What does a frame of a character cost, next to a plain splice by the evaluator?
+
+With CLIPS, only the first three run.
 """
 
 from __future__ import annotations
@@ -32,11 +34,13 @@ from motionsplice.runtime.stage import Stage
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="A folder of clips; the built-in ones if not given")] = None,
-    baseline: Annotated[str | None, typer.Option(help="The clip to align to")] = None,
-    scenes: Annotated[int, typer.Option(min=1, help="Random scenes")] = 1000,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
+    baseline: Annotated[
+        str | None, typer.Option(help="Clip that all others are aligned to; default: chosen automatically")
+    ] = None,
+    scenes: Annotated[int, typer.Option(min=1, help="Number of random scenes")] = 1000,
 ) -> None:
-    """Prints what is found."""
+    """Prints how smooth, repeatable and fast characters are."""
     with tempfile.TemporaryDirectory() as folder:
         stage = Stage(Evaluator(bank_of(clips, baseline, Path(folder))))
         Characters.warm(stage)

@@ -1,4 +1,4 @@
-"""What a character and frame costs, in transition and out of it."""
+"""The cost of a character's frame, inside and outside transitions."""
 
 from __future__ import annotations
 
@@ -10,38 +10,44 @@ from bench.rounds import Work, interleaved, paired_ratio
 from bench.speed.workload import Scene, evaluation, request_sets
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.stage import Stage
 
-FOREVER = 1e6  # seconds of a fade that is held where it is
+FOREVER = 1e6  # seconds: a fade this long stays where it is during the measurement
 
 
 def costs(stage: Stage) -> Findings:
-    """A character's frame, evaluated and advanced: playing, and in the middle of transitions; beside the evaluator's
-    splices at any times, and at times that go on by a frame, as a character's do, so that rows are in the caches."""
+    """Times one frame of a character, evaluated and advanced, outside and in the middle of transitions.
+
+    A steady character plays a splice without a transition. All are compared with splices by the evaluator, at random
+    and at sequential times. Sequential times advance by a frame per round, as a character's do, so that their rows are
+    in the caches.
+    """
     count = 1000
     work: dict[str, Work] = {
-        name: evaluation(stage.evaluator, request_sets(stage.bank, count, Scene(sequential=going_on)))
-        for name, going_on in (("evaluator", False), ("evaluator, times that go on", True))
+        name: evaluation(stage.evaluator, request_sets(stage.bank, count, Scene(sequential=sequential)))
+        for name, sequential in (("evaluator", False), ("evaluator, sequential times", True))
     }
-    transitions = {"locomotions": ("play",), "actions": ("act",), "both": ("play", "act")}
-    for name, fading in {"a splice": (), **transitions}.items():
-        work[name] = played(crowd(stage, count, count if fading else 0, fading))
+    transitions = {"fading locomotions": ("play",), "fading actions": ("act",), "fading both": ("play", "act")}
+    for name, fading in {"steady character": (), **transitions}.items():
+        work[name] = frame_work(crowd(stage, count, count if fading else 0, fading))
     seconds = interleaved(work, 100)
-    told = Findings(f"{count} characters of a generated bank, nanoseconds a character and frame")
-    for name, one in seconds.items():
-        told.add(name, 1e9 * float(np.median(one)) / count, "{:.0f}")
-    told.add("a splice as character, over the evaluator", paired_ratio(seconds["a splice"], seconds["evaluator"]))
+    findings = Findings(f"{count} characters of a generated bank: nanoseconds")
+    for name, times in seconds.items():
+        findings.add(name, 1e9 * float(np.median(times)) / count, "{:.0f}")
+    findings.add("steady character / evaluator", paired_ratio(seconds["steady character"], seconds["evaluator"]))
     for name in transitions:
-        most = 2.2 if name != "both" else None
-        for other, wanted in (("evaluator", most), ("evaluator, times that go on", None), ("a splice", None)):
-            told.add(f"{name} over {other}", paired_ratio(seconds[name], seconds[other]), most=wanted)
-    many = {part: played(crowd(stage, 10_000, part, ("play", "act"))) for part in (0, 100)}
-    seconds = interleaved({str(part): one for part, one in many.items()}, 40)
-    told.add("10,000, 1 % in transition, over none", paired_ratio(seconds["100"], seconds["0"]), most=1.15)
-    return told
+        most = 2.2 if name != "fading both" else None
+        for other, wanted in (("evaluator", most), ("evaluator, sequential times", None), ("steady character", None)):
+            findings.add(f"{name} / {other}", paired_ratio(seconds[name], seconds[other]), most=wanted)
+    many = {part: frame_work(crowd(stage, 10_000, part, ("play", "act"))) for part in (0, 100)}
+    seconds = interleaved({str(part): run for part, run in many.items()}, 40)
+    findings.add("10,000 characters: 1 % in transition / none", paired_ratio(seconds["100"], seconds["0"]), most=1.15)
+    return findings
 
 
-def played(characters: Characters) -> Work:
+def frame_work(characters: Characters) -> Work:
+    """Evaluates and advances characters by a frame."""
     poses = characters.stage.evaluator.poses(len(characters))
 
     def frame(_: int) -> None:
@@ -52,18 +58,20 @@ def played(characters: Characters) -> Work:
 
 
 def crowd(stage: Stage, count: int, fading: int, do: tuple[str, ...]) -> Characters:
-    """Characters of any pair, the first of them for ever in transition."""
+    """Characters that play random pairs. The first `fading` of them stay in the middle of transitions."""
     draw, characters = np.random.default_rng(0), Characters(stage, RATE)
     names = [clip.name for clip in stage.bank.clips]
     for name in names:
         characters.add(count // len(names), name)
-    last = stage.bank.clips[0].duration
+    duration = stage.bank.clips[0].duration
     for row in range(len(characters)):
-        characters.play([row], str(draw.choice(names)), time=draw.random() * last, blend=0.0)
-        characters.act([row], str(draw.choice(names)), blend=0.0)
+        characters.play([row], str(draw.choice(names)), time=draw.random() * duration, blend=0.0)
+        characters.act([row], Action(str(draw.choice(names)), blend=0.0))
     for row in range(fading):
-        for one in do:
-            getattr(characters, one)([row], str(draw.choice(names)), blend=FOREVER)
+        if "play" in do:
+            characters.play([row], str(draw.choice(names)), blend=FOREVER)
+        if "act" in do:
+            characters.act([row], Action(str(draw.choice(names)), blend=FOREVER))
     fades = characters.state[:fading]
     for column in (col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS, col.FIRST_ACTION + col.ACTION_COLUMNS):
         fades[:, column + col.ELAPSED] = 0.5 * FOREVER

@@ -1,4 +1,4 @@
-"""Whether gaits keep together while they are mixed: in phase, and with feet on the ground."""
+"""Measures gaits while they are blended: their phases, and how far feet slide."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from itertools import permutations
 
 import numpy as np
 
-from bench.characters.joint_speeds import RATE, shown
+from bench.characters.joint_speeds import RATE, character_positions
 from bench.characters.steady import LEGS
 from bench.findings import Findings
 from motionsplice.motion.quaternion import Floats
@@ -17,30 +17,30 @@ from motionsplice.runtime.format.contacts import FEET
 from motionsplice.runtime.stage import Stage
 
 FADE = 0.5  # seconds
-MOMENTS = (0.1, 0.5, 0.9)  # of a clip, at which another follows
+MOMENTS = (0.1, 0.5, 0.9)  # of a clip's duration, at which the transition starts
 
 
 def phases(stage: Stage) -> Findings:
-    """How far apart the phases of two gaits are, by the frames that are shown, while one fades into the other."""
+    """Measures how far apart the phases of two gaits are, at the frames evaluated, while one fades into the other."""
     bank, characters = stage.bank, Characters(stage, RATE)
     for first, second in permutations((clip for clip in bank.clips if clip.gait), 2):
         for moment in MOMENTS:
             [row] = characters.add(1, first.name, time=moment * first.duration)
             characters.play([row], second.name, blend=FADE)
-    found = []
+    differences = []
     for _ in range(round(FADE * RATE)):
-        mixed = characters.state[characters.state[:, col.LOCOMOTIONS] == 2.0]
-        apart = np.subtract(*(phases_shown(stage, mixed[:, LEGS[number] : LEGS[number + 1]]) for number in (0, 1)))
-        found.append(np.abs(apart - np.round(apart)))
+        blending = characters.state[characters.state[:, col.LOCOMOTIONS] == 2.0]
+        apart = np.subtract(*(frame_phases(stage, blending[:, LEGS[number] : LEGS[number + 1]]) for number in (0, 1)))
+        differences.append(np.abs(apart - np.round(apart)))
         characters.advance()
-    told = Findings(f"{len(characters)} times one gait into another: cycles out of step")
-    told.add("median", float(np.median(np.concatenate(found))), "{:.6f}")
-    told.add("largest", float(np.concatenate(found).max()), "{:.6f}", most=0.02)
-    return told
+    findings = Findings(f"{len(characters)} gait transitions: phase difference, cycles")
+    findings.add("median", float(np.median(np.concatenate(differences))), "{:.6f}")
+    findings.add("largest", float(np.concatenate(differences).max()), "{:.6f}", most=0.02)
+    return findings
 
 
-def phases_shown(stage: Stage, slots: Floats) -> Floats:
-    """The phase [n] of the frame of each slot."""
+def frame_phases(stage: Stage, slots: Floats) -> Floats:
+    """Returns the phase [n], in cycles, at the current frame of each slot [n, columns]."""
     phase = stage.bank.tables["phase_of_frame"]
     return np.array(
         [
@@ -51,40 +51,41 @@ def phases_shown(stage: Stage, slots: Floats) -> Floats:
 
 
 def slides(stage: Stage) -> Findings:
-    """Feet in mixes of two locomotions, against each of them alone."""
-    told = Findings("A foot slides while it stands, metres (median over stances)")
+    """Measures how far feet slide in blends of two locomotions, and in each of them alone."""
+    findings = Findings("Sliding of a planted foot, metres (median of stances)")
     for first, second in (("walk", "run"), ("walk", "slow_walk"), ("walk", "curve"), ("slow_walk", "run")):
-        found = [slide(stage, {first: 1.0 - weight, second: weight}) for weight in (0.0, 0.25, 0.5, 0.75, 1.0)]
-        told.add(f"{first}, alone", found[0], "{:.3f}")
-        told.add(f"{second}, alone", found[-1], "{:.3f}")
-        most = max(found[0], found[-1]) + 0.01
-        told.add(f"{first} and {second}, worst of three mixes", max(found[1:-1]), "{:.3f}", most=most)
-    return told
+        distances = [slide(stage, {first: 1.0 - weight, second: weight}) for weight in (0.0, 0.25, 0.5, 0.75, 1.0)]
+        findings.add(f"{first}, alone", distances[0], "{:.3f}")
+        findings.add(f"{second}, alone", distances[-1], "{:.3f}")
+        most = max(distances[0], distances[-1]) + 0.01
+        findings.add(f"{first} and {second}, worst of three blends", max(distances[1:-1]), "{:.3f}", most=most)
+    return findings
 
 
 def slide(stage: Stage, weights: Mapping[str, float]) -> float:
-    """How far the lower joint of a foot goes over the floor in a stance."""
+    """Returns the metres that the lowest joint of a foot moves over the floor in a stance, the median of stances."""
     characters = Characters(stage, RATE)
     characters.add(1, {name: weight for name, weight in weights.items() if weight})
-    roles, ways = stage.bank.roles, []
-    going: dict[str, list[Floats]] = {name: [] for name in FEET}
+    roles, distances = stage.bank.roles, []
+    stance: dict[str, list[Floats]] = {name: [] for name in FEET}
     for _ in range(600):
-        positions, standing = shown(characters)[0], stands(stage, characters.state[0])
+        positions, planted = character_positions(characters)[0], planted_feet(stage, characters.state[0])
         for (name, bit), joints in zip(FEET.items(), roles.feet, strict=True):
-            if standing & bit:
-                going[name].append(positions[joints[-1], [0, 2]])
-            elif going[name]:
-                ways.append(float(np.linalg.norm(np.ptp(going[name], axis=0))) if len(going[name]) > 6 else np.nan)
-                going[name] = []
+            if planted & bit:
+                stance[name].append(positions[joints[-1], [0, 2]])
+            elif stance[name]:
+                long_enough = len(stance[name]) > 6
+                distances.append(float(np.linalg.norm(np.ptp(stance[name], axis=0))) if long_enough else np.nan)
+                stance[name] = []
         characters.advance()
-    return float(np.nanmedian(ways))
+    return float(np.nanmedian(distances))
 
 
-def stands(stage: Stage, s: Floats) -> int:
-    """The feet that all locomotions of a character have stand."""
-    standing = 3
+def planted_feet(stage: Stage, s: Floats) -> int:
+    """Returns the bits of the feet that are planted in all locomotions of the character with state row `s`."""
+    planted = 3
     for number in range(int(s[col.LOCOMOTIONS])):
         slot = s[col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS :]
         entry = stage.bank.clips[int(slot[col.CLIP])]
-        standing &= int(stage.bank.tables["contacts"][entry.first_row + int(slot[col.FRAME])])
-    return standing
+        planted &= int(stage.bank.tables["contacts"][entry.first_row + int(slot[col.FRAME])])
+    return planted

@@ -1,4 +1,4 @@
-"""Whether recorded commands, given again at the same frames, give the same bytes."""
+"""Checks that recorded commands, given again at the same frames, give the same bytes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bench.characters.joint_speeds import RATE
-from bench.characters.scenes import Command, drawn
+from bench.characters.scenes import Command, random_command
 from bench.findings import Findings
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
@@ -21,13 +21,15 @@ FRAMES = 2400
 
 
 class Recorded(NamedTuple):
+    """A command to the character in `row` at `frame`."""
+
     frame: int
     row: int
     command: Command
 
 
-class Taken(NamedTuple):
-    """What came of a performance: each frame's poses as a digest, the last state, and that of its middle as a file."""
+class Performance(NamedTuple):
+    """The result of a performance: a digest of each frame's poses, the last state, and the half-way state as .npy."""
 
     digests: list[bytes]
     state: bytes
@@ -35,32 +37,32 @@ class Taken(NamedTuple):
 
 
 def replay(stage: Stage, commands: int = COMMANDS, frames: int = FRAMES) -> Findings:
-    """Records commands, and performs them: again, and from the middle on with another stage of the same bank."""
+    """Performs recorded commands twice, and once more from the half-way state on another stage of the same bank."""
     recorded = record(stage, np.random.default_rng(0), commands, frames)
-    first = perform(begun(stage), recorded, range(frames))
-    again = perform(begun(stage), recorded, range(frames))
+    first = perform(start(stage), recorded, range(frames))
+    again = perform(start(stage), recorded, range(frames))
     fresh = Stage(Evaluator(stage.bank))
     restored = Characters(fresh, RATE, np.load(io.BytesIO(first.middle)))
     rest = perform(restored, recorded, range(frames // 2, frames))
-    told = Findings(f"{len(recorded)} recorded commands to {ROWS} characters in {frames} frames")
-    for label, one in (("given again", again), ("given to a copy from the middle on", rest)):
-        digests = zip(first.digests[-len(one.digests) :], one.digests, strict=True)
-        told.add(f"{label}: frames that differ", sum(a != b for a, b in digests), "{:.0f}", most=0)
-        told.add("states that differ", float(one.state != first.state), "{:.0f}", most=0)
-    return told
+    findings = Findings(f"{len(recorded)} recorded commands to {ROWS} characters in {frames} frames")
+    for label, repeated in (("replayed", again), ("replayed from the half-way state", rest)):
+        digests = zip(first.digests[-len(repeated.digests) :], repeated.digests, strict=True)
+        findings.add(f"{label}: frames that differ", sum(a != b for a, b in digests), "{:.0f}", most=0)
+        findings.add(f"{label}: final states that differ", float(repeated.state != first.state), "{:.0f}", most=0)
+    return findings
 
 
 def record(stage: Stage, draw: np.random.Generator, commands: int, frames: int) -> list[Recorded]:
-    """Commands of any kind at any frames, in order."""
+    """Draws random commands at random frames, in order of frames."""
     names = [clip.name for clip in stage.bank.clips]
     return [
-        Recorded(frame, int(draw.integers(ROWS)), any_command(names, draw))
+        Recorded(frame, int(draw.integers(ROWS)), replayed_command(names, draw))
         for frame in np.sort(draw.integers(frames, size=commands)).tolist()
     ]
 
 
-def any_command(names: list[str], draw: np.random.Generator) -> Command:
-    """Those of random scenes, and those that change how what is played goes on."""
+def replayed_command(names: list[str], draw: np.random.Generator) -> Command:
+    """Draws a command: one of the random scenes, or one that changes speed, weight, place or root motion."""
     kind = draw.integers(12)
     if kind == 0:
         return Command("speed", (float(draw.uniform(0.7, 1.2)),), {}, frozenset())
@@ -70,27 +72,28 @@ def any_command(names: list[str], draw: np.random.Generator) -> Command:
         return Command("place", (draw.normal(size=3).tolist(), float(draw.normal())), {}, frozenset())
     if kind == 3:
         return Command("in_place", (bool(draw.integers(2)),), {}, frozenset())
-    return drawn(names, draw)
+    return random_command(names, draw)
 
 
-def begun(stage: Stage) -> Characters:
+def start(stage: Stage) -> Characters:
+    """Adds ROWS characters that play the first clip."""
     characters = Characters(stage, RATE)
     characters.add(ROWS, stage.bank.clips[0].name)
     return characters
 
 
-def perform(characters: Characters, recorded: Iterable[Recorded], frames: range) -> Taken:
-    """Gives the commands of some frames, and shows these."""
+def perform(characters: Characters, recorded: Iterable[Recorded], frames: range) -> Performance:
+    """Gives the commands of the frames in `frames`, and evaluates each of these frames."""
     poses, digests, middle = characters.stage.evaluator.poses(len(characters)), [], io.BytesIO()
     due: dict[int, list[Recorded]] = {}
-    for one in recorded:
-        due.setdefault(one.frame, []).append(one)
+    for given in recorded:
+        due.setdefault(given.frame, []).append(given)
     for frame in frames:
         if frame == frames.stop // 2:
             np.save(middle, characters.state)
-        for one in due.get(frame, ()):
-            one.command.give(characters, one.row)
+        for given in due.get(frame, ()):
+            given.command.give(characters, given.row)
         characters.evaluate(poses)
         digests.append(hashlib.sha256(poses.root_positions.tobytes() + poses.flat.tobytes()).digest())
         characters.advance()
-    return Taken(digests, characters.state.tobytes(), middle.getvalue())
+    return Performance(digests, characters.state.tobytes(), middle.getvalue())

@@ -1,8 +1,9 @@
-"""Random scenes: commands to characters for six seconds, and how fast joints move meanwhile.
+"""Random scenes: characters receive commands for six seconds, and the speed of their joints is measured.
 
-A pop is a joint that moves faster than it should, and what it should is told in two ways: by the clips that were
-played, each by itself; and by the same played steadily. For a splice moves joints faster than either of its clips where
-legs in step hurry an action, and no transition is to blame.
+A pop is a joint that moves faster than it should. Two references say how fast it should move at most: the clips played,
+each alone, and the same playback held steady, without transitions. The second is needed because a splice can move
+joints faster than either of its clips: it speeds an action up to keep it in phase with the legs, without any
+transition.
 """
 
 from __future__ import annotations
@@ -12,23 +13,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.characters.joint_speeds import RATE, Watch, fastest_of_clip, shown
-from bench.characters.steady import played_on, steadily, what_is_played
+from bench.characters.joint_speeds import RATE, Watch, character_positions, fastest_of_clip
+from bench.characters.steady import play_on, slot_contents, steady_rows
 from bench.findings import Findings
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.stage import Stage
 
 FRAMES = 360
-LIKELY = 0.04  # that a command comes with a frame
-TOGETHER = 100  # scenes at once
-MOST = 1.5  # times the fastest
+LIKELY = 0.04  # probability of a command in a frame
+TOGETHER = 100  # scenes played at the same time
+MOST = 1.5  # allowed speed as a multiple of the reference
 
 
 class Fastest(NamedTuple):
-    """Metres a second of the fastest joint of each scene [n]: as it was played, in the clips of it, and steadily; and
-    by how much a joint's velocity changes at most from one frame to the next, as it was played and steadily."""
+    """The fastest joint of each scene [n], metres per second: as played, in its clips alone, and played steadily.
+
+    jump and steady_jump: the largest change of a joint's velocity between two frames, as played and played steadily.
+    """
 
     played: Floats
     clips: Floats
@@ -38,64 +42,65 @@ class Fastest(NamedTuple):
 
 
 def pops(stage: Stage, scenes: int) -> Findings:
-    """How fast joints move over any switch, start, stop and loop."""
-    found = fastest_of_scenes(stage, range(scenes))
-    larger = np.maximum(found.clips, found.steady)
-    told = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s: the fastest joint")
+    """Measures how fast joints move in random scenes with switches, starts, stops and loops."""
+    fastest = fastest_of_scenes(stage, range(scenes))
+    larger = np.maximum(fastest.clips, fastest.steady)
+    findings = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s: speed of the fastest joint")
     for label, ratios in (
-        ("over the fastest of the clips", found.played / found.clips),
-        ("over the fastest of the same played steadily", found.played / found.steady),
-        ("over the larger of both", found.played / larger),
+        ("speed / clips alone", fastest.played / fastest.clips),
+        ("speed / steady playback", fastest.played / fastest.steady),
+        ("speed / larger of both", fastest.played / larger),
     ):
-        told.add(f"{label}: median", float(np.median(ratios)))
-        told.add(f"{label}: 99th percentile", float(np.percentile(ratios, 99.0)))
-        told.add(f"{label}: largest", float(ratios.max()), most=MOST)
-        told.add(f"{label}: scenes above {MOST}", float(np.sum(ratios > MOST)), "{:.0f}", most=0)
-    told.add("largest jump of a velocity in a frame, over the larger of both", float((found.jump / larger).max()))
-    told.add("the same played steadily", float((found.steady_jump / larger).max()))
-    return told
+        findings.add(f"{label}: median", float(np.median(ratios)))
+        findings.add(f"{label}: 99th percentile", float(np.percentile(ratios, 99.0)))
+        findings.add(f"{label}: largest", float(ratios.max()), most=MOST)
+        findings.add(f"{label}: scenes above {MOST}", float(np.sum(ratios > MOST)), "{:.0f}", most=0)
+    findings.add("largest velocity jump / larger of both", float((fastest.jump / larger).max()))
+    findings.add(
+        "largest velocity jump in steady playback / larger of both", float((fastest.steady_jump / larger).max())
+    )
+    return findings
 
 
 def fastest_of_scenes(stage: Stage, seeds: Sequence[int]) -> Fastest:
-    """Plays a scene for each seed."""
+    """Plays one random scene per seed."""
     fastest = {clip.name: fastest_of_clip(stage, clip.name) for clip in stage.bank.clips}
-    parts = [
-        played_together(stage, fastest, seeds[first : first + TOGETHER]) for first in range(0, len(seeds), TOGETHER)
-    ]
-    return Fastest(*(np.concatenate(one) for one in zip(*parts, strict=True)))
+    parts = [play_together(stage, fastest, seeds[first : first + TOGETHER]) for first in range(0, len(seeds), TOGETHER)]
+    return Fastest(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def played_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int]) -> Fastest:
+def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int]) -> Fastest:
+    """Plays scenes at the same time. `fastest` has the speed of the fastest joint of each clip alone."""
     draws, names = [np.random.default_rng(seed) for seed in seeds], list(fastest)
     characters, watch, clips = Characters(stage, RATE), Watch(len(seeds)), []
     for draw in draws:
         clips.append({str(draw.choice(names))})
         characters.add(1, *clips[-1])
-    before = np.zeros_like(what_is_played(characters.state))
+    before = np.zeros_like(slot_contents(characters.state))
     rows, scenes = [], []
     for _ in range(FRAMES):
         for row, draw in enumerate(draws):
             if draw.random() < LIKELY:
-                given = drawn(names, draw)
-                given.give(characters, row)
-                clips[row] |= given.clips
-        now = what_is_played(characters.state)
+                command = random_command(names, draw)
+                command.give(characters, row)
+                clips[row] |= command.clips
+        now = slot_contents(characters.state)
         for row in np.flatnonzero((now != before).any(axis=1)).tolist():
-            steady_rows = list(steadily(characters.state[row]))
-            rows += steady_rows
-            scenes += [row] * len(steady_rows)
+            new_rows = list(steady_rows(characters.state[row]))
+            rows += new_rows
+            scenes += [row] * len(new_rows)
         before = now
-        watch.see(shown(characters))
+        watch.add(character_positions(characters))
         characters.advance()
     steady, steady_jump = np.zeros((2, len(seeds)))
-    for most, of_rows in zip((steady, steady_jump), played_on(stage, rows), strict=True):
+    for most, of_rows in zip((steady, steady_jump), play_on(stage, rows), strict=True):
         np.maximum.at(most, scenes, of_rows)
-    of_clips = np.array([max(fastest[name] for name in one) for one in clips])
+    of_clips = np.array([max(fastest[name] for name in names_played) for names_played in clips])
     return Fastest(watch.speed, of_clips, steady, watch.jump, steady_jump)
 
 
 class Command(NamedTuple):
-    """A method of Characters, what it is given after the rows, and the clips that are played by it."""
+    """A method of Characters, its arguments after the rows, and the clips that it plays."""
 
     method: str
     arguments: tuple[Any, ...]
@@ -106,18 +111,20 @@ class Command(NamedTuple):
         getattr(characters, self.method)([row], *self.arguments, **self.options)
 
 
-def drawn(names: Sequence[str], draw: np.random.Generator) -> Command:
-    """Any command."""
+def random_command(names: Sequence[str], draw: np.random.Generator) -> Command:
+    """Draws a command that plays, acts or stops."""
     first, second = (str(name) for name in draw.choice(names, 2, replace=False))
-    blend = {"blend": float(draw.uniform(0.2, 0.6))}
+    blend = float(draw.uniform(0.2, 0.6))
     kind = draw.integers(5)
     if kind == 0:
-        return Command("play", (first,), blend, frozenset([first]))
+        return Command("play", (first,), {"blend": blend}, frozenset([first]))
     if kind == 1:
-        return Command("play", ({first: 0.5, second: 0.5},), blend, frozenset([first, second]))
+        return Command("play", ({first: 0.5, second: 0.5},), {"blend": blend}, frozenset([first, second]))
     if kind == 2:
-        how = {"when": str(draw.choice(list(col.WHENS))), "loop": bool(draw.integers(2)), "blend_out": blend["blend"]}
-        return Command("act", (first,), how | blend, frozenset([first]))
+        when: Any = str(draw.choice(list(col.WHENS)))
+        action = Action(first, when=when, loop=bool(draw.integers(2)), blend=blend, blend_out=blend)
+        return Command("act", (action,), {}, frozenset([first]))
     if kind == 3:
-        return Command("act", (first,), {"mask": str(draw.choice(list(col.MASKS))), **blend}, frozenset([first]))
-    return Command("stop", (), blend, frozenset())
+        mask: Any = str(draw.choice(list(col.MASKS)))
+        return Command("act", (Action(first, mask=mask, blend=blend),), {}, frozenset([first]))
+    return Command("stop", (), {"blend": blend}, frozenset())

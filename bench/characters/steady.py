@@ -1,6 +1,6 @@
-"""What a character plays in a transition, played on without it.
+"""Steady playback: plays what a character plays in a transition, but without the transition.
 
-Each group of locomotions by itself; and that under no action, under the lowest, under the two lowest, and so on.
+Each group of locomotions is played alone, and then under no action, the lowest action, the two lowest, and so on.
 """
 
 from __future__ import annotations
@@ -10,19 +10,19 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.characters.joint_speeds import RATE, Watch, shown
+from bench.characters.joint_speeds import RATE, Watch, character_positions
 from motionsplice.runtime.character import Characters, States
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.stage import Stage
 
-FRAMES = 240  # that it is played on
-AT_ONCE = 2000  # characters
+FRAMES = 240  # of steady playback
+AT_ONCE = 2000  # characters, to limit memory
 LEGS = col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS * np.arange(col.MOST_LOCOMOTIONS)
 LAYERS = col.FIRST_ACTION + col.ACTION_COLUMNS * np.arange(col.MOST_ACTIONS)
 
 
-def what_is_played(state: States) -> NDArray[np.float64]:
-    """What of each row [n] says which slots there are, of what."""
+def slot_contents(state: States) -> NDArray[np.float64]:
+    """Returns the columns of each state row [n] that identify its slots and their clips; -1 in unused slots."""
     legs, layers = (
         state[:, LEGS[:, None] + [col.CLIP, col.HEAD]],
         state[:, LAYERS[:, None] + [col.CLIP, col.KIND, col.MASK]],
@@ -32,8 +32,8 @@ def what_is_played(state: States) -> NDArray[np.float64]:
     return np.concatenate([legs.reshape(len(state), -1), layers.reshape(len(state), -1)], axis=1)
 
 
-def steadily(row: States) -> Iterator[States]:
-    """The rows of characters who play what one plays, without transitions."""
+def steady_rows(row: States) -> Iterator[States]:
+    """Yields state rows of characters that together play everything in `row`, each without transitions."""
     count = int(row[col.LOCOMOTIONS])
     heads = [number for number in range(count) if row[LEGS[number] + col.HEAD]]
     for head in heads:
@@ -54,7 +54,7 @@ def steadily(row: States) -> Iterator[States]:
 
 
 def is_fading(state: States) -> NDArray[np.bool_]:
-    """Whether anything is being faded in, of each row [n]: a clip that begins again over itself, if nothing else."""
+    """Returns for each row [n] whether any slot is fading in. A clip that blends into its own start counts too."""
     legs = state[:, LEGS + col.ELAPSED] < state[:, LEGS + col.LASTING]
     legs &= (state[:, LEGS + col.HEAD] > 0.0) & (np.arange(len(LEGS)) < state[:, [col.LOCOMOTIONS]])
     layers = state[:, LAYERS + col.ELAPSED] < state[:, LAYERS + col.LASTING]
@@ -62,14 +62,17 @@ def is_fading(state: States) -> NDArray[np.bool_]:
     return np.asarray(legs[:, 1:].any(axis=1) | layers.any(axis=1))
 
 
-def played_on(stage: Stage, rows: Sequence[States]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The fastest joint of each row [n] while it is played on, and the most that a joint's velocity changes in a frame
-    of that."""
+def play_on(stage: Stage, rows: Sequence[States]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Plays state rows on for FRAMES, and returns two arrays [n], metres per second.
+
+    The first is the speed of the fastest joint, the second the largest change of a joint's velocity between two frames.
+    Frames in which a slot fades in do not count.
+    """
     watches = []
     for first in range(0, len(rows), AT_ONCE):
         characters = Characters(stage, RATE, np.array(rows[first : first + AT_ONCE]))
         watches.append(Watch(len(characters)))
         for _ in range(FRAMES):
-            watches[-1].see(shown(characters), ~is_fading(characters.state))
+            watches[-1].add(character_positions(characters), ~is_fading(characters.state))
             characters.advance()
-    return np.concatenate([one.speed for one in watches]), np.concatenate([one.jump for one in watches])
+    return np.concatenate([watch.speed for watch in watches]), np.concatenate([watch.jump for watch in watches])

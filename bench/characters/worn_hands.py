@@ -1,7 +1,7 @@
-"""What hands over a body cost at run time: `python -m bench.characters.worn_hands`.
+"""Measures what a hands layer costs at run time: `python -m bench.characters.worn_hands`.
 
-A generated bank whose clips all have hands; requests to the evaluator, and characters, with and without them, in turns,
-and the paired ratio. Cold: before each call more memory is written than the caches hold.
+All clips of a generated bank have hands. Splices by the evaluator and frames of characters are timed with and without
+hands, in turns; the ratio is taken within rounds. Cold: the caches are emptied before each call.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from bench.characters.costs import FOREVER, played
+from bench.characters.costs import FOREVER, frame_work
 from bench.findings import Findings
 from bench.generated import HANDS, Size, generate
 from bench.rounds import Work, evict_caches, interleaved, paired_ratio
 from bench.speed.workload import RATE, Scene, evaluation, request_sets
 from motionsplice.cli import run
 from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Requests
 from motionsplice.runtime.stage import Stage
@@ -29,50 +30,52 @@ COUNT = 1000
 
 
 def main(
-    joints: Annotated[int, typer.Option(help="Of the generated bank; the built-in body has 52 with its fingers")] = 52,
-    rounds: Annotated[int, typer.Option(min=2)] = 300,
+    joints: Annotated[
+        int, typer.Option(help="Joints of the generated bank; the built-in body with fingers has 52")
+    ] = 52,
+    rounds: Annotated[int, typer.Option(min=2, help="Rounds of each comparison")] = 300,
 ) -> None:
-    """Prints nanoseconds of a character and frame, and how many times as long as without hands."""
+    """Prints nanoseconds per character and frame with and without hands, and their ratio."""
     with tempfile.TemporaryDirectory() as folder:
         evaluator = Evaluator(generate(Path(folder) / "bank", Size(joints, hands=True)))
     driven = len(evaluator.bank.layout.hands.joints)
-    told = Findings(f"{COUNT} characters of {joints} joints, of which hands drive {driven}: nanoseconds")
+    findings = Findings(f"{COUNT} characters, hands drive {driven} of {joints} joints: nanoseconds")
     for scene in (Scene(), Scene(sequential=True)):
-        plain, worn = (asked(evaluator, scene, hands) for hands in (False, True))
-        compare(told, f"splices, {scene.label}", plain, worn, rounds)
-    plain, worn = (asked(evaluator, Scene(), hands) for hands in (False, True))
-    compare(told, "splices, cold", plain, worn, max(rounds // 3, 2), cold=True)
+        plain, worn = (splice_work(evaluator, scene, hands) for hands in (False, True))
+        compare(findings, f"splices, {scene.label}", plain, worn, rounds)
+    plain, worn = (splice_work(evaluator, Scene(), hands) for hands in (False, True))
+    compare(findings, "splices, cold", plain, worn, max(rounds // 3, 2), cold=True)
     stage = Stage(evaluator)
-    bare, wearing, fading = (played(dressed(stage, hands)) for hands in ((), (HANDS,), (HANDS, HANDS)))
-    compare(told, "characters", bare, wearing, rounds)
-    compare(told, "characters whose hands are faded into others", bare, fading, rounds)
-    told.show()
+    bare, wearing, fading = (frame_work(with_hands(stage, hands)) for hands in ((), (HANDS,), (HANDS, HANDS)))
+    compare(findings, "characters", bare, wearing, rounds)
+    compare(findings, "characters that fade between hands", bare, fading, rounds)
+    findings.show()
 
 
-def compare(told: Findings, label: str, plain: Work, worn: Work, rounds: int, *, cold: bool = False) -> None:
-    """Adds the times of two pieces of work that are taken in turns, and the ratio within rounds."""
+def compare(findings: Findings, label: str, plain: Work, worn: Work, rounds: int, *, cold: bool = False) -> None:
+    """Times two pieces of work in turns, and adds their times and the ratio within rounds."""
     seconds = interleaved({"without": plain, "with": worn}, rounds, before=evict_caches if cold else None)
-    for name, one in seconds.items():
-        told.add(f"{label}, {name} hands", 1e9 * float(np.median(one)) / COUNT, "{:.0f}")
-    told.add(f"{label}, with over without", paired_ratio(seconds["with"], seconds["without"]))
+    for name, times in seconds.items():
+        findings.add(f"{label}, {name} hands", 1e9 * float(np.median(times)) / COUNT, "{:.0f}")
+    findings.add(f"{label}, with / without", paired_ratio(seconds["with"], seconds["without"]))
 
 
-def asked(evaluator: Evaluator, scene: Scene, hands: bool) -> Work:
-    """Splices of any clips, each with hands or none."""
+def splice_work(evaluator: Evaluator, scene: Scene, hands: bool) -> Work:
+    """Evaluates splices of random clips, all with hands or all without."""
     sets: Sequence[Requests] = request_sets(evaluator.bank, COUNT, scene, seed=int(hands))
     for requests in sets:
         requests.hands[:] = int(hands)
     return evaluation(evaluator, sets)
 
 
-def dressed(stage: Stage, hands: Sequence[str]) -> Characters:
-    """Characters that act over a locomotion, and wear hands, the last of which are half faded in for ever."""
+def with_hands(stage: Stage, hands: Sequence[str]) -> Characters:
+    """Characters with a locomotion, an action and hands layers. A second layer stays in the middle of its fade-in."""
     draw, characters = np.random.default_rng(len(hands)), Characters(stage, RATE)
     names = [clip.name for clip in stage.bank.clips]
     characters.add(COUNT, names[0])
     for row in range(COUNT):
         characters.play([row], str(draw.choice(names)), blend=0.0)
-        characters.act([row], str(draw.choice(names)), blend=0.0)
+        characters.act([row], Action(str(draw.choice(names)), blend=0.0))
     for number, name in enumerate(hands):
         characters.wear(range(COUNT), name, blend=FOREVER if number else 0.0)
     return characters

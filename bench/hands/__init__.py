@@ -1,1 +1,1 @@
-"""How well hands are aligned to bodies."""
+"""Benchmarks of the alignment of hands to bodies."""

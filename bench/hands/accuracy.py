@@ -1,4 +1,4 @@
-"""How far alignments of hands are off the truth."""
+"""Errors of alignments of hands against the true alignment."""
 
 from __future__ import annotations
 
@@ -8,68 +8,72 @@ import numpy as np
 
 from bench.findings import Findings
 from bench.hands.sequences import RATE, Sequence, ambiguous
-from bench.hands.warping import differences, evened, filtered, seen, warped
+from bench.hands.warping import differences, filtered, from_trunk, scaled_by_spread, warped
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.hands.align import STEADYING, align_hands, steadied
 from motionsplice.precompute.hands.banded_warp import medians
 
 
 def errors(title: str, drawn: list[Sequence]) -> Findings:
-    """Frames by which alignments are off the truth."""
-    ways: Mapping[str, Callable[[Sequence], Floats]] = {
+    """Measures the errors of alignments in frames: ours, and plain dynamic time warping of several features."""
+    aligners: Mapping[str, Callable[[Sequence], Floats]] = {
         "first pass": lambda one: medians(align_hands(one.body, one.hands, RATE).passes[0].path, len(one.truth)),
         "both passes": lambda one: align_hands(one.body, one.hands, RATE).frames,
-        "both, turned by the trunk": lambda one: align_hands(one.body, one.hands, RATE, by_trunk=True).frames,
-        "positions": lambda one: warped(one, seen),
+        "both passes, turned by the trunk": lambda one: align_hands(one.body, one.hands, RATE, by_trunk=True).frames,
+        "positions": lambda one: warped(one, from_trunk),
         "derivatives": lambda one: warped(one, differences),
-        "derivatives, filtered as ours": lambda one: steadied(warped(one, filtered), STEADYING * RATE),
-        "the same, each clip's over its spread": lambda one: steadied(
-            warped(one, lambda hand: evened(filtered(hand))), STEADYING * RATE
+        "derivatives filtered like ours": lambda one: steadied(warped(one, filtered), STEADYING * RATE),
+        "filtered, scaled derivatives": lambda one: steadied(
+            warped(one, lambda hand: scaled_by_spread(filtered(hand))), STEADYING * RATE
         ),
     }
-    off = {name: [np.abs(way(one) - one.truth) for one in drawn] for name, way in ways.items()}
-    told = Findings(f"{title}: frames off the truth")
-    for name, found in off.items():
-        alone = name == "both passes"
-        every = np.concatenate(found)
-        told.add(f"{name}, median", float(np.median(every)), most=1.0 if alone else None)
-        told.add(f"{name}, 95th percentile", float(np.percentile(every, 95.0)), most=6.0 if alone else None)
-    moving = np.concatenate([found[one.moving] for found, one in zip(off["both passes"], drawn, strict=True)])
-    told.add("both passes, median while a hand moves", float(np.median(moving)))
-    told.add("both passes, 95th percentile while a hand moves", float(np.percentile(moving, 95.0)))
-    ours = np.concatenate(off["both passes"])
-    for other in list(ways)[3:]:
-        theirs, most = np.concatenate(off[other]), 0.3 if other in ("positions", "derivatives") else None
-        told.add(f"mean over that of {other}", float(ours.mean() / theirs.mean()), most=most)
-        told.add(f"median over that of {other}", float(np.median(ours) / np.median(theirs)), most=most)
-    return told
+    errors_of = {name: [np.abs(align(one) - one.truth) for one in drawn] for name, align in aligners.items()}
+    findings = Findings(f"{title}: error, frames")
+    for name, by_sequence in errors_of.items():
+        has_target = name == "both passes"
+        every = np.concatenate(by_sequence)
+        findings.add(f"{name}, median", float(np.median(every)), most=1.0 if has_target else None)
+        findings.add(f"{name}, 95th percentile", float(np.percentile(every, 95.0)), most=6.0 if has_target else None)
+    moving = np.concatenate([error[one.moving] for error, one in zip(errors_of["both passes"], drawn, strict=True)])
+    findings.add("both passes, median while a hand moves", float(np.median(moving)))
+    findings.add("both passes, 95th percentile while a hand moves", float(np.percentile(moving, 95.0)))
+    ours = np.concatenate(errors_of["both passes"])
+    for other in list(aligners)[3:]:
+        theirs, most = np.concatenate(errors_of[other]), 0.3 if other in ("positions", "derivatives") else None
+        findings.add(f"mean of both passes / mean of {other}", float(ours.mean() / theirs.mean()), most=most)
+        findings.add(
+            f"median of both passes / median of {other}", float(np.median(ours) / np.median(theirs)), most=most
+        )
+    return findings
 
 
 def mismatches(drawn: list[Sequence]) -> Findings:
-    """What hands that do the body's gestures and hands that do others' are told apart by."""
-    told = Findings("Mismatch of phases")
-    for label, apart in (("the body's own hands", 0), ("another's", 1)):
-        others = drawn[apart:] + drawn[:apart]
-        found = [align_hands(one.body, other.hands, RATE).mismatch for one, other in zip(drawn, others, strict=True)]
-        told.add(f"{label}, median", float(np.median(found)))
-        told.add(f"{label}, {'most' if not apart else 'least'}", float(min(found) if apart else max(found)))
-    return told
+    """Measures the mismatch of hands that make the body's gestures, and of hands that make other gestures."""
+    findings = Findings("Mismatch of phases (0: identical gestures)")
+    for label, shift in (("hands of the same sequence", 0), ("hands of another sequence", 1)):
+        others = drawn[shift:] + drawn[:shift]
+        mismatch = [align_hands(one.body, other.hands, RATE).mismatch for one, other in zip(drawn, others, strict=True)]
+        findings.add(f"{label}, median", float(np.median(mismatch)))
+        findings.add(f"{label}, {'smallest' if shift else 'largest'}", float(min(mismatch) if shift else max(mismatch)))
+    return findings
 
 
 def constrained(count: int) -> Findings:
-    """Equal gestures, a part of which the hands' performer does twice; pairs name where three of them are."""
-    told = Findings(f"{count} ambiguous sequences: frames off the truth, means")
-    without, given = list[float](), list[float]()
-    missed = 0.0
+    """Measures the errors for identical gestures that the hands partly repeat, with and without frame pairs."""
+    findings = Findings(f"{count} ambiguous sequences: mean error, frames")
+    without, with_pairs = list[float](), list[float]()
+    farthest = 0.0
     for seed in range(count):
         one, pairs, order = ambiguous(seed)
-        for some in ((), pairs):
-            frames = align_hands(one.body, one.hands, RATE, pairs=some).frames
-            (given if some else without).append(float(np.abs(order[frames.round().astype(int)] - one.truth).mean()))
-        missed = max(missed, *(abs(frames[pair.body] - pair.hands) - pair.tolerance for pair in pairs))
-    told.add("without pairs, median over sequences", float(np.median(without)))
-    told.add("with three pairs", float(np.median(given)))
-    told.add("with over without, means", float(np.mean(given) / np.mean(without)), most=1.0)
-    told.add("sequences that pairs made worse", float(np.sum(np.array(given) > without)), "{:.0f}", most=0)
-    told.add("farthest from a pair beyond its tolerance", missed, "{:.4f}", most=1e-9)
-    return told
+        for used in ((), pairs):
+            frames = align_hands(one.body, one.hands, RATE, pairs=used).frames
+            (with_pairs if used else without).append(
+                float(np.abs(order[frames.round().astype(int)] - one.truth).mean())
+            )
+        farthest = max(farthest, *(abs(frames[pair.body] - pair.hands) - pair.tolerance for pair in pairs))
+    findings.add("without pairs, median over sequences", float(np.median(without)))
+    findings.add("with three pairs, median over sequences", float(np.median(with_pairs)))
+    findings.add("with pairs / without, means", float(np.mean(with_pairs) / np.mean(without)), most=1.0)
+    findings.add("sequences that pairs made worse", float(np.sum(np.array(with_pairs) > without)), "{:.0f}", most=0)
+    findings.add("largest distance from a pair beyond its tolerance", farthest, "{:.4f}", most=1e-9)
+    return findings

@@ -1,1 +1,1 @@
-"""How near splices come to the truth."""
+"""Benchmarks of quality: how close splices are to the true motion."""

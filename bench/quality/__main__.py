@@ -1,8 +1,8 @@
-"""How near splices come to the truth: `python -m bench.quality [CLIPS] [--out FOLDER]`.
+"""Measures how close splices are to the true motion: `python -m bench.quality [CLIPS] [--out FOLDER]`.
 
-Over a folder of clips and a file of pairs; or without a folder over the built-in motions: all actions on all
-locomotions and the thesis's examples (Heck's thesis, 4.4). Prints a table, and writes scores.json and index.html.
-`bench/quality/scores.py` says what each number is.
+With CLIPS, judges the pairs of a CSV file. Without, judges the built-in motions: all actions on all locomotions, and
+the examples of Heck's thesis (4.4). Prints tables. With --out, also writes scores.json and the report index.html.
+`bench/quality/scores.py` explains each number.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.clips import bank_of
-from bench.quality.judge import SHOWN_RATE, claimed, errors_over_time, judge
+from bench.quality.judge import STRIP_RATE, claim_values, errors_over_time, judge
 from bench.quality.pair_list import EXAMPLES, PAIRS, grid_pairs, read_pairs
 from bench.quality.report import Cell, claim_row, clip_table, means_table, pair_table, picture, write_report
 from bench.quality.scores import Form, score_clip
@@ -29,22 +29,30 @@ from motionsplice.commands.motion import Posture
 from motionsplice.runtime.evaluator import Evaluator
 
 FORMS = (Form("naive"), Form("exact"), Form("splice"))
-WORST_SHOWN = 4  # pairs of a grid that are drawn
-OPEN = 2  # pictures that need no click
+WORST_DRAWN = 4  # number of the grid's worst pairs that the report draws
+OPEN = 2  # number of pictures that are open when the report loads
 
-console = Console(width=230)
+console = Console(width=250)
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in motions if not given")] = None,
-    pairs: Annotated[Path | None, typer.Option(help="CSV: locomotion, action, truth or empty, example, claim")] = None,
-    baseline: Annotated[str | None, typer.Option(help="Baseline clip; else the most typical stride")] = None,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
+    pairs: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV file with the columns locomotion, action, truth, example, claim; the last three may be empty"
+        ),
+    ] = None,
+    baseline: Annotated[
+        str | None, typer.Option(help="Baseline clip; default: the one with the most typical stride")
+    ] = None,
     posture: Annotated[
-        list[Posture] | None, typer.Option(help="Also judge the bank's splice with this posture")
+        list[Posture] | None,
+        typer.Option(help="Also judge the bank's splice with this posture; may be given several times"),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for scores.json and index.html")] = None,
 ) -> None:
-    """Prints how near splices come to the truth."""
+    """Prints how close splices are to the truth."""
     forms = [*FORMS, *(Form("splice", form.value) for form in posture or [])]
     kind, bounds = ("real", REAL) if clips else ("built-in", BUILT_IN)
     with tempfile.TemporaryDirectory() as folder:
@@ -54,47 +62,54 @@ def main(
         listed = [judge(evaluator, pair, forms) for pair in read_pairs(pairs or (PAIRS if clips else EXAMPLES))]
         scores = [one.score for one in grid or listed]
         clip_scores = [score_clip(bank, clip.name) for clip in bank.clips]
-        reached = targets(scores, clip_scores, bounds)
-        claims = [claim_row(one.pair, claimed(bank, one)) for one in listed if one.pair.claim]
+        judged_targets = targets(scores, clip_scores, bounds)
+        claims = [claim_row(one.pair, claim_values(bank, one)) for one in listed if one.pair.claim]
         parts = ("action", "locomotion") if grid else ()
-        means = [(f"Mean error over the naive splice's, by {part}", *means_table(scores, part)) for part in parts]
+        means = [
+            (f"Mean error / mean error of the naive splice, by {part}", *means_table(scores, part)) for part in parts
+        ]
         show("Pairs", *pair_table(scores))
         for mean in means:
             show(*mean)
         show("Clips", *clip_table(clip_scores))
-        for row in claims:
-            console.print(f"{row.example} ({row.pair}): {row.says}: {', '.join(row.values)}", highlight=False)
-        told = [[Cell(one.what), Cell(one.found, "good" if one.met else "bad"), Cell(one.wanted)] for one in reached]
-        show("Targets", ["what", "found", "wanted"], told)
+        claim_columns = [*(form.label for form in forms), "truth, or else the locomotion", "the action alone"]
+        claim_cells = [[*map(Cell, (f"{row.example} ({row.pair})", row.label, *row.values))] for row in claims]
+        show("Examples", ["example", "measure", *claim_columns], claim_cells)
+        rows = [
+            [Cell(one.what), Cell(one.found, "good" if one.met else "bad"), Cell(one.wanted)] for one in judged_targets
+        ]
+        show("Targets", ["measure", "measured", "target"], rows)
         if out is None:
             return
-        worst = sorted(grid, key=lambda one: one.score.of(OURS).ratio or 0.0)[: -WORST_SHOWN - 1 : -1]
+        worst = sorted(grid, key=lambda one: one.score.of(OURS).ratio or 0.0)[: -WORST_DRAWN - 1 : -1]
         drawn = [*listed, *worst]
-        plain = {
+        document = {
             "pairs": [asdict(one.score) for one in (*grid, *listed)],
             "clips": [asdict(one) for one in clip_scores],
         }
         out.mkdir(parents=True, exist_ok=True)
-        (out / "scores.json").write_text(json.dumps(plain | {"targets": [asdict(one) for one in reached]}, indent=1))
+        (out / "scores.json").write_text(
+            json.dumps(document | {"targets": [asdict(one) for one in judged_targets]}, indent=1)
+        )
         write_report(
             out / "index.html",
-            title=f"Splices of {kind} motion against the truth",
+            title=f"Splices of {kind} motion compared with the truth",
             subtitle=f"bank {bank.digest}, baseline {bank.baseline.clip}, {len(bank.clips)} clips",
             pairs=scores,
             clips=clip_scores,
-            found=reached,
+            judged=judged_targets,
             errors={one.score.name: errors_over_time(bank, one) for one in drawn if one.truth is not None},
-            rate=SHOWN_RATE,
+            rate=STRIP_RATE,
             claims=claims,
-            claim_columns=[*(form.label for form in forms), "truth, else locomotion", "the action itself"],
+            claim_columns=claim_columns,
             pictures=[
-                picture(bank, one.score, one.pair.example, one.truth, one.splices, shown=number < OPEN)
+                picture(bank, one.score, one.pair.example, one.truth, one.splices, expanded=number < OPEN)
                 for number, one in enumerate(drawn)
             ],
             grid=bool(grid),
             means=means,
         )
-        console.print(f"{out / 'index.html'}")
+        console.print(f"Report: {out / 'index.html'}")
 
 
 def show(title: str, columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> None:

@@ -1,7 +1,7 @@
-"""How much the choice of the baseline matters: `python -m bench.quality.baselines [CLIPS] [--pairs FILE]`.
+"""Measures how much the choice of the baseline matters: `python -m bench.quality.baselines [CLIPS] [--pairs FILE]`.
 
-Builds a bank on each clip that has a stride of its own, and prints how near its splices come to the truth. The
-automatic choice is marked.
+Builds a bank with each clip that contains a stride as the baseline, and prints how close its splices are to the truth.
+The automatic choice is marked.
 """
 
 from __future__ import annotations
@@ -22,16 +22,17 @@ from bench.quality.scores import score_clip
 from motionsplice.cli import run
 from motionsplice.motion.errors import BaselineError
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in motions if not given")] = None,
-    pairs: Annotated[Path, typer.Option(help="CSV of pairs, for a folder of clips")] = PAIRS,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
+    pairs: Annotated[Path, typer.Option(help="CSV file of pairs, used with CLIPS")] = PAIRS,
 ) -> None:
-    """Prints one row per baseline."""
+    """Prints one row per baseline clip."""
     judged = [pair for pair in (read_pairs(pairs) if clips else grid_pairs()) if pair.truth]
-    table = Table(title=f"{len(judged)} pairs, error over the naive splice's")
-    for column in ("baseline", "stride s", "mean", "median", "worst", "legs cm", "worst concentration"):
+    table = Table(title=f"{len(judged)} pairs: mean error / mean error of the naive splice")
+    for column in ("baseline", "stride s", "mean", "median", "worst", "leg distance cm", "lowest concentration"):
         table.add_column(column, justify="right" if table.columns else "left")
     with tempfile.TemporaryDirectory() as folder:
         chosen = bank_of(clips, None, Path(folder) / "auto")
@@ -46,19 +47,19 @@ def main(
                 assert truth is not None
                 naive, splice = (
                     upper_body_errors(
-                        evaluator.clip(pair.locomotion, pair.action, method=method), truth, bank.roles
+                        evaluator.clip(Splice(pair.locomotion, pair.action, method=method)), truth, bank.roles
                     ).mean()
                     for method in ("naive", "splice")
                 )
                 ratios.append(splice / naive)
             walks = [score_clip(bank, clip.name) for clip in bank.clips if clip.kind == "locomotion"]
-            least = min(walks, key=lambda one: one.concentration if one.concentration is not None else 1.0)
+            lowest = min(walks, key=lambda one: one.concentration if one.concentration is not None else 1.0)
             table.add_row(
                 f"{entry.name} (automatic)" if entry.name == chosen.baseline.clip else entry.name,
                 f"{bank.baseline.end - bank.baseline.start:.2f}",
                 *(f"{measure(ratios):.3f}" for measure in (np.mean, np.median, np.max)),
                 f"{100.0 * np.mean([clip.mean_mismatch for clip in bank.clips]):.1f}",
-                f"{least.concentration:.3f} ({least.clip})",
+                f"{lowest.concentration:.3f} ({lowest.clip})",
             )
     Console(width=120).print(table)
 

@@ -1,4 +1,4 @@
-"""The charts of the quality report: what each shows is in its docstring, and it returns a PNG."""
+"""The charts of the quality report, each returned as a PNG."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.alignment.baseline import WORKING_RATE, level
 from motionsplice.runtime.bank import Bank
 
-# Okabe and Ito's palette, which the colour-blind can tell apart.
+# Okabe and Ito's palette, suitable for colour-blind readers.
 COLOURS = {"naive": "#d55e00", "exact": "#cc79a7", "splice": "#0072b2", "truth": "#222222", "own": "#999999"}
-WORST = 20.0  # cm at which a colour scale ends
+WORST = 20.0  # cm, the end of the colour scale
 
 
 def overview(errors: Mapping[str, Mapping[str, Floats]], rate: float) -> bytes:
-    """Where in time each pair is bad: a strip per pair and method, coloured by the error in cm.
+    """Draws the error over time: a strip per pair and method, coloured by the error in cm.
 
-    errors: by pair and method, [F] cm at `rate` frames per second.
+    errors: by pair and method, the errors [F] in cm at `rate` frames per second.
     """
     rows = [(pair, method, one) for pair, methods in errors.items() for method, one in methods.items()]
     longest = max(len(one) for _, _, one in rows)
@@ -36,7 +36,7 @@ def overview(errors: Mapping[str, Mapping[str, Floats]], rate: float) -> bytes:
         image[row, : len(one)] = one
     figure = Figure(figsize=(12, 0.9 + 0.21 * len(rows)), layout="constrained")
     axes = figure.subplots()
-    shown = axes.imshow(
+    strips = axes.imshow(
         image, aspect="auto", cmap="magma_r", vmin=0.0, vmax=WORST, interpolation="nearest",
         extent=(0.0, longest / rate, len(rows) - 0.5, -0.5),
     )  # fmt: skip
@@ -44,12 +44,12 @@ def overview(errors: Mapping[str, Mapping[str, Floats]], rate: float) -> bytes:
     for row in range(len(next(iter(errors.values()))), len(rows), len(next(iter(errors.values())))):
         axes.axhline(row - 0.5, color="white", linewidth=3)
     axes.set_xlabel("seconds")
-    figure.colorbar(shown, ax=axes, label="error, cm", fraction=0.025, extend="max")
+    figure.colorbar(strips, ax=axes, label="error, cm", fraction=0.025, extend="max")
     return _png(figure)
 
 
 def ratio_grid(scores: Sequence[PairScore], method: str) -> bytes:
-    """The error of a method over the naive splice's, for each action (columns) on each locomotion (rows)."""
+    """Draws the ratio of a method's error to the naive splice's, for each action (column) on each locomotion (row)."""
     locomotions, actions = (
         list(dict.fromkeys(getattr(one, part) for one in scores)) for part in ("locomotion", "action")
     )
@@ -71,10 +71,11 @@ def ratio_grid(scores: Sequence[PairScore], method: str) -> bytes:
 
 
 def pair_chart(bank: Bank, locomotion: str, action: str, truth: Clip | None, splices: Sequence[Spliced]) -> bytes:
-    """One pair in four panels.
+    """Draws four panels for one pair.
 
-    The distance grid of the legs with the alignments through it (Heck et al. 2006, Figure 3); the error over time; the
-    swing of one arm and the opposite leg, naive and spliced (thesis, Figure 4.4); and the neck over the root (4.5).
+    The panels are the grid of distances between the legs, with the alignments drawn through it (Heck et al. 2006,
+    Figure 3); the error over time; the neck's distance from the vertical through the root (thesis, Figure 4.5); and the
+    swing of the left hand and the right knee (thesis, Figure 4.4).
     """
     figure = Figure(figsize=(12, 6.2), layout="constrained")
     panels = figure.subplot_mosaic([["grid", "error"], ["grid", "neck"], ["swing", "swing"]], width_ratios=(1, 2))
@@ -85,15 +86,15 @@ def pair_chart(bank: Bank, locomotion: str, action: str, truth: Clip | None, spl
         if truth is not None:
             errors = 100.0 * upper_body_errors(one.clip, truth, bank.roles).mean(axis=1)
             panels["error"].plot(seconds[: len(errors)], errors, color=COLOURS[one.form.how], label=one.form.label)
-    panels["error"].set(title="error, cm" if truth else "no truth is known", ylim=(0.0, None))
-    wanted = ("truth", truth) if truth is not None else ("own", clip_l)
+    panels["error"].set(title="error, cm" if truth else "error: truth unknown", ylim=(0.0, None))
+    reference = ("truth", truth) if truth is not None else ("own", clip_l)
     named = [(one.form.how, one.clip) for one in splices if one.form.how != "exact"]
-    for name, clip in (*named, wanted):
-        way = 100.0 * neck_over_root(clip, bank.roles)
-        panels["neck"].plot(seconds[: len(way)], np.hypot(way[:, 0], way[:, 2]), color=COLOURS[name], label=name)
+    for name, clip in (*named, reference):
+        neck = 100.0 * neck_over_root(clip, bank.roles)
+        panels["neck"].plot(seconds[: len(neck)], np.hypot(neck[:, 0], neck[:, 2]), color=COLOURS[name], label=name)
         hand = 100.0 * swing(clip, bank.roles, "left_wrist", "left_shoulder")
         panels["swing"].plot(seconds[: len(hand)], hand, color=COLOURS[name], label=f"left hand, {name}")
-    panels["neck"].set(title="the neck's distance from above the root, cm")
+    panels["neck"].set(title="horizontal distance of the neck from the root, cm")
     knee = 100.0 * swing(clip_l, bank.roles, "right_knee")
     panels["swing"].plot(seconds, knee, color="#009e73", linestyle="--", label="right knee")
     panels["swing"].set(title="left hand ahead of its shoulder, right knee ahead of the root, cm", xlabel="seconds")
@@ -108,7 +109,10 @@ def pair_chart(bank: Bank, locomotion: str, action: str, truth: Clip | None, spl
 
 
 def _draw_grid(axes: Axes, bank: Bank, locomotion: str, action: str, splices: Sequence[Spliced]) -> None:
-    """Dark where the legs are alike; each alignment as a line, broken where it goes back by whole strides."""
+    """Draws the distance grid, dark where the legs are close, with a line per alignment.
+
+    A line is interrupted where its alignment goes back by whole strides.
+    """
     clips = bank.motion(locomotion), bank.motion(action, seam=True)
     cloud = list(bank.roles.lower_cloud)
     clouds = (level(joint_positions(clip.resampled(WORKING_RATE))[:, cloud]) for clip in clips)
@@ -118,10 +122,11 @@ def _draw_grid(axes: Axes, bank: Bank, locomotion: str, action: str, splices: Se
     for one in splices:
         if one.action_frames is not None:
             seconds = np.arange(len(one.action_frames)) / clips[0].rate
-            shown = one.action_frames / clips[1].rate
-            shown = np.where(np.diff(shown, append=shown[-1]) < 0.0, np.nan, shown)
-            axes.plot(seconds, shown, color=COLOURS[one.form.how], linewidth=1.8, label=one.form.label)
-    axes.set(title="distance of the legs", xlabel=f"{locomotion}, seconds", ylabel=f"{action}, seconds")
+            action_seconds = one.action_frames / clips[1].rate
+            back = np.diff(action_seconds, append=action_seconds[-1]) < 0.0
+            action_seconds = np.where(back, np.nan, action_seconds)
+            axes.plot(seconds, action_seconds, color=COLOURS[one.form.how], linewidth=1.8, label=one.form.label)
+    axes.set(title="distance between the legs", xlabel=f"{locomotion}, seconds", ylabel=f"{action}, seconds")
     axes.legend(fontsize=8, loc="upper left")
 
 

@@ -1,4 +1,4 @@
-"""What the thesis says of its examples (Heck's thesis, 4.4), as numbers."""
+"""Numbers that check what Heck's thesis says about its examples (4.4)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from motionsplice.motion.roles import Roles
 
 @dataclass(frozen=True, eq=False)
 class Performance:
-    """A motion and the phase [F], in cycles, of its legs."""
+    """A clip, the phase [F] of its legs in cycles, and its roles."""
 
     clip: Clip
     phase: Floats
@@ -28,81 +28,84 @@ class Performance:
 
 @dataclass(frozen=True)
 class Claim:
-    """A number that a splice should have in common with the truth; `measure` also sees the action's own clip."""
+    """A number that should be the same for a splice and its truth.
 
-    says: str
+    `measure` takes the motion to measure, and the action's own clip for comparison.
+    """
+
+    label: str
     unit: str
     measure: Callable[[Performance, Performance], float]
 
 
-def _lean(shown: Performance, action: Performance) -> float:
-    """Degrees that the shoulders are ahead of the pelvis, mean over the clip."""
-    positions, roles = joint_positions(shown.clip), shown.roles
+def _lean(motion: Performance, action: Performance) -> float:
+    """Returns the mean forward lean of the trunk, from pelvis to shoulders, in degrees."""
+    positions, roles = joint_positions(motion.clip), motion.roles
     shoulders = 0.5 * (positions[:, roles.left_shoulder] + positions[:, roles.right_shoulder])
     trunk = shoulders - positions[:, roles.pelvis]
     return float(np.degrees(np.arctan2(np.sum(trunk * forward(positions, roles), axis=1), trunk[:, 1])).mean())
 
 
-def _tilt(shown: Performance, action: Performance) -> float:
-    """Degrees by which the right hand tilts from how the action holds it, 95th percentile."""
-    up = [_up_in_hand(one) for one in (shown, action)]
+def _tilt(motion: Performance, action: Performance) -> float:
+    """Returns the 95th percentile of the right hand's tilt from its mean in the action's clip, in degrees."""
+    up = [_up_in_hand(one) for one in (motion, action)]
     held = up[1].mean(axis=0)
     return float(np.degrees(np.percentile(np.arccos(np.clip(up[0] @ (held / np.linalg.norm(held)), -1.0, 1.0)), 95)))
 
 
-def _timing(shown: Performance, action: Performance) -> float:
-    """Degrees of a stride by which the punches are off where the action has them against its own legs."""
-    means = [resultant(one.phase[_punches(one)]) for one in (shown, action)]
+def _timing(motion: Performance, action: Performance) -> float:
+    """Returns how far the mean phase of the punches is from that in the action's clip, in degrees of a stride."""
+    means = [resultant(one.phase[_punches(one)]) for one in (motion, action)]
     return float(np.degrees(np.abs(np.angle(means[0] * np.conj(means[1])))))
 
 
-def _steadiness(shown: Performance, action: Performance) -> float:
-    """How much alike the phases of the punches are, 1 if all agree."""
-    return concentration(shown.phase[_punches(shown)])
+def _steadiness(motion: Performance, action: Performance) -> float:
+    """Returns the concentration of the punches' phases: 1 if all are equal, 0 if they are spread evenly."""
+    return concentration(motion.phase[_punches(motion)])
 
 
-def _twist(shown: Performance, action: Performance) -> float:
-    """Degrees of amplitude with which the shoulders turn against the hips."""
-    turned = _shoulders_against_hips(shown)
+def _twist(motion: Performance, action: Performance) -> float:
+    """Returns the amplitude of the shoulders' turn relative to the hips, in degrees."""
+    turned = _shoulders_against_hips(motion)
     return float(np.degrees(np.sqrt(2.0) * np.std(turned)))
 
 
-def _growth(shown: Performance, action: Performance) -> float:
-    """The twist's amplitude in the last third of the clip, as a ratio to the first."""
-    turned = _shoulders_against_hips(shown)
+def _growth(motion: Performance, action: Performance) -> float:
+    """Returns the twist's amplitude in the last third of the clip, divided by that in the first third."""
+    turned = _shoulders_against_hips(motion)
     third = len(turned) // 3
     return float(np.std(turned[-third:]) / np.std(turned[:third]))
 
 
 CLAIMS: Mapping[str, Claim] = MappingProxyType(
     {
-        "lean": Claim("trunk's forward lean", "°", _lean),
-        "tilt": Claim("the cup's tilt, 95th percentile", "°", _tilt),
-        "timing": Claim("punches off the action's timing against the legs", "° of a stride", _timing),
-        "steadiness": Claim("punches at one phase of the stride (1: all)", "", _steadiness),
-        "twist": Claim("shoulders' twist against the hips", "°", _twist),
-        "growth": Claim("twist, last third over first third", "times", _growth),
+        "lean": Claim("forward lean of the trunk", "°", _lean),
+        "tilt": Claim("tilt of the cup, 95th percentile", "°", _tilt),
+        "timing": Claim("phase of the punches, difference from the action's", "° of a stride", _timing),
+        "steadiness": Claim("concentration of the punches' phases (1: all equal)", "", _steadiness),
+        "twist": Claim("twist of the shoulders against the hips", "°", _twist),
+        "growth": Claim("twist in the last third / in the first third", "times", _growth),
     }
 )
 
 
-def _up_in_hand(shown: Performance) -> Floats:
-    """The vertical [F, 3] as seen from the right hand."""
-    world = world_transforms(shown.clip.skeleton, shown.clip.root_positions, shown.clip.rotations)[1]
-    return quaternion.rotate(quaternion.conjugate(world[:, shown.roles.right_wrist]), np.array([0.0, 1.0, 0.0]))
+def _up_in_hand(motion: Performance) -> Floats:
+    """Returns the vertical [F, 3] in the right hand's frame."""
+    world = world_transforms(motion.clip.skeleton, motion.clip.root_positions, motion.clip.rotations)[1]
+    return quaternion.rotate(quaternion.conjugate(world[:, motion.roles.right_wrist]), np.array([0.0, 1.0, 0.0]))
 
 
-def _punches(shown: Performance) -> Floats:
-    """The frames at which the right hand is farthest from its shoulder, once a stride at most."""
-    positions = joint_positions(shown.clip)
-    reach = np.linalg.norm(positions[:, shown.roles.right_wrist] - positions[:, shown.roles.right_shoulder], axis=1)
-    stride = len(reach) / (shown.phase[-1] - shown.phase[0])
+def _punches(motion: Performance) -> Floats:
+    """Returns the frames at which the right hand is farthest from its shoulder, at most once per stride."""
+    positions = joint_positions(motion.clip)
+    reach = np.linalg.norm(positions[:, motion.roles.right_wrist] - positions[:, motion.roles.right_shoulder], axis=1)
+    stride = len(reach) / (motion.phase[-1] - motion.phase[0])
     return np.asarray(find_peaks(reach, distance=max(1.0, 0.6 * stride), prominence=0.25 * np.ptp(reach))[0])
 
 
-def _shoulders_against_hips(shown: Performance) -> Floats:
-    """The turn [F] of the shoulders against the hips about the vertical, radians."""
-    positions, roles = joint_positions(shown.clip), shown.roles
+def _shoulders_against_hips(motion: Performance) -> Floats:
+    """Returns the turn [F] of the shoulders relative to the hips about the vertical, in radians."""
+    positions, roles = joint_positions(motion.clip), motion.roles
     hips = positions[:, roles.left_hip] - positions[:, roles.right_hip]
     shoulders = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
     across = hips[:, 2] * shoulders[:, 0] - hips[:, 0] * shoulders[:, 2]

@@ -1,8 +1,10 @@
-"""What must hold before any number is believed: `python -m bench.quality.identities [CLIPS]`.
+"""Sanity checks for all other numbers: `python -m bench.quality.identities [CLIPS]`.
 
-Prints, for real clips or the built-in ones, how far a clip spliced onto itself is from itself, by the papers'
-method and through the bank; how well a known time warp is recovered; how much the answer changes when every
-joint's local frame is turned at random; and how hard a clip is bent where it goes on past its end.
+For each clip, prints four checks, of the papers' exact method and of the bank:
+- how far the clip spliced onto itself is from the clip;
+- how well a known time warp is recovered;
+- how much the result changes when the local frames of all joints are turned at random;
+- how large the accelerations are in the seam past the clip's end (bank only).
 """
 
 from __future__ import annotations
@@ -31,16 +33,17 @@ from motionsplice.precompute.splice import align_in_time, splice_exact
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.splice import Splice
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; the built-in ones if not given")] = None,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
     baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
 ) -> None:
-    """Prints the identities, one row per clip."""
+    """Prints one row of checks per clip."""
     table = Table(
-        title="distances in mm, warp errors in frames at 30 Hz (median / 95th percentile)",
-        caption="seam: its acceleration over the clip's own 99th percentile",
+        title="Largest distances in mm; warp errors in frames at 30 Hz (median / 95th percentile)",
+        caption="seam: largest acceleration in the seam / 99th percentile of the clip",
     )
     for column in (
         "clip",
@@ -50,6 +53,7 @@ def main(
         "warp bank",
         "local axes exact",
         "local axes bank",
+        "seam",
     ):
         table.add_column(column, justify="right")
     with tempfile.TemporaryDirectory() as folder:
@@ -69,11 +73,11 @@ def main(
             turned = with_local_axes(ring_clip, axes), with_local_axes(clip, axes)
             exact = [splice_exact(a, b, bank.roles, posture="absolute").clip for a, b in (pair, turned)]
             banks = [_bank(Path(folder) / f"axes{n}", bank, *both) for n, both in enumerate((pair, turned))]
-            splice = [Evaluator(one).clip(ring_clip.name, entry.name, posture="absolute") for one in banks]
+            splice = [Evaluator(one).clip(Splice(ring_clip.name, entry.name, posture="absolute")) for one in banks]
             table.add_row(
                 entry.name,
                 f"{_apart(own, clip):.4f}",
-                f"{_apart(evaluator.clip(entry.name, entry.name), clip):.3f}",
+                f"{_apart(evaluator.clip(Splice(entry.name, entry.name)), clip):.3f}",
                 _percentiles((pairwise - frames[: len(pairwise)]) * working),
                 _percentiles(_slip(small, uneven.name, clip.name, frames) * working),
                 f"{_apart(*exact):.1e}",
@@ -84,6 +88,7 @@ def main(
 
 
 def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
+    """Writes and opens a bank of clips with the roles of the bank `like`. Each clip is its own neutral."""
     ring = find_baseline(baseline, like.roles)
     names = {clip.name: clip for clip in (baseline, *clips)}
     prepared = [prepare(clip, like.roles, baseline.skeleton, like.roles, ring) for clip in names.values()]
@@ -93,9 +98,9 @@ def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
 
 
 def _slip(bank: Bank, uneven: str, even: str, frames: Floats) -> Floats:
-    """How far the uneven copy's phase is from that of the frame it was made of, as frames of the clip.
+    """Returns how far each phase of the uneven copy is from the phase of its source frame, in frames of the clip.
 
-    Whole cycles are left out: where a person turns on the spot, a ring may be wound once more or once less.
+    Whole cycles do not count: when a person turns on the spot, an alignment may have a cycle more or less.
     """
     phases = [bank.phase(name) for name in (uneven, even)]
     numbers = np.arange(len(phases[1]))
@@ -104,7 +109,7 @@ def _slip(bank: Bank, uneven: str, even: str, frames: Floats) -> Floats:
 
 
 def _seam(bank: Bank, entry: ClipEntry) -> str:
-    """The greatest acceleration in a clip's seam, as a ratio to the 99th percentile of the clip's own."""
+    """Returns the largest acceleration in the seam, divided by the 99th percentile of the clip's accelerations."""
     if entry.loop == 0:
         return ""
     whole = accelerations(bank.motion(entry.name, seam=True))
@@ -113,6 +118,7 @@ def _seam(bank: Bank, entry: ClipEntry) -> str:
 
 
 def _apart(a: Clip, b: Clip) -> float:
+    """Returns the largest distance between the joints of two clips, in millimetres."""
     frames = min(a.frame_count, b.frame_count)
     apart = joint_positions(a.frames(0, frames)) - joint_positions(b.frames(0, frames))
     return 1000.0 * float(np.linalg.norm(apart, axis=-1).max())

@@ -1,8 +1,8 @@
-"""What is lost between keys: `python -m bench.quality.interpolation [CLIP.bvh]`.
+"""Measures the error of interpolation between keys: `python -m bench.quality.interpolation [CLIP.bvh]`.
 
-Motion at a high rate is the truth. Every k-th frame of it is a key, as a bank at a lower rate has them, and slerp of
-the keys is compared with the frames between. Built-in motion is made at 960 Hz; a captured clip is judged at its own
-rate, so that of 120 Hz has nothing to say of keys at 120 Hz.
+The truth is motion at a high rate. Every k-th frame is a key, as in a bank at a lower rate, and slerp of the keys is
+compared with the frames between them. Built-in motion is generated at 960 Hz. A captured clip is judged at its own
+rate, so a clip captured at 120 Hz cannot judge keys at 120 Hz.
 """
 
 from __future__ import annotations
@@ -31,7 +31,10 @@ BUILT_IN = (("walk", None), ("run", None), ("walk", "punch"), ("turn_180", None)
 
 @dataclass(frozen=True)
 class Loss:
-    """How far slerp of keys is from the truth, over all joints and frames: joints in the world, metres; radians."""
+    """The error of slerp of keys at `rate` Hz over all joints and frames.
+
+    mean, p99, worst: distance of joints in the world, metres. worst_turn: angle of a joint, radians.
+    """
 
     rate: float
     mean: float
@@ -41,17 +44,17 @@ class Loss:
 
 
 def main(
-    clip: Annotated[Path | None, typer.Argument(help="A captured clip; built-in motion if not given")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of the clip that are no motion")] = 0,
+    clip: Annotated[Path | None, typer.Argument(help="A captured clip; default: built-in motions")] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames to skip, such as a T-pose")] = 0,
 ) -> None:
-    """Prints the error of interpolation at some rates of keys."""
+    """Prints the error of interpolation for keys at 30, 60 and 120 Hz."""
     clips = (
         [read_clip(clip, skip_frames=skip_frames).clip]
         if clip
         else [make(*names, seconds=6.0, rate=TRUE_RATE) for names in BUILT_IN]
     )
-    table = Table(title="Slerp of keys against the frames between them", title_justify="left")
-    for column in ("clip", "true at", "keys at", "mean mm", "p99 mm", "worst mm", "worst turn °"):
+    table = Table(title="Error of slerp between keys", title_justify="left")
+    for column in ("clip", "truth at", "keys at", "mean mm", "p99 mm", "worst mm", "worst turn °"):
         table.add_column(column, justify="left" if column == "clip" else "right")
     for one in clips:
         for loss in losses(one):
@@ -63,17 +66,17 @@ def main(
 
 
 def losses(true: Clip) -> list[Loss]:
-    """The loss at each of KEY_RATES that a clip's rate is a multiple of. Raises ClipError if it is of none."""
+    """Returns the loss at each of KEY_RATES that divides the clip's rate. Raises ClipError if none does."""
     steps = {rate: round(true.rate / rate) for rate in KEY_RATES}
     fit = [rate for rate, step in steps.items() if step > 1 and abs(step * rate - true.rate) < 1e-3 * true.rate]
     if not fit:
-        problem = f"its {true.rate:g} frames per second are no multiple of {', '.join(f'{r:g}' for r in KEY_RATES)}"
-        raise ClipError(problem, place=f"clip {true.name!r}", mend="Give a clip captured at 120 Hz, or at more")
+        problem = f"its rate of {true.rate:g} Hz is not a multiple of {', '.join(f'{r:g}' for r in KEY_RATES)} Hz"
+        raise ClipError(problem, place=f"clip {true.name!r}", mend="Use a clip captured at 120 Hz or more")
     return [loss_of(true, steps[rate], rate) for rate in fit]
 
 
 def loss_of(true: Clip, step: int, rate: float) -> Loss:
-    """What is lost if only every `step`-th frame is kept."""
+    """Returns the loss if only every `step`-th frame is a key."""
     count = (true.frame_count - 1) // step * step + 1
     true = true.frames(0, count)
     keys = replace(

@@ -1,4 +1,4 @@
-"""The numbers by which the shape of a splice is judged."""
+"""Measures of a splice's shape: error, posture, jitter, excursion, and changes within its halves."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.baseline import level
 from motionsplice.precompute.body.posture import measure_torso, posture_angle
 
-SEEN_RATE = 30.0  # frames per second at which jitter is seen: above it, derivatives show the capture's noise
+DERIVATIVE_RATE = 30.0  # Hz at most for derivatives: at higher rates they measure the noise of the capture
 
 
 def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
-    """Distances [frames, joints], metres, of the upper body's joints with the hips at the origin.
+    """Returns the distances [frames, joints] between the upper bodies' joints, in metres, with the hips at the origin.
 
-    Over the frames that both clips have; the pelvis, which both have in one place, is left out.
+    Compares the frames that both clips have. The pelvis is left out, as it is in the same place in both.
     """
     frames = min(result.frame_count, truth.frame_count)
     upper = result.skeleton.subtree(roles.pelvis)[1:]
@@ -31,14 +31,15 @@ def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
 
 
 def posture_error(result: Clip, wanted: Clip, roles: Roles) -> float:
-    """Radians between the postures of two clips."""
+    """Returns the angle between the postures of two clips, in radians."""
     return posture_angle(measure_torso(result, roles).posture, measure_torso(wanted, roles).posture)
 
 
 def promised_posture(locomotion: Clip, action: Clip, turns: Floats, posture: str, roles: Roles) -> Floats:
-    """The mean posture [2, 3] that a posture form promises of a splice.
+    """Returns the mean posture [2, 3] that a splice should have with the posture form `posture`.
 
-    For `relative` it is the locomotion's, turned at each frame by `turns` [F, 4]: what the action does beyond its gait.
+    For `relative` it is the locomotion's posture, turned at each frame by `turns` [F, 4]: the rotation that the action
+    adds to its own gait.
     """
     if posture in ("absolute", "running"):
         return measure_torso(action, roles).posture
@@ -49,41 +50,45 @@ def promised_posture(locomotion: Clip, action: Clip, turns: Floats, posture: str
 
 
 def neck_over_root(clip: Clip, roles: Roles) -> Floats:
-    """The joint where the arms part, over the root [F, 3], metres (thesis, Figure 4.5)."""
+    """Returns the spine's last joint relative to the root [F, 3], in metres (thesis, Figure 4.5)."""
     top = roles.spine[-1] if roles.spine else roles.pelvis
     positions = joint_positions(clip)
     return np.asarray(positions[:, top] - positions[:, 0])
 
 
 def neck_jitter(clip: Clip, roles: Roles) -> float:
-    """Root-mean-square third derivative of the neck over the root, m/s^3."""
-    seen = _seen(clip)
-    jerk = np.diff(neck_over_root(seen, roles), n=3, axis=0) * seen.rate**3
+    """Returns the root-mean-square third derivative of the neck relative to the root, in m/s^3."""
+    resampled = _for_derivatives(clip)
+    jerk = np.diff(neck_over_root(resampled, roles), n=3, axis=0) * resampled.rate**3
     return float(np.sqrt(np.mean(np.sum(jerk**2, axis=1))))
 
 
 def neck_excursion(clip: Clip, roles: Roles) -> float:
-    """The farthest that the neck goes from its mean height and distance over the root, metres.
+    """Returns the largest deviation of the neck from its mean height and horizontal distance over the root, in metres.
 
-    Its way about the vertical is left out, for there a turn would count.
+    Motion about the vertical does not count, because a turn of the person would add to it.
     """
-    way = neck_over_root(clip, roles)
-    seen = np.stack([way[:, 1], np.hypot(way[:, 0], way[:, 2])], axis=1)
-    return float(np.linalg.norm(seen - seen.mean(axis=0), axis=1).max())
+    neck = neck_over_root(clip, roles)
+    profile = np.stack([neck[:, 1], np.hypot(neck[:, 0], neck[:, 2])], axis=1)
+    return float(np.linalg.norm(profile - profile.mean(axis=0), axis=1).max())
 
 
 def accelerations(clip: Clip) -> Floats:
-    """Accelerations of the joints over the root, each frame's largest [frames - 2], m/s^2, seen at 30 Hz at most."""
-    seen = _seen(clip)
-    positions = joint_positions(seen)
+    """Returns each frame's largest acceleration of a joint relative to the root [frames - 2], in m/s^2.
+
+    Clips above 30 Hz are resampled to 30 Hz first.
+    """
+    resampled = _for_derivatives(clip)
+    positions = joint_positions(resampled)
     bent = np.diff(positions - positions[:, :1], n=2, axis=0)
-    return np.asarray(np.linalg.norm(bent, axis=-1).max(axis=1) * seen.rate**2)
+    return np.asarray(np.linalg.norm(bent, axis=-1).max(axis=1) * resampled.rate**2)
 
 
 def change_within_halves(result: Clip, locomotion: Clip, upper_rotations: Floats, roles: Roles) -> float:
-    """Radians, the largest by which a joint of either half turns otherwise than in its source; the pelvis is neither.
+    """Returns the largest angle between a joint's rotation in the result and in its source, in radians.
 
-    upper_rotations [F, J, 4] are the action's at the frames that the result shows.
+    upper_rotations [F, J, 4]: the action's rotations at the frames used in the result. The pelvis is excluded, as it
+    belongs to neither half.
     """
     count = result.frame_count
     upper = result.skeleton.subtree(roles.pelvis)[1:]
@@ -95,13 +100,13 @@ def change_within_halves(result: Clip, locomotion: Clip, upper_rotations: Floats
 
 
 def mismatch(locomotion: Clip, action: Clip, action_frames: Floats, roles: Roles) -> Floats:
-    """How far root and knees are from each other's at aligned frames [F]: root-mean-square, metres."""
+    """Returns the distance of root and knees between the clips at aligned frames [F], root mean square, in metres."""
     cloud = list(roles.lower_cloud)
     sampled = Clip(action.name, action.skeleton, locomotion.rate, *action.sampled(action_frames))
-    kept = locomotion.frames(0, len(action_frames))
-    apart = planar_distance(*(level(joint_positions(clip)[:, cloud]) for clip in (kept, sampled)))
+    used = locomotion.frames(0, len(action_frames))
+    apart = planar_distance(*(level(joint_positions(clip)[:, cloud]) for clip in (used, sampled)))
     return np.sqrt(apart / len(cloud))
 
 
-def _seen(clip: Clip) -> Clip:
-    return clip.resampled(SEEN_RATE) if clip.rate > SEEN_RATE else clip
+def _for_derivatives(clip: Clip) -> Clip:
+    return clip.resampled(DERIVATIVE_RATE) if clip.rate > DERIVATIVE_RATE else clip

@@ -1,4 +1,4 @@
-"""Which pairs are judged, and against what truth: a CSV, or every built-in action on every built-in locomotion."""
+"""The pairs to judge and their truths: from a CSV file, or every built-in action on every built-in locomotion."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ COLUMNS = ("locomotion", "action", "truth", "example", "claim")
 
 @dataclass(frozen=True)
 class Pair:
-    """truth is a clip of the bank, or LOCOMOTION+ACTION of the built-in motions, or empty: unknown.
+    """A locomotion and an action to splice.
 
-    example is a title for the report, and claim the key of what is claimed of it (`bench.quality.claims.CLAIMS`).
+    truth: a clip of the bank, or LOCOMOTION+ACTION of the built-in motions, or empty if unknown. example: a title for
+    the report. claim: a key of `bench.quality.claims.CLAIMS`.
     """
 
     locomotion: str
@@ -33,37 +34,40 @@ class Pair:
 
 
 def read_pairs(file: Path) -> list[Pair]:
-    """The pairs of a CSV with the columns locomotion and action, and perhaps truth, example and claim.
+    """Reads pairs from a CSV file with the columns locomotion and action, and optionally truth, example and claim.
 
-    Raises SettingsError, naming file and line.
+    Raises SettingsError with the file and line.
     """
     try:
         with file.open(newline="", encoding="utf-8") as lines:
             rows = list(csv.DictReader(lines))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise SettingsError(f"it cannot be read: {error}", file=str(file)) from None
+        raise SettingsError(f"cannot be read: {error}", file=str(file)) from None
     pairs = []
     for line, row in enumerate(rows, 2):
         if unknown := [str(column) for column in row if column not in COLUMNS]:
             mend = f"The columns are {', '.join(COLUMNS)}"
-            raise SettingsError(f"there is no column {unknown[0]!r}", file=str(file), place=f"line {line}", mend=mend)
+            raise SettingsError(f"unknown column {unknown[0]!r}", file=str(file), place=f"line {line}", mend=mend)
         if not (row.get("locomotion") and row.get("action")):
-            raise SettingsError("a pair needs a locomotion and an action", file=str(file), place=f"line {line}")
+            raise SettingsError("locomotion or action is missing", file=str(file), place=f"line {line}")
         pair = Pair(**{column: value.strip() for column, value in row.items() if value})
         if pair.claim and pair.claim not in CLAIMS:
             mend = did_you_mean(pair.claim, CLAIMS)
-            raise SettingsError(f"there is no claim {pair.claim!r}", file=str(file), place=f"line {line}", mend=mend)
+            raise SettingsError(f"unknown claim {pair.claim!r}", file=str(file), place=f"line {line}", mend=mend)
         pairs.append(pair)
     return pairs
 
 
 def grid_pairs() -> list[Pair]:
-    """Every built-in action on every built-in locomotion, with its generated truth."""
+    """Returns every built-in action on every built-in locomotion, each with its generated truth."""
     return [Pair(locomotion, action, f"{locomotion}+{action}") for locomotion in LOCOMOTIONS for action in ACTIONS]
 
 
 def truth_of(pair: Pair, bank: Bank) -> Clip | None:
-    """The truth of a pair on the bank's skeleton. Raises UnknownClipError, or SettingsError for unknown built-ins."""
+    """Returns the truth of a pair on the bank's skeleton, None if unknown.
+
+    Raises UnknownClipError, or SettingsError for unknown built-in motions.
+    """
     if not pair.truth:
         return None
     locomotion, _, action = pair.truth.partition("+")

@@ -1,8 +1,8 @@
-"""The posture at run time, both ways (Heck's thesis, 4.3): `python -m bench.quality.postures [CLIPS]`.
+"""Compares the two postures at run time (Heck's thesis, 4.3): `python -m bench.quality.postures [CLIPS]`.
 
-Prints how far `absolute`, from the stored postures, and `running`, from a running mean of the splice's own, are from
-the papers' exact transfer, which knows the whole clip; over minute-long built-in motions whose lean drifts slowly, or
-over pairs of a folder of clips.
+Posture `absolute` uses the stored mean postures, and `running` a running mean of the splice's own posture. Both are
+compared with the papers' exact transfer, which uses the whole clip. Without CLIPS, the motions are built-in ones of a
+minute whose lean drifts slowly; with CLIPS, the pairs of a CSV file.
 """
 
 from __future__ import annotations
@@ -33,51 +33,59 @@ from motionsplice.precompute.splice import transfer_posture
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory
+from motionsplice.runtime.splice import Splice
 
 TIME_CONSTANTS = (0.5, 1.0, 2.0, 4.0, 8.0)  # seconds
-DRIFTS = {"walk": (8.0, 40.0), "carry_box": (8.0, 25.0)}  # degrees either way, seconds
+DRIFTS = {"walk": (8.0, 40.0), "carry_box": (8.0, 25.0)}  # amplitude of the lean in degrees, period in seconds
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; drifting built-in ones if not given")] = None,
-    pairs: Annotated[Path, typer.Option(help="CSV of pairs")] = PAIRS,
+    clips: Annotated[
+        Path | None, typer.Argument(help="Folder of clips; default: built-in motions with a drifting lean")
+    ] = None,
+    pairs: Annotated[Path, typer.Option(help="CSV file of pairs, used with CLIPS")] = PAIRS,
 ) -> None:
-    """Prints one row per pair and way."""
-    table = Table(title="against the exact transfer", caption="posture: the result's mean against the action's")
-    for column in ("locomotion <- action", "way", "off exact °, rms", "worst °", "posture °", "jitter over exact's"):
+    """Prints one row per pair and method."""
+    table = Table(
+        title="Postures at run time compared with the exact transfer",
+        caption="posture °: angle between the mean postures of the result and the action",
+    )
+    for column in ("locomotion <- action", "method", "from exact °, rms", "worst °", "posture °", "jitter / exact"):
         table.add_column(column, justify="right" if table.columns else "left")
     with tempfile.TemporaryDirectory() as folder:
         bank = bank_of(clips, None, Path(folder)) if clips else drifting_bank(Path(folder))
         evaluator, roles = Evaluator(bank), bank.roles
         chosen = [(one.locomotion, one.action) for one in read_pairs(pairs)] if clips else [("walk", "carry_box")]
         for locomotion, action in chosen:
-            so_far, wanted = evaluator.clip(locomotion, action, posture="off"), bank.motion(action)
-            torso = measure_torso(so_far, roles)
+            plain, target = evaluator.clip(Splice(locomotion, action, posture="off")), bank.motion(action)
+            torso = measure_torso(plain, roles)
             exact = transfer_posture(
-                so_far, torso, horn_rotation(measure_torso(wanted, roles).posture, torso.posture), roles
+                plain, torso, horn_rotation(measure_torso(target, roles).posture, torso.posture), roles
             )
-            ways = {"stored": evaluator.clip(locomotion, action, posture="absolute")}
-            ways |= {f"running, {c:g} s": followed(evaluator, locomotion, action, c) for c in TIME_CONSTANTS}
-            for way, clip in ways.items():
+            results = {"stored": evaluator.clip(Splice(locomotion, action, posture="absolute"))}
+            results |= {
+                f"running, {c:g} s": with_running_mean(evaluator, locomotion, action, c) for c in TIME_CONSTANTS
+            }
+            for method, clip in results.items():
                 apart = np.degrees(quaternion.angle(clip.rotations[:, roles.pelvis], exact.rotations[:, roles.pelvis]))
-                numbers = [np.sqrt(np.mean(apart**2)), apart.max(), np.degrees(posture_error(clip, wanted, roles))]
+                numbers = [np.sqrt(np.mean(apart**2)), apart.max(), np.degrees(posture_error(clip, target, roles))]
                 numbers.append(neck_jitter(clip, roles) / neck_jitter(exact, roles))
-                table.add_row(f"{locomotion} <- {action}", way, *(f"{number:.2f}" for number in numbers))
+                table.add_row(f"{locomotion} <- {action}", method, *(f"{number:.2f}" for number in numbers))
             table.add_section()
     Console(width=120).print(table)
 
 
-def followed(evaluator: Evaluator, locomotion: str, action: str, time_constant: float) -> Clip:
-    """A whole splice whose posture follows its own with a time constant in seconds."""
-    plain = evaluator.clip(locomotion, action, posture="off")
+def with_running_mean(evaluator: Evaluator, locomotion: str, action: str, time_constant: float) -> Clip:
+    """Evaluates a whole splice with posture `running` and a time constant in seconds."""
+    plain = evaluator.clip(Splice(locomotion, action, posture="off"))
     memory = Memory.begin(1, plain.rate, time_constant)
     times = evaluator.frame_times(locomotion)
-    poses = evaluator.sequence(locomotion, times, action, posture="running", memory=memory)
+    poses = evaluator.sequence(Splice(locomotion, action, posture="running"), times, memory=memory)
     return replace(plain, rotations=poses.rotations.astype(np.float64))
 
 
 def drifting_bank(folder: Path) -> Bank:
-    """A bank of a minute's walk and a minute with a box, both leaning slowly to and fro."""
+    """Builds a bank of a walk and of a walk with a box, a minute each, that slowly lean forward and back."""
     clips = folder / "clips"
     clips.mkdir()
     for name, (degrees, seconds) in DRIFTS.items():

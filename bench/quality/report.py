@@ -1,4 +1,4 @@
-"""The quality report: one HTML page that needs nothing beside it."""
+"""The quality report: one HTML page with embedded pictures."""
 
 from __future__ import annotations
 
@@ -21,21 +21,24 @@ from motionsplice.pictures.sheets import contact_sheet
 from motionsplice.runtime.bank import Bank
 
 PAIR_NOTE = (
-    "ratio: the mean error over the naive splice's. floor: how much the truth differs from itself a stride later, "
-    "spliced likewise. oracle: of a splice that picks each frame knowing the truth. lag: degrees of a stride by which "
-    "the arms are out of step, against the truth's (else the locomotion's own). jitter, excursion: the neck over the "
-    "root against the larger source's. legs: how far the legs are apart at aligned frames."
+    "ratio: mean error divided by that of the naive splice. floor: how much the truth differs from itself a stride "
+    "later, spliced in the same way. oracle: the error of a splice that knows the truth and picks the best frames of "
+    "the action. lag: how far the timing of the arms is from the truth's (or the locomotion's, if unknown), in degrees "
+    "of a stride. jitter, excursion: motion of the neck over the root, divided by that of the larger source. "
+    "speed: speed of the action's time relative to its own. legs: distance between the legs at aligned frames. "
+    "posture: angle from the posture that the form promises. within halves: largest angle of a joint in either half "
+    "from its source."
 )
 CLIP_NOTE = (
-    "concentration: how much alike the phases are at the moments when the left knee passes the right one going forward "
-    "(1: all agree); strides found between the first and last of these passes. shoulders: what an action's do beyond "
-    "its gait, which postures other than relative lose."
+    "knee passes: moments at which the left knee passes the right one going forward. strides between: strides between "
+    "the first and the last of these. concentration: how similar the phases at the knee passes are (1: all equal). "
+    "shoulders: motion that an action's shoulders add to its gait, and that all postures but relative lose."
 )
 
 
 @dataclass(frozen=True)
 class Cell:
-    """What a table says at one place, and how good that is: good, fair, bad or empty."""
+    """The text of a table's cell, and its grade: good, fair, bad or empty."""
 
     text: str
     grade: str = ""
@@ -43,7 +46,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Picture:
-    """A pair's two pictures, PNG as base64, and whether they are shown from the start."""
+    """The two pictures of a pair, as base64 of PNG, and whether they are open when the page loads."""
 
     title: str
     strip: str
@@ -53,16 +56,16 @@ class Picture:
 
 @dataclass(frozen=True)
 class ClaimRow:
-    """A claim of the thesis of one example: its number by method, for the truth and for the action itself."""
+    """The number of a claim about one example: for each method, for the truth and for the action alone."""
 
     example: str
     pair: str
-    says: str
+    label: str
     values: tuple[str, ...]
 
 
 def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]]:
-    """Columns and rows of the table of pairs."""
+    """Returns the columns and rows of the table of pairs."""
     methods = [one.method for one in scores[0].methods]
     columns = ["locomotion <- action", *(f"{name}\ncm mean / p95" for name in methods)]
     columns += [*(f"{name}\nratio" for name in methods[1:]), "oracle\ncm", "floor\ncm"]
@@ -91,7 +94,7 @@ def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]
 
 
 def means_table(scores: Sequence[PairScore], part: str) -> tuple[list[str], list[list[Cell]]]:
-    """Each method's mean ratio to the naive splice over the pairs of a locomotion or action (`part`), and over all."""
+    """Returns columns and rows: each method's mean ratio to the naive splice, by locomotion or action, and over all."""
     names = list(dict.fromkeys(getattr(one, part) for one in scores))
     rows = []
     for method in (one.method for one in scores[0].methods[1:]):
@@ -103,30 +106,30 @@ def means_table(scores: Sequence[PairScore], part: str) -> tuple[list[str], list
 
 
 def clip_table(scores: Sequence[ClipScore]) -> tuple[list[str], list[list[Cell]]]:
-    """Columns and rows of the table of clips."""
+    """Returns the columns and rows of the table of clips."""
     columns = ["clip", "kind", "strides", "knee passes", "strides between", "concentration", "shoulders °"]
     rows = []
     for one in scores:
-        kept = one.concentration
-        grade = "" if kept is None else "good" if kept >= 0.95 else "fair" if kept >= 0.9 else "bad"
+        value = one.concentration
+        grade = "" if value is None else "good" if value >= 0.95 else "fair" if value >= 0.9 else "bad"
         numbers = (f"{one.strides:.1f}", str(one.passes), f"{one.strides_between:.2f}")
         row = [Cell(one.clip), Cell(one.kind), *map(Cell, numbers)]
-        rows.append([*row, Cell("" if kept is None else f"{kept:.3f}", grade), _graded(one.shoulder_motion)])
+        rows.append([*row, Cell("" if value is None else f"{value:.3f}", grade), _graded(one.shoulder_motion)])
     return columns, rows
 
 
 def claim_row(pair: Pair, values: Mapping[str, float]) -> ClaimRow:
-    """A claim's numbers by column, as the report shows them."""
+    """Formats the numbers of a pair's claim for the report."""
     claim = CLAIMS[pair.claim]
-    shown = tuple(f"{value:.1f}" if abs(value) >= 10.0 else f"{value:.2f}" for value in values.values())
-    says = f"{claim.says}, {claim.unit}" if claim.unit else claim.says
-    return ClaimRow(pair.example, f"{pair.locomotion} <- {pair.action}", says, shown)
+    texts = tuple(f"{value:.1f}" if abs(value) >= 10.0 else f"{value:.2f}" for value in values.values())
+    label = f"{claim.label}, {claim.unit}" if claim.unit else claim.label
+    return ClaimRow(pair.example, f"{pair.locomotion} <- {pair.action}", label, texts)
 
 
 def picture(
-    bank: Bank, score: PairScore, example: str, truth: Clip | None, splices: Sequence[Spliced], *, shown: bool
+    bank: Bank, score: PairScore, example: str, truth: Clip | None, splices: Sequence[Spliced], *, expanded: bool
 ) -> Picture:
-    """A pair's stick figures (papers, Figures 4 and 4.7) and its charts."""
+    """Draws a pair's stick figures (papers, Figures 4 and 4.7) and its charts."""
     rows = [(one.form.label, one.clip, bank.roles) for one in splices if one.form.how != "exact"]
     if truth is not None:
         rows.append(("truth", truth, bank.roles))
@@ -135,7 +138,7 @@ def picture(
     contact_sheet(rows, columns=12, end=end, ghost=truth).save(file, format="png")
     chart = charts.pair_chart(bank, score.locomotion, score.action, truth, splices)
     title = f"{example}: {score.name}" if example else score.name
-    return Picture(title, _base64(file.getvalue()), _base64(chart), shown)
+    return Picture(title, _base64(file.getvalue()), _base64(chart), expanded)
 
 
 def write_report(
@@ -145,7 +148,7 @@ def write_report(
     subtitle: str,
     pairs: Sequence[PairScore],
     clips: Sequence[ClipScore],
-    found: Sequence[Target],
+    judged: Sequence[Target],
     errors: Mapping[str, Mapping[str, Floats]],
     rate: float,
     claims: Sequence[ClaimRow],
@@ -154,14 +157,14 @@ def write_report(
     grid: bool,
     means: Sequence[tuple[str, list[str], list[list[Cell]]]],
 ) -> None:
-    """Writes the page."""
+    """Writes the report to `file`. `errors`: by pair and method, errors [F] in cm at `rate` frames per second."""
     page = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, trim_blocks=True)
     pair_columns, pair_rows = pair_table(pairs)
     clip_columns, clip_rows = clip_table(clips)
     text = page.get_template("report.html.j2").render(
         title=title,
         subtitle=subtitle,
-        targets=found,
+        targets=judged,
         overview=_base64(charts.overview(errors, rate)) if errors else "",
         grid=_base64(charts.ratio_grid(pairs, OURS)) if grid else "",
         means=means,
@@ -179,7 +182,7 @@ def write_report(
 
 
 def _graded(value: float | None, good: float | None = None, fair: float | None = None) -> Cell:
-    """A number, green up to `good`, yellow up to `fair`, red above."""
+    """Returns a cell graded good up to `good`, fair up to `fair`, and bad above."""
     if value is None:
         return Cell("")
     if good is None or fair is None:

@@ -1,4 +1,4 @@
-"""The scores of pairs and clips: every number of the quality report, as plain data."""
+"""The scores of pairs and clips: all numbers of the quality report, as plain data."""
 
 from __future__ import annotations
 
@@ -25,13 +25,17 @@ from motionsplice.precompute.splice import sampled_offsets, splice_exact
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Posture
+from motionsplice.runtime.splice import Splice
 
-WRAP = -0.5  # action frames: a step back that is longer goes back by whole strides
+WRAP = -0.5  # action frames: a longer step back is a jump by whole strides
 
 
 @dataclass(frozen=True)
 class Form:
-    """A way to splice: how it is computed ("naive", "exact" or "splice", which is the bank's), and the posture."""
+    """A form of splice to score: its method and its posture.
+
+    how: "naive" (plain replacement), "exact" (the papers' whole-clip splice) or "splice" (the bank's).
+    """
 
     how: str
     posture: Posture = "relative"
@@ -43,13 +47,17 @@ class Form:
 
 @dataclass(frozen=True)
 class MethodScore:
-    """One way of splicing one pair; None where a number has no meaning.
+    """The scores of one splice of one pair. None where a number has no meaning.
 
-    error, worst_error: mean and 95th percentile over joints and frames, cm; ratio: to the naive splice over the same
-    frames. posture: off what the form promises; lag: the arms against the legs and the truth's (else the locomotion's)
-    arms; both in degrees, lag of a stride. jitter, excursion: the neck over the root against the larger source's.
-    slopes: least and greatest speed of the action's time against its own; mismatch: of the legs at aligned frames, cm.
-    change: the largest turn within either half against its source, degrees.
+    error, worst_error: mean and 95th percentile of the upper body's error over joints and frames, cm.
+    ratio: mean error divided by that of the naive splice over the same frames.
+    posture: angle from the posture that the form promises, degrees.
+    lag: timing of the arms relative to the legs, minus that of the truth (or the locomotion), degrees of a stride.
+    jitter, excursion: motion of the neck over the root, divided by that of the larger source.
+    monotone: whether the action's time always increases.
+    slopes: smallest and largest speed of the action's time, relative to its own speed.
+    mismatch: distance of the legs at aligned frames, cm.
+    change: largest angle of a joint in either half from its source, degrees.
     """
 
     method: str
@@ -69,7 +77,10 @@ class MethodScore:
 
 @dataclass(frozen=True)
 class PairScore:
-    """One pair. floor: how much the truth differs from itself a stride later, cm; oracle: of one who knows it, cm."""
+    """The scores of one pair.
+
+    oracle: error of a splice that knows the truth, cm. floor: difference of the truth from itself a stride later, cm.
+    """
 
     locomotion: str
     action: str
@@ -88,8 +99,11 @@ class PairScore:
 
 @dataclass(frozen=True)
 class ClipScore:
-    """One clip: strides found, knee passes counted and strides between the first and the last of them, and how much
-    alike the phases at the passes are; degrees that its shoulders move beyond its neutral's gait, for an action.
+    """The scores of one clip.
+
+    strides: strides found in the clip. passes: passes of the left knee by the right. strides_between: strides between
+    the first and the last pass. concentration: how similar the phases at the passes are, 1 if all are equal.
+    shoulder_motion: for an action, the motion of its shoulders beyond its neutral's gait, degrees.
     """
 
     clip: str
@@ -103,7 +117,7 @@ class ClipScore:
 
 @dataclass(frozen=True, eq=False)
 class Spliced:
-    """One splice of a pair, with the action's frame under each of its own; None for the naive one."""
+    """One splice of a pair. action_frames: the action's frame at each of its frames; None for the naive splice."""
 
     form: Form
     clip: Clip
@@ -111,13 +125,13 @@ class Spliced:
 
 
 def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) -> Spliced:
-    """Splices a pair in one way. Raises MotionError."""
+    """Splices a pair in one form. Raises MotionError."""
     bank = evaluator.bank
     if form.how == "naive":
-        return Spliced(form, evaluator.clip(locomotion, action, method="naive"), None)
+        return Spliced(form, evaluator.clip(Splice(locomotion, action, method="naive")), None)
     if form.how == "splice":
-        frames = evaluator.action_frames(locomotion, evaluator.frame_times(locomotion), action)
-        return Spliced(form, evaluator.clip(locomotion, action, posture=form.posture), frames)
+        frames = evaluator.action_frames(Splice(locomotion, action), evaluator.frame_times(locomotion))
+        return Spliced(form, evaluator.clip(Splice(locomotion, action, posture=form.posture)), frames)
     assert form.posture != "running"
     clips = bank.motion(locomotion), bank.motion(action)
     offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
@@ -128,32 +142,32 @@ def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) 
 def score_pair(
     evaluator: Evaluator, locomotion: str, action: str, truth: Clip | None, splices: Sequence[Spliced]
 ) -> PairScore:
-    """Scores the splices of one pair, the naive one among them, against its truth if there is one."""
+    """Scores the splices of one pair against its truth, if known. `splices` must contain the naive splice."""
     bank, roles = evaluator.bank, evaluator.bank.roles
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
     phase, naive = bank.phase(locomotion), next(one.clip for one in splices if one.form.how == "naive")
-    rough = [max(measure(clip, roles) for clip in (clip_l, clip_u)) for measure in (neck_jitter, neck_excursion)]
+    sources = [max(measure(clip, roles) for clip in (clip_l, clip_u)) for measure in (neck_jitter, neck_excursion)]
     scores = []
     for one in splices:
-        kept, frames = clip_l.frames(0, one.clip.frame_count), one.action_frames
+        used, frames = clip_l.frames(0, one.clip.frame_count), one.action_frames
         error = worst = ratio = posture = slopes = apart = change = None
         if truth is not None:
             errors = upper_body_errors(one.clip, truth, roles)
             error, worst = 100.0 * errors.mean(), 100.0 * np.percentile(errors, 95)
             ratio = errors.mean() / upper_body_errors(naive.frames(0, one.clip.frame_count), truth, roles).mean()
         if frames is not None:
-            shown = bank.motion(action, seam=one.form.how == "splice")
+            sampled_action = bank.motion(action, seam=one.form.how == "splice")
             turns = quaternion.multiply(
                 sampled_offsets(bank.torso(action, seam=True).offsets, frames),
                 quaternion.conjugate(bank.torso(locomotion).offsets[: len(frames)]),
             )
-            promised = promised_posture(kept, clip_u, turns, one.form.posture, roles)
+            promised = promised_posture(used, clip_u, turns, one.form.posture, roles)
             posture = np.degrees(posture_angle(measure_torso(one.clip, roles).posture, promised))
             steps = np.diff(frames)
             steps = steps[steps > WRAP] * clip_l.rate / clip_u.rate
             slopes = (float(steps.min()), float(steps.max()))
-            apart = 100.0 * float(np.sqrt(np.mean(mismatch(kept, shown, frames, roles) ** 2)))
-            change = float(np.degrees(change_within_halves(one.clip, kept, shown.sampled(frames)[1], roles)))
+            apart = 100.0 * float(np.sqrt(np.mean(mismatch(used, sampled_action, frames, roles) ** 2)))
+            change = float(np.degrees(change_within_halves(one.clip, used, sampled_action.sampled(frames)[1], roles)))
         lag = np.degrees(lag_error(one.clip, truth or clip_l, phase[: one.clip.frame_count], roles))
         scores.append(
             MethodScore(
@@ -164,8 +178,8 @@ def score_pair(
                 ratio=_known(ratio),
                 posture=_known(posture),
                 lag=_known(lag),
-                jitter=float(neck_jitter(one.clip, roles) / rough[0]),
-                excursion=neck_excursion(one.clip, roles) / rough[1],
+                jitter=float(neck_jitter(one.clip, roles) / sources[0]),
+                excursion=neck_excursion(one.clip, roles) / sources[1],
                 monotone=None if slopes is None else bool(slopes[0] > 0.0),
                 slopes=slopes,
                 mismatch=apart,
@@ -181,7 +195,7 @@ def score_pair(
 
 
 def score_clip(bank: Bank, name: str) -> ClipScore:
-    """Scores the phase of one clip by its knees."""
+    """Scores the phase of one clip by the passes of its knees."""
     entry, phase = bank.clip(name), bank.phase(name)
     passes = knee_passes(bank.motion(name), bank.roles)
     return ClipScore(

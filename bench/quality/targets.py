@@ -1,4 +1,4 @@
-"""What is wanted of the scores, and whether it is met."""
+"""Targets for the scores, and whether they are met."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ LEAST_CONCENTRATION = 0.93
 
 @dataclass(frozen=True)
 class Bounds:
-    """What the scores of one kind of motion are held to; None where nothing is wanted.
+    """Upper bounds for the scores of one kind of motion; None for no bound.
 
-    The arms' timing is judged on `walking` locomotions, if they are named: on stairs and sideways, knees keep another
-    time than the built-in arms do.
+    If `walking` is given, the arms' timing is judged on these locomotions only. On stairs and in side steps, the
+    built-in arms are not timed like the knees.
     """
 
     mean_ratio: float
@@ -34,7 +34,10 @@ BUILT_IN = Bounds(mean_ratio=0.35, walking=frozenset({"walk", "slow_walk", "curv
 
 @dataclass(frozen=True)
 class Target:
-    """A number found, the bound it is held to, and whether that is met; `found` names the worst where there is one."""
+    """A measured number, its bound, and whether the bound is met.
+
+    what: the measure. found: its value, with the name of the worst pair or clip where there is one. wanted: the bound.
+    """
 
     what: str
     found: str
@@ -43,30 +46,30 @@ class Target:
 
 
 def targets(pairs: Sequence[PairScore], clips: Sequence[ClipScore], bounds: Bounds) -> list[Target]:
-    """All targets that the scores say something of."""
-    found: list[Target | None] = []
+    """Returns all targets that apply to the scores."""
+    results: list[Target | None] = []
     judged = [one for one in pairs if one.truth]
     if judged:
         ratios = {name: _mean([one.of(name).ratio for one in judged]) for name in (OURS, REFERENCE)}
         error, oracle = _mean([one.of(OURS).error for one in judged]), _mean([one.oracle for one in judged])
         known = [one for one in judged if one.floor is not None]
         floor = _mean([one.of(OURS).error for one in known]) / _mean([one.floor for one in known])
-        found = [
-            _at_most("error over the naive splice's, mean of all pairs", ratios[OURS], bounds.mean_ratio),
-            _worst(judged, "error over the naive splice's, worst pair", lambda one: one.ratio, bounds.worst_ratio),
-            _at_most("error over that of the papers' whole-clip splice", ratios[OURS] / ratios[REFERENCE], 1.1),
-            _at_most("error over that of an oracle that knows the truth", error / oracle, bounds.oracle),
-            _at_most("error over what the truth's own strides differ by", floor, bounds.floor),
+        results = [
+            _at_most("error / naive splice, mean of all pairs", ratios[OURS], bounds.mean_ratio),
+            _worst(judged, "error / naive splice, worst pair", lambda one: one.ratio, bounds.worst_ratio),
+            _at_most("error / papers' whole-clip splice", ratios[OURS] / ratios[REFERENCE], 1.1),
+            _at_most("error / oracle that knows the truth", error / oracle, bounds.oracle),
+            _at_most("error / difference between the truth's own strides", floor, bounds.floor),
         ]
     walking = [one for one in judged if bounds.walking is None or one.locomotion in bounds.walking]
-    found += [
-        _worst(walking, "arms out of step with the legs, worst walk, degrees of a stride", lambda one: one.lag, 15.0),
-        _worst(pairs, "neck's jitter over the larger source's, worst pair", lambda one: one.jitter, 1.1),
-        _worst(pairs, "posture off what its form promises, worst pair, degrees", lambda one: one.posture, 1.5),
-        _worst(pairs, "turn within either half, worst pair, degrees", lambda one: one.change, 0.05),
+    results += [
+        _worst(walking, "lag of the arms, worst walk, degrees of a stride", lambda one: one.lag, 15.0),
+        _worst(pairs, "jitter of the neck / larger source, worst pair", lambda one: one.jitter, 1.1),
+        _worst(pairs, "posture from the promised one, worst pair, degrees", lambda one: one.posture, 1.5),
+        _worst(pairs, "change within either half, worst pair, degrees", lambda one: one.change, 0.05),
         _least_concentration(clips),
     ]
-    return [one for one in found if one is not None]
+    return [one for one in results if one is not None]
 
 
 def _worst(
@@ -90,7 +93,7 @@ def _least_concentration(clips: Sequence[ClipScore]) -> Target | None:
         return None
     value, name = min(known)
     met = value >= LEAST_CONCENTRATION
-    return Target("phase concentration, worst locomotion", f"{value:.3f} ({name})", f">= {LEAST_CONCENTRATION}", met)
+    return Target("phase concentration, lowest locomotion", f"{value:.3f} ({name})", f">= {LEAST_CONCENTRATION}", met)
 
 
 def _mean(values: Sequence[float | None]) -> float:

@@ -1,1 +1,1 @@
-"""What the service does under load, on one machine: `python -m bench.service [WHAT] [--check]`."""
+"""Benchmarks of the service under load, on one machine: `python -m bench.service [WHAT ...] [--check]`."""

@@ -1,7 +1,15 @@
-"""`python -m bench.service [WHAT ...] [--soak] [--check]`: what the service does under load.
+"""Measures the service under load: `python -m bench.service [WHAT ...] [--soak] [--check]`.
 
-A server and its clients run on this machine, in processes of their own, in turns with a control that does nothing but
-send. --soak runs for minutes; --check ends with status 1 if a figure is not what is wanted.
+The server and its clients run on this machine, in separate processes. Where it helps, they alternate with a control: a
+server that only sends. --soak measures for minutes. --check exits with status 1 if a figure misses its target.
+
+streams      Are 64 streams of one character even, complete and cheap?
+crowd        What does one stream of 4,000 characters cost?
+poses        How many single poses per second does the server answer, and how long do they take?
+batches      What does a request of 1,000 poses cost, beyond evaluating and encoding it?
+stalled      Do clients that stop reading disturb others, and are they closed?
+connects     Do clients that connect and abort leave anything behind?
+exchange     Do streams stay intact while the bank is exchanged?
 """
 
 from __future__ import annotations
@@ -43,21 +51,21 @@ LONG: dict[str, Measure] = {
 
 
 def main(
-    what: Annotated[list[str] | None, typer.Argument(help="What to measure; all of it if not said.")] = None,
-    soak: Annotated[bool, typer.Option(help="For minutes instead of seconds.")] = False,
-    check: Annotated[bool, typer.Option(help="Fail if a figure is not what is wanted.")] = False,
+    what: Annotated[list[str] | None, typer.Argument(help="What to measure; default: everything.")] = None,
+    soak: Annotated[bool, typer.Option(help="Measure for minutes instead of seconds.")] = False,
+    check: Annotated[bool, typer.Option(help="Exit with status 1 if a figure misses its target.")] = False,
 ) -> None:
-    """Measure the service under load."""
+    """Measures the service under load."""
     measures, missed = LONG if soak else SHORT, []
     for name in what or measures:
         if name not in measures:
-            raise SettingsError(f"there is nothing called {name!r}", mend=did_you_mean(name, measures))
+            raise SettingsError(f"unknown measurement {name!r}", mend=did_you_mean(name, measures))
         with tempfile.TemporaryDirectory() as folder:
-            found = measures[name](built_in(Path(folder)))
-        found.show()
-        missed += found.missed
-    for one in missed:
-        print(one)
+            findings = measures[name](built_in(Path(folder)))
+        findings.show()
+        missed += findings.missed
+    for sentence in missed:
+        print(sentence)
     if missed and check:
         raise typer.Exit(1)
 

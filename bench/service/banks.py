@@ -1,13 +1,13 @@
-"""The banks that are served under load: the built-in motions."""
+"""The banks that the benchmarks serve, built from the built-in motions."""
 
 from __future__ import annotations
 
 import shutil
 from pathlib import Path
 
-from motionsplice.commands.sample_folder import write_sample_clips
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.samples import write_sample_clips
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST
@@ -16,14 +16,14 @@ BASELINE = "walk"
 
 
 def built_in(folder: Path) -> Path:
-    """A bank of the built-in motions."""
+    """Builds a bank of the built-in motions in `folder`, and returns its path."""
     write_sample_clips(folder / "clips")
     build_bank([folder / "clips"], folder / "bank", baseline=BASELINE)
     return folder / "bank"
 
 
 def another(folder: Path) -> Path:
-    """The same with another run, in a folder beside it."""
+    """Builds the same bank with a different clip `run`, in another subfolder, and returns its path."""
     clips = folder / "other clips"
     shutil.copytree(folder / "clips", clips)
     (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=77, seconds=4.0)))
@@ -32,7 +32,10 @@ def another(folder: Path) -> Path:
 
 
 def put(bank: Path, place: Path, *, damaged: bool = False) -> None:
-    """Puts a bank in the place of another as the offline job does: tables first, the manifest last, by a rename."""
+    """Replaces the bank at `place` as the offline job does: writes tables first, and renames the manifest last.
+
+    With `damaged`, the manifest is cut in half.
+    """
     for table in (bank / "tables").iterdir():
         if not (place / "tables" / table.name).exists():
             shutil.copy(table, place / "tables" / table.name)
@@ -42,5 +45,5 @@ def put(bank: Path, place: Path, *, damaged: bool = False) -> None:
 
 
 def names(bank: Path, kind: str) -> list[str]:
-    """The clips of a kind."""
+    """Returns the names of the clips of a kind."""
     return [clip.name for clip in Bank.open(bank).clips if clip.kind == kind]

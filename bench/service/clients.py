@@ -1,4 +1,4 @@
-"""Running clients beside the server, and what they saw."""
+"""Starts clients in separate processes, and collects what they received."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from bench.service import request_client, stream_client
 from bench.service.process import Process
 
-STARTING, ENDING = 4.0, 0.5  # seconds that clients have to start in and to make characters; and to stay longer
+STARTING, ENDING = 4.0, 0.5  # seconds for clients to start and create characters, and to stay after the measurement
 
 
 @dataclass(frozen=True)
 class Taken:
-    """What one client of a stream got: when each message came, and the number of its first frame."""
+    """What one client of a stream received: the arrival time of each message, and the number of its first frame."""
 
     arrivals: list[float]
     numbers: list[int]
@@ -34,7 +34,7 @@ class Taken:
 
 @dataclass(frozen=True)
 class Asked:
-    """Seconds that each answer took, the server's and the client's processor time, and answers that were errors."""
+    """Seconds of each answer, processor seconds of the server and the client, and the number of error answers."""
 
     latencies: NDArray[np.float64]
     server: float
@@ -43,7 +43,7 @@ class Asked:
 
 
 class Streams:
-    """Clients of streams, running."""
+    """Running clients of streams."""
 
     def __init__(self, job: stream_client.Job) -> None:
         command = [sys.executable, "-m", "bench.service.stream_client"]
@@ -53,9 +53,9 @@ class Streams:
         self._process.stdin.close()
 
     def taken(self) -> list[Taken]:
-        """What they got, once they are done."""
+        """Waits until the clients are done, and returns what each received."""
         assert self._process.stdout is not None
-        told = json.loads(self._process.stdout.read())
+        clients = json.loads(self._process.stdout.read())
         self._process.wait()
         return [
             Taken(
@@ -66,12 +66,12 @@ class Streams:
                 one["bytes"],
                 one["lost"],
             )
-            for one in told
+            for one in clients
         ]
 
 
 def taken_meanwhile(server: Process, job: stream_client.Job) -> tuple[list[Taken], float]:
-    """What clients got in the job's seconds once all of them were there, and the server's processor time meanwhile."""
+    """Returns what clients received in `job.seconds` after all had started, and the server's processor seconds."""
     streams = Streams(replace(job, seconds=STARTING + job.seconds + ENDING))
     time.sleep(STARTING)
     began, spent = time.perf_counter(), server.cpu()
@@ -81,7 +81,7 @@ def taken_meanwhile(server: Process, job: stream_client.Job) -> tuple[list[Taken
 
 
 def between(taken: Taken, began: float, ended: float) -> Taken:
-    """What came from one moment to another, of the clock that all processes have."""
+    """Returns the messages that arrived between two times of the clock that all processes share."""
     some = [(at, number) for at, number in zip(taken.arrivals, taken.numbers, strict=True) if began <= at < ended]
     size = taken.bytes / max(1, len(taken.arrivals))
     return replace(
@@ -93,21 +93,22 @@ def between(taken: Taken, began: float, ended: float) -> Taken:
 
 
 def ask(server: Process, requests: list[bytes], connections: int, seconds: float) -> Asked:
-    """Has clients ask for some time."""
+    """Lets clients send requests over and over for `seconds`."""
     packed = [base64.b64encode(one).decode() for one in requests]
     job = request_client.Job(server.port, packed, connections, seconds)
     command, before = [sys.executable, "-m", "bench.service.request_client"], server.cpu()
     done = subprocess.run(command, input=json.dumps(asdict(job)), capture_output=True, text=True, check=True)
-    told = json.loads(done.stdout)
-    return Asked(np.array(told["latencies"]), server.cpu() - before, told["cpu"], told["failed"])
+    result = json.loads(done.stdout)
+    return Asked(np.array(result["latencies"]), server.cpu() - before, result["cpu"], result["failed"])
 
 
 def get(path: str) -> bytes:
+    """Returns a GET request."""
     return f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n".encode()
 
 
 def post(path: str, message: dict[str, Any]) -> bytes:
-    """A request with MessagePack as its body."""
+    """Returns a POST request with a MessagePack body."""
     body: bytes = msgpack.packb(message)
     head = (
         f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/msgpack\r\nContent-Length: {len(body)}"
@@ -116,14 +117,14 @@ def post(path: str, message: dict[str, Any]) -> bytes:
 
 
 def create(characters: int, locomotions: list[str], actions: list[str]) -> list[str]:
-    """Commands that make characters, all of them doing something else, in messages that are short enough."""
+    """Returns messages of commands that create characters with different clips, in messages below the size limit."""
     messages = []
     for first in range(0, characters, 400):
-        told: list[dict[str, Any]] = []
+        commands: list[dict[str, Any]] = []
         for one in range(first, min(first + 400, characters)):
-            told += [
+            commands += [
                 {"do": "create", "id": one, "locomotion": locomotions[one % len(locomotions)], "time": one % 7 / 4},
                 {"do": "act", "id": one, "action": actions[one % len(actions)]},
             ]
-        messages.append(json.dumps(told))
+        messages.append(json.dumps(commands))
     return messages

@@ -1,7 +1,7 @@
-"""What the service is compared with: the same server, which sends constant bytes and evaluates nothing.
+"""The control: the same HTTP server as the service's, which sends constant bytes and evaluates nothing.
 
-`python -m bench.service.control SIZE RATE` answers each HTTP request with SIZE bytes, and sends as many to each
-WebSocket RATE times a second, all at the same moments.
+`python -m bench.service.control SIZE RATE` answers each HTTP request with SIZE bytes. It also sends SIZE bytes to each
+WebSocket RATE times a second, to all at the same time.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import uvicorn
 
 
 class Control:
-    """An ASGI application."""
+    """The ASGI application of the control."""
 
     def __init__(self, size: int, rate: float) -> None:
         self.body = bytes(size)
@@ -45,7 +45,7 @@ class Control:
                 await send({"type": "websocket.send", "bytes": self.body})
 
     async def run(self) -> None:
-        """Lets all send at once, at multiples of 1 / rate."""
+        """Wakes all WebSockets at the same time, at multiples of 1 / rate seconds."""
         loop = asyncio.get_running_loop()
         while True:
             alarm = loop.create_future()
@@ -56,6 +56,7 @@ class Control:
 
 
 def main() -> None:
+    """Serves on a free port, and prints it."""
     listener = socket.create_server(("127.0.0.1", 0), backlog=1024)
     print(f"port {listener.getsockname()[1]}", flush=True)
     config = uvicorn.Config(

@@ -1,4 +1,4 @@
-"""Banks exchanged under streams."""
+"""Exchanges banks while streams run."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ INTERVAL = 1.5  # seconds between two exchanges
 
 
 def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
-    """32 streams of a character that stands still in its clip, while the bank is exchanged again and again.
+    """Exchanges the bank repeatedly under 32 streams, each of a character whose clip is paused.
 
-    So each frame must be the pose of the bank that it says it is from. One bank is damaged, and must be refused.
+    So each frame must have the pose of the bank that it names. One of the banks is damaged, and must be refused.
     """
     place, other = bank, another(bank.parent)
     first = bank.parent / "first"
@@ -45,30 +45,30 @@ def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
         taken = streams.taken()
         refused = server.metric('motionsplice_bank_exchanges_total{result="refused"}')
         done = server.metric('motionsplice_bank_exchanges_total{result="ok"}')
-    wanted = {}
+    expected = {}
     for folder in (first, other):
         opened = Bank.open(folder)
         characters = Characters(Stage(Evaluator(opened)), 60.0)
         characters.add(1, "run", time=1.0)
         poses = characters.stage.evaluator.poses(1)
         characters.evaluate(poses)
-        wanted[opened.digest] = poses.rotations.tobytes()
+        expected[opened.digest] = poses.rotations.tobytes()
     frames = [msgpack.unpackb(message) for one in taken for message in one.kept]
-    torn = sum(frame["rotations"] != wanted[frame["bank"]] for frame in frames)
-    told = Findings(f"{exchanges} exchanges under {STREAMS} streams at 60 Hz")
-    told.add("exchanged", done, "{:.0f}", least=exchanges - 2)
-    told.add("damaged ones refused", refused, "{:.0f}", least=1, most=None)
-    told.add("connections dropped", sum(one.lost for one in taken), "{:.0f}", most=0)
-    told.add("frames lost", sum(lost(one.numbers) for one in taken), "{:.0f}", most=0)
-    told.add("frames looked at", len(frames), "{:.0f}", least=STREAMS)
-    told.add("frames torn", torn, "{:.0f}", most=0)
-    told.add("banks seen", len({frame["bank"] for frame in frames}), "{:.0f}", least=2)
+    torn = sum(frame["rotations"] != expected[frame["bank"]] for frame in frames)
+    findings = Findings(f"{exchanges} exchanges under {STREAMS} streams at 60 Hz")
+    findings.add("banks exchanged", done, "{:.0f}", least=exchanges - 2)
+    findings.add("damaged banks refused", refused, "{:.0f}", least=1, most=None)
+    findings.add("connections dropped", sum(one.lost for one in taken), "{:.0f}", most=0)
+    findings.add("frames lost", sum(lost(one.numbers) for one in taken), "{:.0f}", most=0)
+    findings.add("frames checked", len(frames), "{:.0f}", least=STREAMS)
+    findings.add("frames with a wrong pose", torn, "{:.0f}", most=0)
+    findings.add("different banks in the frames", len({frame["bank"] for frame in frames}), "{:.0f}", least=2)
     gaps = np.concatenate([np.diff(one.arrivals) for one in taken])
-    told.add("longest pause between two frames, ms", 1e3 * float(gaps.max()), "{:.0f}")
-    return told
+    findings.add("longest pause between two frames, ms", 1e3 * float(gaps.max()), "{:.0f}")
+    return findings
 
 
 def put_aside(bank: Path, place: Path) -> None:
-    """A copy of a bank."""
+    """Copies a bank to `place`."""
     (place / "tables").mkdir(parents=True)
     put(bank, place)

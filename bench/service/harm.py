@@ -1,4 +1,4 @@
-"""Whether a client can hurt another: clients that read nothing, and clients that come and go in the middle."""
+"""Measures whether clients can harm others: by not reading, or by aborting connections at any stage."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from bench.service.streams import PATH, spread
 
 HEALTHY = 20
 STALLED = 20
-SKIP = 60  # frames while clients start, which takes a processor
+SKIP = 60  # frames to ignore at the start, when starting clients use the processor
 CREATE = b'{"do": "create", "id": 1, "locomotion": "walk"}'
 
 
 def stalled(bank: Path, *, seconds: float = 20.0, rounds: int = 2) -> Findings:
-    """20 clients alone, in turns with 20 beside 20 that stop reading half a second after they came."""
+    """Measures 20 clients alone, in turns with 20 beside another 20 that stop reading 0.5 s after connecting."""
     commands = create(1, names(bank, "locomotion"), names(bank, "action"))
-    told = Findings(f"{HEALTHY} clients beside {STALLED} that read nothing, {rounds} times {seconds:g} s")
-    alone, beside, freed, memory = [], [], [], []
+    findings = Findings(f"{HEALTHY} healthy clients beside {STALLED} stalled ones, {rounds} rounds of {seconds:g} s")
+    alone, beside, closed, memory = [], [], [], []
     with serving(bank) as server:
         for _ in range(rounds):
             alone.append(spread(Streams(Job(server.port, PATH, HEALTHY, seconds, commands)).taken(), skip=SKIP)[1])
@@ -34,22 +34,25 @@ def stalled(bank: Path, *, seconds: float = 20.0, rounds: int = 2) -> Findings:
             before = server.descriptors()
             bad = Streams(Job(server.port, PATH, STALLED, seconds, commands, stalled=STALLED))
             healthy = Streams(Job(server.port, PATH, HEALTHY, seconds, commands))
-            freed.append(_freed(server, before, seconds))
+            closed.append(_seconds_until_closed(server, before, seconds))
             beside.append(spread(healthy.taken(), skip=SKIP)[1])
             bad.taken()
             time.sleep(1.0)
         memory.append(server.memory())
-    told.add("the last of the stalled is freed after, s", max(freed), "{:.1f}", most=10.0)
-    told.add("jitter p99 of the healthy alone, ms", float(np.median(alone)))
-    told.add("jitter p99 beside the stalled, ms", float(np.median(beside)))
+    findings.add("last stalled client closed after, s", max(closed), "{:.1f}", most=10.0)
+    findings.add("jitter p99 of healthy clients alone, ms", float(np.median(alone)))
+    findings.add("jitter p99 beside stalled clients, ms", float(np.median(beside)))
     ratio = float(np.median(np.array(beside) / np.array(alone)))
-    told.add("times that alone (median of rounds)", ratio, most=1.1)
-    told.add("memory grown, MB", memory[-1] - memory[0], "{:.1f}", most=5.0)
-    return told
+    findings.add("jitter p99 beside stalled / alone (median of rounds)", ratio, most=1.1)
+    findings.add("growth of memory, MB", memory[-1] - memory[0], "{:.1f}", most=5.0)
+    return findings
 
 
-def _freed(server: Process, before: int, seconds: float) -> float:
-    """Seconds from when all are there until the stalled are gone; the system says it, without a word to the server."""
+def _seconds_until_closed(server: Process, before: int, seconds: float) -> float:
+    """Returns the seconds from when all clients are connected until the stalled ones are closed.
+
+    Counts descriptors of the process, so that the server is not disturbed by requests.
+    """
     deadline = time.monotonic() + seconds
     while server.descriptors() < before + HEALTHY + STALLED and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -60,8 +63,8 @@ def _freed(server: Process, before: int, seconds: float) -> float:
 
 
 def connects(bank: Path, *, times: int = 1000) -> Findings:
-    """Connections that are cut at any stage leave nothing behind."""
-    told = Findings(f"{times} connects and aborts")
+    """Measures what is left of connections that are aborted at any stage."""
+    findings = Findings(f"{times} aborted connections")
     handshake = HANDSHAKE.format(path=PATH).encode()
     text = bytes((0x81, 0x80 | len(CREATE))) + bytes(4) + CREATE
     stages = (
@@ -74,31 +77,32 @@ def connects(bank: Path, *, times: int = 1000) -> Findings:
         handshake + text + text[:9],
     )
     with serving(bank) as server:
-        _cut(server, stages, 50)  # what is made once is made
-        descriptors, memory = _at_rest(server), server.memory()
+        _cut(server, stages, 50)  # lets the server allocate what it allocates once
+        descriptors, memory = _settled_descriptors(server), server.memory()
         _cut(server, stages, times)
-        told.add("descriptors more than before", _at_rest(server) - descriptors, "{:.0f}", most=0)
-        told.add("memory grown, MB", server.memory() - memory, "{:.1f}", most=5.0)
+        findings.add("additional descriptors", _settled_descriptors(server) - descriptors, "{:.0f}", most=0)
+        findings.add("growth of memory, MB", server.memory() - memory, "{:.1f}", most=5.0)
         for kind, left in _left(server).items():
-            told.add(f"connections left, {kind}", left, "{:.0f}", most=0)
-    return told
+            findings.add(f"connections left, {kind}", left, "{:.0f}", most=0)
+    return findings
 
 
 def _cut(server: Process, stages: tuple[bytes, ...], times: int) -> None:
+    """Opens connections, sends each of `stages` in turn, and aborts; then waits until the server has none left."""
     for number in range(times):
         with socket.create_connection(("127.0.0.1", server.port)) as peer:
             peer.sendall(stages[number % len(stages)])
             if number % 3 == 0:
                 time.sleep(0.002)
-            if number % 2:  # a reset instead of an end
+            if number % 2:  # ends with a reset instead of an orderly close
                 peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
     deadline = time.monotonic() + 20.0
     while any(_left(server).values()) and time.monotonic() < deadline:
         time.sleep(0.1)
 
 
-def _at_rest(server: Process) -> int:
-    """Descriptors that are left when the connection that asked for metrics is closed too."""
+def _settled_descriptors(server: Process) -> int:
+    """Returns the open descriptors after the connection that asked for metrics is closed too."""
     counts = []
     for _ in range(10):
         time.sleep(0.1)
@@ -107,6 +111,6 @@ def _at_rest(server: Process) -> int:
 
 
 def _left(server: Process) -> dict[str, float]:
-    """Connections that the server counts, but for the one that asks for them."""
+    """Returns the connections that the server counts, by kind, without the one that asks for the metric."""
     kinds = ("http", "stream", "characters")
     return {kind: server.metric(f'motionsplice_connections{{kind="{kind}"}}') - (kind == "http") for kind in kinds}

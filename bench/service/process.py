@@ -1,4 +1,4 @@
-"""A server in a process of its own, and what the system says of it."""
+"""A server in a separate process, and what the operating system reports about it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TICKS = os.sysconf("SC_CLK_TCK")
-PATIENCE = 300.0  # seconds: kernels may have to be compiled
+PATIENCE = 300.0  # seconds to wait, as kernels may have to be compiled
 
 
 @dataclass(frozen=True)
@@ -32,21 +32,21 @@ class Process:
         return f"http://127.0.0.1:{self.port}"
 
     def cpu(self) -> float:
-        """Seconds of processor time so far."""
+        """Returns the seconds of processor time used so far."""
         fields = Path(f"/proc/{self.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / TICKS
 
     def memory(self) -> float:
-        """Megabytes that it has in memory."""
+        """Returns its resident memory in megabytes."""
         found = re.search(r"VmRSS:\s+(\d+)", Path(f"/proc/{self.pid}/status").read_text())
         return int(found.group(1)) / 1024.0 if found else 0.0
 
     def descriptors(self) -> int:
-        """Files and sockets that it has open."""
+        """Returns the number of open files and sockets."""
         return len(os.listdir(f"/proc/{self.pid}/fd"))
 
     def metric(self, name: str) -> float:
-        """A number of /metrics, 0 if it is not there."""
+        """Returns a number from /metrics, 0 if it is missing."""
         with urllib.request.urlopen(f"{self.url}/metrics", timeout=PATIENCE) as answer:
             found = re.search(rf"^{re.escape(name)} (\S+)$", answer.read().decode(), re.MULTILINE)
         return float(found.group(1)) if found else 0.0
@@ -54,7 +54,7 @@ class Process:
 
 @contextmanager
 def serving(bank: Path, *flags: str) -> Iterator[Process]:
-    """The service on a bank, ready, on a free port."""
+    """Starts the service with a bank on a free port, and waits until it is ready."""
     command = [sys.executable, "-m", "motionsplice", "serve", str(bank), "--port", "0", *flags]
     with _started(command, r"http://127\.0\.0\.1:(\d+)", "/readyz") as process:
         yield process
@@ -62,7 +62,7 @@ def serving(bank: Path, *flags: str) -> Iterator[Process]:
 
 @contextmanager
 def profiled(bank: Path, file: Path, *flags: str) -> Iterator[Process]:
-    """The same, whose profile can be taken (bench/service/profiled_server.py)."""
+    """Starts the same service under a profiler that writes to `file` (bench/service/profiled_server.py)."""
     command = [sys.executable, "-m", "bench.service.profiled_server", str(file), "serve", str(bank), "--port", "0"]
     with _started([*command, *flags], r"http://127\.0\.0\.1:(\d+)", "/readyz") as process:
         yield process
@@ -70,7 +70,7 @@ def profiled(bank: Path, file: Path, *flags: str) -> Iterator[Process]:
 
 @contextmanager
 def control(*arguments: str) -> Iterator[Process]:
-    """The server that does nothing but send (bench/service/control.py)."""
+    """Starts the control, a server that only sends (bench/service/control.py)."""
     command = [sys.executable, "-m", "bench.service.control", *arguments]
     with _started(command, r"port (\d+)", "/") as process:
         yield process
@@ -89,7 +89,7 @@ def _started(command: list[str], port: str, path: str) -> Iterator[Process]:
             deadline = time.monotonic() + PATIENCE
             while not _answers(process.url + path):
                 if time.monotonic() > deadline:
-                    raise SystemExit(f"{process.url} does not become ready")
+                    raise SystemExit(f"{process.url} was not ready after {PATIENCE:g} s")
                 time.sleep(0.05)
             yield process
         finally:

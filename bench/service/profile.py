@@ -1,8 +1,8 @@
-"""Where the server's time goes: `python -m bench.service.profile [poses | batches | streams | crowd]`.
+"""Profiles the server: `python -m bench.service.profile [poses | batches | streams | crowd]`.
 
-cProfile makes each call of a Python function dearer, and compiled work not; and while something else has the core, its
-clock goes on. So its table says what to look at first, and the title what an answer costs without it. What the event
-loop does itself, which is to wait and to read from sockets, is not in the table.
+cProfile makes calls of Python functions slower, but not compiled code, and its clock also runs while another process
+has the core. So the table shows where to look first, and its title shows the cost of an answer without the profiler.
+The event loop itself, which waits and reads from sockets, is not in the table.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from bench.service.streams import PATH
 from motionsplice.cli import run
 from motionsplice.motion.errors import SettingsError, did_you_mean
 
-SETTLING = 4.0  # seconds that clients have to start in and to make characters
+SETTLING = 4.0  # seconds for clients to start and create characters
 LOOP = "run_until_complete"
 CONNECTED = 64  # streams
 ANSWERED, SENT = 'motionsplice_requests_total{route="%s",status="200"}', "motionsplice_frames_sent_total"
@@ -40,7 +40,7 @@ ANSWERED, SENT = 'motionsplice_requests_total{route="%s",status="200"}', "motion
 
 @dataclass(frozen=True)
 class Load:
-    """Clients that ask for some seconds, and the metric that counts what they get."""
+    """A function that loads the server for some seconds, and the metric that counts the answers."""
 
     ask: Callable[[Process, Path, float], object]
     counter: str
@@ -48,7 +48,7 @@ class Load:
 
 @dataclass(frozen=True)
 class Cost:
-    """A function: seconds that it took itself, without what it called, and how often it was called."""
+    """A function's own seconds, without the functions it called, and its number of calls."""
 
     where: str
     seconds: float
@@ -57,7 +57,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Profile:
-    """Seconds of computing time an answer without the profile; functions, the dearest first; answers meanwhile."""
+    """Processor seconds per answer without the profiler; functions by cost, and the answers while profiling."""
 
     seconds: float
     costs: list[Cost]
@@ -65,20 +65,20 @@ class Profile:
 
 
 def main(
-    what: Annotated[list[str] | None, typer.Argument(help="Loads; all of them if not said.")] = None,
-    seconds: Annotated[float, typer.Option(min=1.0)] = 5.0,
-    most: Annotated[int, typer.Option(min=1, help="Functions that are shown")] = 15,
+    what: Annotated[list[str] | None, typer.Argument(help="Loads to profile; default: all.")] = None,
+    seconds: Annotated[float, typer.Option(min=1.0, help="Seconds with and without the profiler")] = 5.0,
+    most: Annotated[int, typer.Option(min=1, help="Number of functions to print")] = 15,
 ) -> None:
-    """Print what is dearest in the service under each load."""
+    """Prints the most expensive functions of the service under each load."""
     for name in what or LOADS:
         if name not in LOADS:
-            raise SettingsError(f"there is no load {name!r}", mend=did_you_mean(name, LOADS))
+            raise SettingsError(f"unknown load {name!r}", mend=did_you_mean(name, LOADS))
         with tempfile.TemporaryDirectory() as folder:
             show(name, profile(built_in(Path(folder)), LOADS[name], seconds), most)
 
 
 def profile(bank: Path, load: Load, seconds: float) -> Profile:
-    """A server under a load: first for some time as it is, then for as long with its profile taken."""
+    """Loads a server for `seconds` without the profiler, and then for as long with it."""
     file = bank.parent / "profile"
     with profiled(bank, file, "--max-load", "1e9") as server:
         asking = Thread(target=load.ask, args=(server, bank, SETTLING + 2.0 * seconds + 1.0))
@@ -96,7 +96,7 @@ def profile(bank: Path, load: Load, seconds: float) -> Profile:
         deadline = time.monotonic() + PATIENCE
         while not file.exists():
             if time.monotonic() > deadline:
-                raise SettingsError("the server does not write its profile")
+                raise SettingsError(f"the server did not write its profile within {PATIENCE:g} s")
             time.sleep(0.05)
     if not plain or not answers:
         raise SettingsError("the clients got no answers")
@@ -104,7 +104,7 @@ def profile(bank: Path, load: Load, seconds: float) -> Profile:
 
 
 def costs(stats: Mapping[tuple[str, int, str], tuple[Any, ...]]) -> list[Cost]:
-    """Of what cProfile noted, functions by what they took themselves; not the event loop, which also sleeps."""
+    """Returns the functions of cProfile's statistics by their own time, without the event loop, which also sleeps."""
     found = []
     for (file, line, name), (_, calls, own, *_) in stats.items():
         if LOOP not in name:
@@ -114,9 +114,10 @@ def costs(stats: Mapping[tuple[str, int, str], tuple[Any, ...]]) -> list[Cost]:
 
 
 def show(name: str, found: Profile, most: int) -> None:
-    """Prints the dearest functions."""
+    """Prints the `most` most expensive functions."""
     whole = sum(one.seconds for one in found.costs)
-    title = f"{name}: {1e6 * found.seconds:.0f} us an answer or message; {1e6 * whole / found.answers:.0f} while noted"
+    plain, with_profiler = 1e6 * found.seconds, 1e6 * whole / found.answers
+    title = f"{name}: {plain:.0f} us per answer or message; {with_profiler:.0f} us with the profiler"
     table = Table(title=title, title_justify="left")
     for column in ("", "us", "share", "calls"):
         table.add_column(column, justify="right" if table.columns else "left", no_wrap=True)

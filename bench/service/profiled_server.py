@@ -1,6 +1,6 @@
-"""`python -m bench.service.profiled_server FILE serve BANK ...`: the service, whose profile can be taken while it runs.
+"""Runs the service with a profiler: `python -m bench.service.profiled_server FILE serve BANK ...`.
 
-SIGUSR1 begins to note what is called; SIGUSR2 writes it to FILE, as cProfile does.
+SIGUSR1 starts the profiler. SIGUSR2 stops it and writes cProfile's statistics to FILE.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from motionsplice.cli import main as motionsplice
 
 
 def main() -> None:
-    """Takes the rest of the command line to the service."""
+    """Installs the signals, and passes the rest of the command line to the service."""
     file, profile = Path(sys.argv.pop(1)), cProfile.Profile()
 
     def write(*_: object) -> None:

@@ -1,4 +1,4 @@
-"""Clients that ask again and again: `python -m bench.service.request_client`, in its own process, a job on stdin."""
+"""Clients that send requests repeatedly: `python -m bench.service.request_client`, with a job as JSON on stdin."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LENGTH = b"content-length: "
 
 @dataclass(frozen=True)
 class Job:
-    """So many connections that each send one of the requests (base64) after the other, for so long."""
+    """Connections that each send the requests (base64) one after the other, for `seconds`."""
 
     port: int
     requests: list[str]
@@ -28,7 +28,7 @@ class Job:
 
 
 class Client(asyncio.Protocol):
-    """One connection: it asks as soon as it is answered."""
+    """One connection, which sends its next request as soon as the last is answered."""
 
     def __init__(self, requests: list[bytes], first: int, end: float) -> None:
         self.latencies: list[float] = []
@@ -68,6 +68,7 @@ class Client(asyncio.Protocol):
 
 
 async def ask(job: Job) -> list[Client]:
+    """Connects all clients and lets them send requests until the job ends."""
     loop, requests = asyncio.get_running_loop(), [base64.b64decode(one) for one in job.requests]
     end, clients = time.perf_counter() + job.seconds, []
     for number in range(job.connections):
@@ -82,12 +83,12 @@ def main() -> None:
     job = Job(**json.load(sys.stdin))
     clients = uvloop.run(ask(job))
     used = resource.getrusage(resource.RUSAGE_SELF)
-    told = {
+    result = {
         "latencies": [latency for one in clients for latency in one.latencies],
         "failed": sum(one.failed for one in clients),
         "cpu": used.ru_utime + used.ru_stime,
     }
-    json.dump(told, sys.stdout)
+    json.dump(result, sys.stdout)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Requests per second and what they wait: one pose, and a batch of them."""
+"""Rates and latencies of HTTP requests, for single poses and for batches."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ BATCH = 1000
 
 
 def poses(bank: Path, *, seconds: float = 5.0, rounds: int = 3) -> Findings:
-    """Single poses at 32 connections, in turns with a server that answers as many bytes and does nothing."""
+    """Measures single poses on 32 connections, in turns with a control that answers with as many bytes."""
     locomotions, actions = names(bank, "locomotion"), names(bank, "action")
-    told = Findings(f"One pose a request, {CONNECTIONS} connections, {rounds} times {seconds:g} s")
+    findings = Findings(f"One pose per request, {CONNECTIONS} connections, {rounds} rounds of {seconds:g} s")
     rates: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
     waits: dict[str, list[float]] = {"msgpack": [], "json": [], "control": []}
     with serving(bank) as server:
@@ -43,16 +43,19 @@ def poses(bank: Path, *, seconds: float = 5.0, rounds: int = 3) -> Findings:
                     waits[name].append(1e3 * percentiles(found.latencies)[1])
     for name in rates:
         most, least = (3.0, 15_000) if name == "msgpack" else (None, None)
-        told.add(f"{name}: requests per second and core", float(np.median(rates[name])), "{:,.0f}", least=least)
-        told.add(f"{name}: latency p99, ms", float(np.median(waits[name])), most=most)
-    return told
+        findings.add(f"{name}: requests per second and core", float(np.median(rates[name])), "{:,.0f}", least=least)
+        findings.add(f"{name}: latency p99, ms", float(np.median(waits[name])), most=most)
+    return findings
 
 
 def batches(bank: Path, *, seconds: float = 4.0, rounds: int = 3) -> Findings:
-    """Batches of 1,000 characters on one connection: the server's time against evaluation and encoding alone, and
-    against a server that does nothing but send as many bytes; in turns."""
+    """Measures batches of 1,000 characters on one connection.
+
+    The server's time is compared with evaluation and encoding alone, and with a control that only sends as many bytes,
+    in turns.
+    """
     clips, columns = batch(bank)
-    told = Findings(f"{BATCH} poses a request, {rounds} times {seconds:g} s")
+    findings = Findings(f"{BATCH} poses per request, {rounds} rounds of {seconds:g} s")
     with serving(bank) as server:
         for numbers in ("float32", "int16"):
             request, found = batch_request(bank, numbers), []
@@ -65,21 +68,21 @@ def batches(bank: Path, *, seconds: float = 4.0, rounds: int = 3) -> Findings:
                     assert not found[-1].failed
                     spent.append(1e6 * found[-1].server / len(found[-1].latencies))
                     sending.append(1e6 * sent.server / len(sent.latencies))
-            told.add(f"{numbers}: evaluation and encoding alone, us", float(np.median(alone)), "{:.0f}")
-            told.add(f"{numbers}: sending as many bytes alone, us", float(np.median(sending)), "{:.0f}")
-            told.add(f"{numbers}: the server's time, us", float(np.median(spent)), "{:.0f}")
+            findings.add(f"{numbers}: evaluation and encoding, us", float(np.median(alone)), "{:.0f}")
+            findings.add(f"{numbers}: sending as many bytes, us", float(np.median(sending)), "{:.0f}")
+            findings.add(f"{numbers}: server time, us", float(np.median(spent)), "{:.0f}")
             ratio = float(np.median(np.array(spent) / np.array(alone)))
-            told.add(f"{numbers}: times evaluation and encoding", ratio, most=2.0)
+            findings.add(f"{numbers}: server time / evaluation and encoding", ratio, most=2.0)
             both = float(np.median(np.array(spent) / (np.array(alone) + np.array(sending))))
-            told.add(f"{numbers}: times evaluation, encoding and sending", both)
+            findings.add(f"{numbers}: server time / evaluation, encoding and sending", both)
             for at, name in enumerate(("p50", "p99")):
                 waited = float(np.median([percentiles(one.latencies)[at] for one in found]))
-                told.add(f"{numbers}: latency {name}, ms", 1e3 * waited)
-    return told
+                findings.add(f"{numbers}: latency {name}, ms", 1e3 * waited)
+    return findings
 
 
 def _size(server: Process, request: bytes) -> int:
-    """Bytes of the answer to a request."""
+    """Returns the number of bytes of the answer to a request."""
     with socket.create_connection(("127.0.0.1", server.port)) as peer:
         peer.sendall(request)
         head = peer.recv(65536).partition(b"\r\n\r\n")[0]
@@ -87,7 +90,7 @@ def _size(server: Process, request: bytes) -> int:
 
 
 def batch(bank: Path) -> tuple[list[str], dict[str, NDArray[Any]]]:
-    """Clips, and what each character of a batch plays of them."""
+    """Returns clip names, and columns with the clip numbers and time of each character of a batch."""
     locomotions, actions = names(bank, "locomotion"), names(bank, "action")
     draw = np.random.default_rng(1)
     columns = {
@@ -99,14 +102,14 @@ def batch(bank: Path) -> tuple[list[str], dict[str, NDArray[Any]]]:
 
 
 def batch_request(bank: Path, numbers: str) -> bytes:
-    """The request for a batch."""
+    """Returns the HTTP request for a batch."""
     clips, columns = batch(bank)
     message = {"clips": clips} | {name: column.tobytes() for name, column in columns.items()}
     return post(f"/v1/poses?format=msgpack&encoding={numbers}", message)
 
 
 def _alone(bank: Path, clips: list[str], columns: dict[str, NDArray[Any]], numbers: str) -> float:
-    """Microseconds to evaluate and encode a batch, median."""
+    """Returns the median microseconds to evaluate and encode a batch."""
     opened = Bank.open(bank)
     evaluator, how, requests = Evaluator(opened), Encoding(numbers=numbers), Requests.empty(BATCH)
     index = np.array([opened.number(name) for name in clips])
@@ -124,6 +127,7 @@ def _alone(bank: Path, clips: list[str], columns: dict[str, NDArray[Any]], numbe
 
 
 def queries(locomotions: list[str], actions: list[str], form: str) -> list[bytes]:
+    """Returns 500 requests for single poses at random times, in the format `form`."""
     draw = np.random.default_rng(0)
     return [
         get(

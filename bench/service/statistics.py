@@ -1,4 +1,4 @@
-"""How even a stream is."""
+"""Statistics of how even a stream is."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ Floats = NDArray[np.float64]
 
 
 def jitter(arrivals: Sequence[float], numbers: Sequence[int], rate: float) -> Floats:
-    """How far each frame's arrival is from its place on the even grid that fits all of them best, milliseconds."""
+    """Returns how far each arrival is from its place on the regular grid that fits all best, in milliseconds."""
     late = np.asarray(arrivals) - np.asarray(numbers) / rate
     return np.asarray(1e3 * np.abs(late - np.median(late)))
 
 
 def intervals(arrivals: Sequence[float], rate: float) -> Floats:
-    """How far the time between each two arrivals is from that between two frames, milliseconds."""
+    """Returns how far each interval between arrivals is from 1 / rate, in milliseconds."""
     return np.asarray(1e3 * np.abs(np.diff(np.asarray(arrivals)) - 1.0 / rate))
 
 
 def lost(numbers: Sequence[int], ahead: int = 1) -> int:
-    """Frames that are missing between the first and the last message, of `ahead` frames each."""
+    """Returns the number of frames missing between the first and the last message of `ahead` frames each."""
     steps = np.diff(np.asarray(numbers))
     return int(np.maximum(steps - ahead, 0).sum())
 
 
 def percentiles(values: Floats) -> tuple[float, float]:
-    """The median and the 99th percentile."""
+    """Returns the median and the 99th percentile."""
     return float(np.percentile(values, 50)), float(np.percentile(values, 99))

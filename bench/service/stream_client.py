@@ -1,6 +1,6 @@
-"""Clients that take streams: `python -m bench.service.stream_client`, in its own process, a job as JSON on stdin.
+"""Clients that receive streams: `python -m bench.service.stream_client`, with a job as JSON on stdin.
 
-They do as little as can be done: arrivals and frame numbers are written down, and nothing is decoded.
+They do as little work as possible: they record arrival times and frame numbers, and decode nothing else.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ FRAME_KEY = b"\xa5frame"
 
 @dataclass(frozen=True)
 class Job:
-    """So many connections to a path for so long. Each sends `commands` once; `stalled` of them soon read nothing."""
+    """Connections to a path for `seconds`. Each sends `commands` once. `stalled` of them stop reading after 0.5 s."""
 
     port: int
     path: str
@@ -32,7 +32,7 @@ class Job:
     seconds: float
     commands: list[str] = field(default_factory=list)
     stalled: int = 0
-    keep: int = 0  # whole messages that are kept of each connection
+    keep: int = 0  # number of first messages to keep of each connection; if not 0, every 100th message is kept too
 
 
 class Client(asyncio.Protocol):
@@ -99,13 +99,13 @@ class Client(asyncio.Protocol):
             self._send(PONG, bytes(buffer[at : at + size]))
 
     def _send(self, kind: int, data: bytes) -> None:
-        """A frame masked with zeros."""
+        """Sends a WebSocket frame, masked with zeros."""
         size = bytes((0x80 | len(data),)) if len(data) < 126 else b"\xfe" + len(data).to_bytes(2, "big")
         self.transport.write(bytes((0x80 | kind,)) + size + bytes(4) + data)
 
 
 def _number(buffer: bytearray, at: int) -> int:
-    """The frame number of a message, which is among the first things in it; -1 if it has none."""
+    """Returns the frame number of a message, which is in its first 120 bytes; -1 if it has none."""
     found = buffer.find(FRAME_KEY, at, at + 120)
     if found < 0:
         return -1
@@ -116,7 +116,7 @@ def _number(buffer: bytearray, at: int) -> int:
 
 
 async def take(job: Job) -> list[Client]:
-    """Connects all, and waits."""
+    """Connects all clients, and waits until the job ends."""
     loop = asyncio.get_running_loop()
     clients = []
     for _ in range(job.connections):
@@ -134,7 +134,7 @@ async def take(job: Job) -> list[Client]:
 def main() -> None:
     job = Job(**json.load(sys.stdin))
     clients = uvloop.run(take(job))
-    told = [
+    results = [
         {
             "arrivals": one.arrivals,
             "numbers": one.numbers,
@@ -145,10 +145,11 @@ def main() -> None:
         }
         for one in clients
     ]
-    json.dump(told, sys.stdout)
+    json.dump(results, sys.stdout)
 
 
 def as_json(job: Job) -> str:
+    """Returns a job as the JSON text that main() reads."""
     return json.dumps(asdict(job))
 
 

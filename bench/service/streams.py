@@ -1,4 +1,4 @@
-"""Streams beside the control: how even they are, what they lose, what they cost."""
+"""Streams beside the control: their jitter, lost frames and cost."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PATH = "/v1/characters?rate=60&encoding=int16"
 
 
 def streams(bank: Path, *, connections: int = 64, seconds: float = 10.0, rounds: int = 3) -> Findings:
-    """Streams of one character each, in turns with as many of constant bytes from a server that does nothing else."""
+    """Measures streams of one character each, in turns with as many streams of constant bytes from the control."""
     commands = create(1, names(bank, "locomotion"), names(bank, "action"))
     found: dict[str, list[float]] = {"ours": [], "control": []}
     medians: dict[str, list[float]] = {"ours": [], "control": []}
@@ -44,29 +44,31 @@ def streams(bank: Path, *, connections: int = 64, seconds: float = 10.0, rounds:
                         share, memory = max(share, used), server.memory()
                     else:
                         other_share = max(other_share, used)
-    told = Findings(
-        f"{connections} streams of one character, {RATE:g} Hz, {rounds} times {seconds:g} s, {size} bytes a frame"
+    findings = Findings(
+        f"{connections} streams of one character, {RATE:g} Hz, {rounds} rounds of {seconds:g} s, {size} bytes per frame"
     )
-    told.add("jitter p50, ms", float(np.median(medians["ours"])))
-    told.add("jitter p50 of the control, ms", float(np.median(medians["control"])))
-    told.add("jitter p99, ms", float(np.median(found["ours"])))
-    told.add("jitter p99 of the control, ms", float(np.median(found["control"])))
+    findings.add("jitter p50, ms", float(np.median(medians["ours"])))
+    findings.add("jitter p50 of the control, ms", float(np.median(medians["control"])))
+    findings.add("jitter p99, ms", float(np.median(found["ours"])))
+    findings.add("jitter p99 of the control, ms", float(np.median(found["control"])))
     ratios = np.array(found["ours"]) / np.array(found["control"])
-    told.add("jitter p99, times the control's (median of rounds)", float(np.median(ratios)), most=1.3)
-    told.add("intervals off 1/60 s, p99, ms", float(np.median(uneven["ours"])))
-    told.add("intervals off 1/60 s, p99 of the control, ms", float(np.median(uneven["control"])))
+    findings.add("jitter p99 / control (median of rounds)", float(np.median(ratios)), most=1.3)
+    findings.add("deviation of intervals from 1/60 s, p99, ms", float(np.median(uneven["ours"])))
+    findings.add("deviation of intervals from 1/60 s, p99 of the control, ms", float(np.median(uneven["control"])))
     between = np.array(uneven["ours"]) / np.array(uneven["control"])
-    told.add("intervals' p99, times the control's (median of rounds)", float(np.median(between)), most=1.3)
-    told.add("frames lost", gaps, "{:.0f}", most=0)
-    told.add("frames per second", frames / (rounds * seconds), "{:.0f}")
-    told.add("share of a core", share)
-    told.add("share of a core, control", other_share)
-    told.add("memory, MB", memory, "{:.0f}")
-    return told
+    findings.add(
+        "deviation of intervals from 1/60 s, p99 / control (median of rounds)", float(np.median(between)), most=1.3
+    )
+    findings.add("frames lost", gaps, "{:.0f}", most=0)
+    findings.add("frames per second", frames / (rounds * seconds), "{:.0f}")
+    findings.add("share of a core", share)
+    findings.add("share of a core, control", other_share)
+    findings.add("memory, MB", memory, "{:.0f}")
+    return findings
 
 
 def spread(taken: list[Taken], *, numbered: bool = True, skip: int = 30) -> tuple[float, float]:
-    """p50 and p99 of the jitter of all streams, milliseconds, but for their first frames."""
+    """Returns p50 and p99 of the jitter of all streams, in milliseconds, without their first `skip` frames."""
     every = []
     for one in taken:
         numbers = one.numbers if numbered else counted(one.arrivals)
@@ -76,7 +78,7 @@ def spread(taken: list[Taken], *, numbered: bool = True, skip: int = 30) -> tupl
 
 
 def counted(arrivals: list[float]) -> list[int]:
-    """Numbers for messages that have none: the nearest on the grid."""
+    """Returns frame numbers for messages without any: the nearest places on the regular grid."""
     if not arrivals:
         return []
     steps = np.asarray(arrivals) - np.median(np.asarray(arrivals) - np.arange(len(arrivals)) / RATE)

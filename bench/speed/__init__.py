@@ -1,1 +1,1 @@
-"""Time and memory per character and frame, and of the offline job."""
+"""Benchmarks of speed and memory: per character and frame, of banks, and of the offline job."""

@@ -1,8 +1,9 @@
-"""What a fresh process waits for: `python -m bench.speed.first_call [--compile]`.
+"""Measures how long a fresh process takes to start: `python -m bench.speed.first_call [--compile]`.
 
-Prints the seconds of a process that imports the library, opens a bank, evaluates its first frame and warms characters,
-with kernels compiled before. With `--compile` the same from a copy of the package that cannot be written to, as on a
-read-only file system, whose kernels go into NUMBA_CACHE_DIR: a first process compiles them, a second one finds them.
+Prints the seconds of a process that imports the library, opens a bank, evaluates its first frame and warms up
+characters, with kernels that were compiled before. With `--compile`, does the same with a copy of the package that
+cannot be written to, as on a read-only file system. Its kernels are cached in NUMBA_CACHE_DIR: the first process
+compiles them, and later processes load them.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from bench.generated import Size, generate
 from motionsplice.cli import run
 
 PROJECT = Path(__file__).parents[2]
-STEPS = ("start Python, import", "open the bank", "make an evaluator", "first frame", "second frame", "characters")
+STEPS = ("start, import", "open bank", "make evaluator", "first frame", "second frame", "characters")
 CHILD = """
 import json, sys, time
 marks = [float(sys.argv[2])]
@@ -34,6 +35,7 @@ def mark():
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 mark()
 bank = Bank.open(sys.argv[1])
@@ -41,7 +43,7 @@ mark()
 evaluator = Evaluator(bank)
 mark()
 for _ in range(2):
-    evaluator.pose(bank.clips[0].name, 0.5, bank.clips[-1].name)
+    evaluator.pose(Splice(bank.clips[0].name, bank.clips[-1].name), 0.5)
     mark()
 Characters.warm(Stage(evaluator))
 mark()
@@ -50,10 +52,14 @@ print(json.dumps([after - before for before, after in zip(marks, marks[1:])]))
 
 
 def main(
-    compiling: Annotated[bool, typer.Option("--compile", help="Also compile, for a package that is read-only")] = False,
-    times: Annotated[int, typer.Option(min=1, help="Processes that find their kernels; the median is told")] = 5,
+    compiling: Annotated[
+        bool, typer.Option("--compile", help="Also measure a read-only package, whose kernels are compiled first")
+    ] = False,
+    times: Annotated[
+        int, typer.Option(min=1, help="Number of processes with compiled kernels, of which the median is printed")
+    ] = 5,
 ) -> None:
-    """Prints what the first call of a fresh process costs."""
+    """Prints the seconds of each step of a fresh process."""
     with tempfile.TemporaryDirectory() as folder:
         path, rows = Path(folder), {}
         bank = generate(path / "bank", Size(clips=20)).path
@@ -61,10 +67,10 @@ def main(
         rows["compiled before"] = median([child(PROJECT, bank, {}) for _ in range(times)])
         if compiling:
             sealed, cache = sealed_copy(path / "sealed"), {"NUMBA_CACHE_DIR": str(path / "cache")}
-            rows["read-only, compiles"] = child(sealed, bank, cache)
+            rows["read-only, compiling"] = child(sealed, bank, cache)
             rows["read-only, compiled before"] = median([child(sealed, bank, cache) for _ in range(times)])
-    table = Table(title="A fresh process, seconds", title_justify="left")
-    for column in ("", *STEPS, "all"):
+    table = Table(title="Start of a fresh process, seconds", title_justify="left")
+    for column in ("", *STEPS, "total"):
         table.add_column(column, justify="right" if column else "left")
     for name, seconds in rows.items():
         table.add_row(name, *(f"{one:.4f}" for one in seconds), f"{sum(seconds):.2f}")
@@ -72,7 +78,7 @@ def main(
 
 
 def child(project: Path, bank: Path, environment: dict[str, str]) -> list[float]:
-    """Seconds of STEPS in a process of its own, which takes the packages from the folder `project`."""
+    """Returns the seconds of STEPS in a new process that imports the packages from the folder `project`."""
     began = f"{time.time()}"
     done = subprocess.run(
         [sys.executable, "-c", CHILD, str(bank), began],
@@ -87,7 +93,7 @@ def child(project: Path, bank: Path, environment: dict[str, str]) -> list[float]
 
 
 def sealed_copy(folder: Path) -> Path:
-    """A copy of the packages that not even root can put compiled kernels in: a file has the place of their folder."""
+    """Copies the packages so that nobody, not even root, can cache kernels there: a file blocks each cache folder."""
     without = shutil.ignore_patterns("__pycache__", "precompute", "service", "commands", "pictures")
     shutil.copytree(PROJECT / "motionsplice", folder / "motionsplice", ignore=without)
     for room in (folder / "motionsplice" / "runtime").iterdir():
@@ -97,7 +103,7 @@ def sealed_copy(folder: Path) -> Path:
 
 
 def median(processes: list[list[float]]) -> list[float]:
-    """The median of each step."""
+    """Returns the median over processes of each step."""
     return [sorted(one)[len(one) // 2] for one in zip(*processes, strict=True)]
 
 

@@ -1,14 +1,14 @@
-"""That time per character-frame is constant: `python -m bench.speed.flatness [--out flatness.json]`.
+"""Checks that the time per character and frame is constant: `python -m bench.speed.flatness [--out flatness.json]`.
 
-Generated banks, one thing changed at a time: how long clips are, how many there are, and, in one long clip, how far in
-characters are. All run in turns, in rounds of one process, and a straight line is fitted through the medians. There are
-two ways to play them, and the last is played in the second:
+Generated banks vary in one respect at a time: the length of clips, the number of clips, and, in one long clip, the time
+since its start. All cases run interleaved in one process, and a straight line is fitted to the medians. Characters play
+in two ways. The time since the start is measured in the second only.
 
-everywhere   characters play any pair at any time: a larger bank is touched in more places, so fewer of its rows are
-             still in a cache, and a splice waits for memory.
-same rows    characters play the same number of splices again and again, spread over the whole bank: as many rows are
-             touched whatever the bank's size, few enough for the caches, so what is left is what a splice itself
-             costs, and what finding its pages does.
+everywhere   Characters play random pairs at random times. A larger bank is read in more places, so fewer of its rows
+             are in the caches, and splices wait for memory.
+same rows    Characters repeat a fixed number of splices that are spread over the whole bank. They read the same number
+             of rows for each size of bank, few enough for the caches. So this measures the cost of the splice alone,
+             and of finding its memory pages.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import METHODS, Requests
 
 CHARACTERS = 1000
-POOL = 50  # splices that are played again and again
+POOL = 50  # splices that characters repeat
 LENGTHS = (10, 20, 40, 80, 160, 320, 600)  # seconds, of LONG_CLIPS clips
 COUNTS = (10, 40, 100, 400, 1000, 4000, 10_000)
 LONG_CLIPS, SHORT = 8, 3.0
-STARTS = tuple(range(0, 600, 50))  # seconds, in a clip of the longest
-SPAN = 50.0  # seconds from a start on in which characters are
+STARTS = tuple(range(0, 600, 50))  # seconds from the start of a clip of the greatest length
+SPAN = 50.0  # seconds after each of STARTS in which characters play
 
 
 @dataclass(frozen=True)
 class Series:
-    """Median seconds per character-frame at each x, and the line through them: over log10 of x if `per_decade`."""
+    """Median seconds per character and frame at each x, and the line fitted to them; over log10(x) if `per_decade`."""
 
     name: str
     x_label: str
@@ -57,13 +57,15 @@ class Series:
 
 
 def main(
-    rounds: Annotated[int, typer.Option(min=3)] = 100,
-    out: Annotated[Path | None, typer.Option(help="JSON file of the results")] = None,
+    rounds: Annotated[int, typer.Option(min=3, help="Rounds of each series")] = 100,
+    out: Annotated[Path | None, typer.Option(help="JSON file for the results")] = None,
 ) -> None:
-    """Prints time per character-frame against clip length, clips in the bank, and time since start."""
+    """Prints the time per character and frame by clip length, by number of clips, and by time since the start."""
     series = measure(rounds, LENGTHS, COUNTS)
     console = Console(width=110)
-    console.print(f"{CHARACTERS} characters a batch, medians of {rounds} interleaved rounds, ns per character-frame")
+    console.print(
+        f"{CHARACTERS} characters per batch, medians of {rounds} interleaved rounds, ns per character and frame"
+    )
     for one in series:
         console.print(series_table(one))
     console.print(slope_table(series))
@@ -72,36 +74,36 @@ def main(
 
 
 def measure(rounds: int, lengths: tuple[int, ...], counts: tuple[int, ...]) -> list[Series]:
-    """All series."""
+    """Measures all series, with clips of `lengths` seconds and banks of `counts` clips."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder)
         long = {float(s): generate(path / f"{s} s", Size(clips=LONG_CLIPS, seconds=s)) for s in lengths}
         many = {float(count): generate(path / f"{count}", Size(clips=count, seconds=SHORT)) for count in counts}
         return [
-            _series(f"{what}, {how}", label, True, {x: (bank, play(bank)) for x, bank in banks.items()}, rounds)
-            for what, label, banks in (("clip length", "seconds", long), ("clips in the bank", "clips", many))
-            for how, play in (("everywhere", everywhere), ("same rows", same_rows))
+            _series(f"{subject}, {choice}", label, True, {x: (bank, play(bank)) for x, bank in banks.items()}, rounds)
+            for subject, label, banks in (("clip length", "seconds", long), ("clips in the bank", "clips", many))
+            for choice, play in (("everywhere", everywhere), ("same rows", same_rows))
         ] + [_since_start(long[float(lengths[-1])], rounds)]
 
 
 def everywhere(bank: Bank) -> list[Requests]:
-    """Any pair at any time."""
+    """Requests for random pairs at random times."""
     return request_sets(bank, CHARACTERS, Scene())
 
 
 def same_rows(bank: Bank) -> list[Requests]:
-    """POOL splices, spread over the bank, by as many characters as there are."""
-    return _again_and_again(request_sets(bank, POOL, Scene())[0])
+    """Requests in which all characters play one of POOL splices, which are spread over the bank."""
+    return _repeated(request_sets(bank, POOL, Scene())[0])
 
 
 def since(bank: Bank, start: float) -> list[Requests]:
-    """POOL splices, at times within SPAN from `start` on, by as many characters as there are."""
+    """Requests in which all characters play one of POOL splices, at times from `start` to `start` + SPAN."""
     pool = request_sets(bank, POOL, Scene())[0]
     pool.time[:] = start + SPAN * np.random.default_rng(2).random(POOL)
-    return _again_and_again(pool)
+    return _repeated(pool)
 
 
-def _again_and_again(pool: Requests) -> list[Requests]:
+def _repeated(pool: Requests) -> list[Requests]:
     draw = np.random.default_rng(1)
     return [Requests(pool.records[draw.integers(0, len(pool), CHARACTERS)]) for _ in range(SETS)]
 
@@ -121,7 +123,7 @@ def _series(
         evaluator = Evaluator(bank)
         work[f"splice {x}"] = evaluation(evaluator, sets)
         work[f"naive {x}"] = evaluation(evaluator, [_naive(one) for one in sets[::-1]])
-        for one in sets:  # so that no page is touched for the first time while the clock runs
+        for one in sets:  # touches all pages before the clock runs
             evaluator.evaluate(one, evaluator.poses(len(one)))
     seconds = interleaved(work, rounds)
     xs = np.array(list(played), np.float64)
@@ -140,7 +142,7 @@ def _naive(requests: Requests) -> Requests:
 
 
 def series_table(series: Series) -> Table:
-    """One column for each x."""
+    """The table of a series, with a column for each x."""
     table = Table(title=f"{series.name[0].upper()}{series.name[1:]}", title_justify="left")
     table.add_column(series.x_label)
     for x in series.x:
@@ -151,9 +153,9 @@ def series_table(series: Series) -> Table:
 
 
 def slope_table(series: list[Series]) -> Table:
-    """The slopes of splices, with their standard errors."""
-    table = Table(title="Slope of the splice's time, with its standard error", title_justify="left")
-    for column in ("", "per", "ns", "part of the median"):
+    """The table of the slopes of splices, with their standard errors."""
+    table = Table(title="Slope of the splice's time ± standard error", title_justify="left")
+    for column in ("", "per", "ns", "relative to the median"):
         table.add_column(column, justify="right" if column else "left")
     for one in series:
         scale, per = (1.0, "factor of ten") if one.per_decade else (60.0, "minute")

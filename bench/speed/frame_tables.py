@@ -1,4 +1,4 @@
-"""What `bench.speed.frames` prints."""
+"""The tables that `bench.speed.frames` prints."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from bench.rounds import Summary
 from bench.speed.roofline import Roofline
 
 TITLES = {
-    "batches": "Warm batches, many pairs, random times",
-    "scenes": "Warm batches: what the characters play",
-    "forms": "Warm batches: postures, and the world positions of poses",
+    "batches": "Warm batches: many pairs, random times",
+    "scenes": "Warm batches: one pair or many, sequential or random times",
+    "forms": "Warm batches: postures, and world positions of poses",
     "threads": "Warm batches on several threads",
     "cold": "Cold batches: caches emptied before each call",
-    "paced": "60 Hz ticks, asleep in between",
+    "paced": "60 Hz ticks, with sleep in between",
     "single": "Single calls of one character, Python included",
 }
 
 
 def show(about: Mapping[str, float], tables: Mapping[str, Sequence[Summary]], roof: Roofline) -> None:
-    """Prints all tables; times are per character and frame."""
+    """Prints all tables. Times are per character and frame."""
     console = Console(width=110)
     console.print(
         f"{about['clips']} clips, {about['seconds']:.0f} s of motion, {about['joints']} joints, "
-        f"{about['bytes'] / 1e6:.1f} MB. Nanoseconds per character-frame."
+        f"{about['bytes'] / 1e6:.1f} MB. Times are nanoseconds per character and frame."
     )
     for name, rows in tables.items():
         console.print(summary_table(TITLES[name], rows))
@@ -34,10 +34,10 @@ def show(about: Mapping[str, float], tables: Mapping[str, Sequence[Summary]], ro
 
 
 def summary_table(title: str, rows: Sequence[Summary]) -> Table:
-    """One row each, nanoseconds and ratios; a line between sizes."""
+    """A table with a row per summary: nanoseconds and ratios. Lines separate the batch sizes."""
     table = Table(title=title, title_justify="left")
     against = list(rows[0].ratios)
-    for column in ("characters", "", "median", "p95", "p99", "slowest", *(f"to {other}" for other in against)):
+    for column in ("characters", "", "median", "p95", "p99", "slowest", *(f"/ {other}" for other in against)):
         table.add_column(column, justify="left" if not column else "right")
     before = rows[0].characters
     for one in rows:
@@ -50,9 +50,9 @@ def summary_table(title: str, rows: Sequence[Summary]) -> Table:
 
 
 def roofline_table(roof: Roofline, batches: Sequence[Summary]) -> Table:
-    """What memory and arithmetic alone would take for a splice, beside what it takes."""
+    """A table of the time that memory or arithmetic alone would need for a splice, and the measured time."""
     table = Table(title="Roofline of a splice, one core", title_justify="left")
-    for column in ("", "per character-frame", "this machine, per second", "ns"):
+    for column in ("", "per character and frame", "this machine, per second", "ns"):
         table.add_column(column, justify="right" if column else "left")
     table.add_row(
         "bytes, from memory", f"{roof.bytes:,}", f"{roof.memory / 1e9:.1f} GB", f"{1e9 * roof.from_memory:,.0f}"

@@ -1,22 +1,25 @@
-"""Time per character-frame: `python -m bench.speed.frames [--bank BANK] [--out frames.json]`.
+"""Measures the time per character and frame: `python -m bench.speed.frames [--bank BANK] [--out frames.json]`.
 
-What the rows are:
+Rows of the tables:
 
-splice, naive, none   one call of `Evaluator.evaluate` for all characters, checks included: the splice with posture
-                      `relative`; plain replacement; the locomotion alone. Each into poses of its own.
-copy                  the floor: `np.take` of the rows that such splices read, from the same mapped tables, two
-                      neighbouring ones of each per character, and a copy of as many bytes as the poses have. Which
-                      rows is known beforehand, so this is memory traffic alone. But rows are written too, and none is
-                      fetched ahead: from memory, kernels can be faster.
-NumPy                 the same splices, by arrays and without kernels (`bench.speed.numpy_twin`), in rounds of its own.
+splice, naive, none   One call of `Evaluator.evaluate` for all characters, including its checks. The methods are the
+                      splice with posture `relative`, plain replacement, and the locomotion alone. Each writes into its
+                      own poses.
+copy                  The floor: `np.take` of the rows that the splices read, two neighbouring rows of each mapped
+                      table per character, and a copy of as many bytes as the poses have. The rows are known in
+                      advance, so this is memory traffic alone. But it also writes the rows and prefetches nothing, so
+                      kernels can be faster than this when rows come from memory.
+NumPy                 The same splices in NumPy, without kernels (`bench.speed.numpy_twin`), in separate rounds.
 
-All of a table run in turns, in rounds of one process; each call has requests of its own, and ratios are taken within
-rounds. A time is a whole call by its number of characters. Warm: after a call that is not timed, and small batches many
-times in a row. Cold: before each call, more memory is written than the caches hold. Paced: one call per 60 Hz tick,
-asleep in between, so that a core slows down and its caches are others'. Single calls: one character each, many times in
-a row; what it costs more than a character of a batch is Python's.
+All rows of a table run interleaved in one process. Each call has its own requests, and ratios are taken within rounds.
+A time is that of a whole call divided by its number of characters.
 
-Times hold for the machine and for what else it does. The slowest of some rounds is mostly somebody else's work.
+warm     After an untimed call; small batches run many times in a row.
+cold     Before each call, more memory is written than the caches hold.
+paced    One call per 60 Hz tick, with sleep in between, so that the core slows down and others use its caches.
+single   One character per call, many times in a row. The extra cost over a character in a batch is Python's overhead.
+
+The times depend on the machine and its other load. The slowest round is mostly due to other processes.
 """
 
 from __future__ import annotations
@@ -42,27 +45,28 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import POSTURES, Memory
+from motionsplice.runtime.splice import Splice
 
 Tables = dict[str, list[Summary]]
 
 ANY = Scene()
-BATCH, LARGE = 1000, 10_000  # characters; from LARGE on there are fewer rounds
+BATCH, LARGE = 1000, 10_000  # characters; batches of LARGE or more run fewer rounds
 COLD, PACED = (1, 100, 1000), (1, 100, 1000)
-HOT = 100  # characters that small batches of a hot loop come to
+HOT = 100  # least number of characters per turn of a hot loop; smaller batches are called several times
 
 
 def main(
-    bank: Annotated[Path | None, typer.Option(help="A bank; a generated one if not given")] = None,
-    joints: Annotated[int, typer.Option(help="Of a generated bank")] = Size.joints,
-    clips: Annotated[int, typer.Option(help="Of a generated bank")] = Size.clips,
-    seconds: Annotated[float, typer.Option(help="Length of a generated bank's clips")] = Size.seconds,
-    characters: Annotated[list[int] | None, typer.Option(help="May be given more than once")] = None,
-    rounds: Annotated[int, typer.Option(min=2)] = 300,
-    ticks: Annotated[int, typer.Option(min=2, help="60 Hz ticks of each paced row")] = 300,
-    threads: Annotated[int, typer.Option(min=2, help="Compared with one")] = 2,
-    out: Annotated[Path | None, typer.Option(help="JSON file of the results")] = None,
+    bank: Annotated[Path | None, typer.Option(help="A bank; default: a generated one")] = None,
+    joints: Annotated[int, typer.Option(help="Joints of the generated bank")] = Size.joints,
+    clips: Annotated[int, typer.Option(help="Clips of the generated bank")] = Size.clips,
+    seconds: Annotated[float, typer.Option(help="Length of the generated bank's clips")] = Size.seconds,
+    characters: Annotated[list[int] | None, typer.Option(help="Batch size; may be given several times")] = None,
+    rounds: Annotated[int, typer.Option(min=2, help="Rounds of each table")] = 300,
+    ticks: Annotated[int, typer.Option(min=2, help="60 Hz ticks per paced row")] = 300,
+    threads: Annotated[int, typer.Option(min=2, help="Number of threads to compare with one")] = 2,
+    out: Annotated[Path | None, typer.Option(help="JSON file for the results")] = None,
 ) -> None:
-    """Prints what a splice costs, against plain replacement and against a copy of the bytes that it touches."""
+    """Prints the time of a splice, beside plain replacement and a copy of the same number of bytes."""
     with tempfile.TemporaryDirectory() as folder:
         opened = Bank.open(bank) if bank else generate(Path(folder) / "bank", Size(joints, clips, seconds))
         evaluator = Evaluator(opened)
@@ -89,7 +93,7 @@ def main(
 
 
 def as_json(about: Mapping[str, object], tables: Tables, roof: roofline.Roofline) -> dict[str, Any]:
-    """What is written to the file: seconds per character-frame."""
+    """Returns the content of the JSON file. Times are seconds per character and frame."""
     return {
         "bank": dict(about),
         "tables": {name: [asdict(one) for one in rows] for name, rows in tables.items()},
@@ -98,35 +102,35 @@ def as_json(about: Mapping[str, object], tables: Tables, roof: roofline.Roofline
 
 
 def batches(evaluator: Evaluator, sizes: list[int], rounds: int) -> list[Summary]:
-    """Warm batches of many sizes: any pair of clips at any time."""
-    twin, told = NumpyTwin(evaluator.bank), []
+    """Times warm batches of several sizes: random pairs of clips at random times."""
+    twin, rows = NumpyTwin(evaluator.bank), []
     for count in sizes:
         work = methods(evaluator, count, ANY)
-        told += summaries(warm(work, count, rounds), count)
+        rows += summaries(warm(work, count, rounds), count)
         work["NumPy"] = twin_evaluation(twin, evaluator, request_sets(evaluator.bank, count, ANY, seed=len(work)))
-        # In rounds apart, for it empties the caches of the others.
-        told += [one for one in summaries(warm(work, count, max(rounds // 10, 2)), count) if one.what == "NumPy"]
-    return told
+        # In separate rounds, because it evicts the others' data from the caches.
+        rows += [one for one in summaries(warm(work, count, max(rounds // 10, 2)), count) if one.what == "NumPy"]
+    return rows
 
 
 def warm(work: Mapping[str, Work], count: int, rounds: int) -> dict[str, Floats]:
-    """Seconds of calls in a hot loop, of small batches many, of large ones fewer."""
+    """Returns the seconds of calls in a hot loop. Small batches have more calls per round, large ones fewer rounds."""
     calls = max(HOT // count, 1)
     return interleaved(work, max(rounds // (5 if count >= LARGE else 1), 2), calls)
 
 
 def scenes(evaluator: Evaluator, rounds: int) -> list[Summary]:
-    """Warm batches in which characters play one pair or many, at times that go on or at any."""
-    told = []
+    """Times warm batches in which characters play one pair or many, at sequential or random times."""
+    rows = []
     for scene in (Scene(many, sequential) for many in (False, True) for sequential in (True, False)):
         for one in summaries(warm(methods(evaluator, BATCH, scene), BATCH, rounds), BATCH):
             if one.what == "splice":
-                told.append(Summary(**(vars(one) | {"what": scene.label})))
-    return told
+                rows.append(Summary(**(vars(one) | {"what": scene.label})))
+    return rows
 
 
 def forms(evaluator: Evaluator, rounds: int) -> list[Summary]:
-    """Warm batches of every posture, and the world positions of poses that are there."""
+    """Times warm batches with each posture, and the world positions of existing poses."""
     bank, joints = evaluator.bank, evaluator.bank.skeleton.joint_count
     work: dict[str, Work] = {"naive": methods(evaluator, BATCH, ANY)["naive"]}
     for seed, posture in enumerate(POSTURES, 1):
@@ -139,48 +143,48 @@ def forms(evaluator: Evaluator, rounds: int) -> list[Summary]:
 
 
 def on_threads(bank: Bank, threads: int, rounds: int) -> list[Summary]:
-    """Warm batches on one thread, and divided among some."""
-    told = []
+    """Times warm batches on one thread and on several."""
+    rows = []
     for count in (100, BATCH, LARGE):
         work = {"one thread": evaluation(Evaluator(bank), request_sets(bank, count, ANY))}
         if threads > 1:
             sets = request_sets(bank, count, ANY, seed=1)
             work[f"{threads} threads"] = evaluation(Evaluator(bank, threads=threads), sets)
-        told += summaries(warm(work, count, rounds), count, ["one thread"])
-    return told
+        rows += summaries(warm(work, count, rounds), count, ["one thread"])
+    return rows
 
 
 def cold(evaluator: Evaluator, rounds: int) -> list[Summary]:
-    """Batches whose rows, poses and code have to come from memory."""
-    told = []
+    """Times batches whose rows, poses and code must come from memory."""
+    rows = []
     for count in COLD:
-        told += summaries(interleaved(methods(evaluator, count, ANY), max(rounds, 2), before=evict_caches), count)
-    return told
+        rows += summaries(interleaved(methods(evaluator, count, ANY), max(rounds, 2), before=evict_caches), count)
+    return rows
 
 
 def in_ticks(evaluator: Evaluator, ticks: int) -> list[Summary]:
-    """Batches at 60 Hz: a tick is one of one size, and the next one of the next."""
+    """Times batches at 60 Hz, one piece of work per tick, with all sizes and methods in turn."""
     scene = Scene(sequential=True)
     work = {(count, name): one for count in PACED for name, one in methods(evaluator, count, scene).items()}
     seconds = paced({f"{count} {name}": one for (count, name), one in work.items()}, ticks)
-    told = []
+    rows = []
     for count in PACED:
         own = {name: seconds[f"{size} {name}"] for size, name in work if size == count}
-        told += summaries(own, count)
-    return told
+        rows += summaries(own, count)
+    return rows
 
 
 def single_calls(evaluator: Evaluator, rounds: int) -> list[Summary]:
-    """One character a call, as a small game asks: by request, into room that is there, and by name."""
+    """Times calls of one character, as in a small game: by request into existing poses, and by name."""
     work = methods(evaluator, 1, ANY)
     first, last = evaluator.bank.clips[0], evaluator.bank.clips[-1]
     times = np.random.default_rng(0).random(SETS) * first.duration
-    work["by name"] = lambda number: evaluator.pose(first.name, times[number % SETS], last.name)
+    work["by name"] = lambda number: evaluator.pose(Splice(first.name, last.name), times[number % SETS])
     return summaries(warm(work, 1, rounds), 1)
 
 
 def methods(evaluator: Evaluator, count: int, scene: Scene) -> dict[str, Work]:
-    """The three methods and the floor."""
+    """Returns the work of the three methods and of the floor, `copy`."""
     bank = evaluator.bank
     work = {
         method: evaluation(evaluator, request_sets(bank, count, scene, method, seed=seed))

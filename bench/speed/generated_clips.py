@@ -18,12 +18,12 @@ FINGERS = tuple(
     for side, names in (("Left", "Thumb Index Middle Ring Pinky"), ("Right", "Thumb Index Middle Ring"))
     for name in names.split()
 )
-FINGER = np.array([0.0, -0.08, 0.0])  # metres below its hand
+FINGER = np.array([0.0, -0.08, 0.0])  # metres from the hand
 GAITS = ("walk", "run", "curve", "side_step")
 
 
 def generated(gait: str, seconds: float, seed: int) -> Clip:
-    """A built-in motion with nine fingers, which curl and stretch with time."""
+    """A built-in motion with nine fingers that curl and stretch over time."""
     clip = make(gait, seconds=seconds, rate=RATE, seed=seed)
     rig = clip.skeleton
     hands = [rig.index(finger[: finger.index("Hand") + 4]) for finger in FINGERS]
@@ -39,7 +39,7 @@ def generated(gait: str, seconds: float, seed: int) -> Clip:
 
 
 def write_generated(folder: Path, count: int, seconds: float) -> None:
-    """Writes so many BVH files. No two have the same bytes, for a cache would tell; every fifth motion repeats."""
+    """Writes `count` BVH files. Motions repeat after four files, but no two files are equal, so no cache applies."""
     folder.mkdir(parents=True)
     motions = [dump_bvh(generated(gait, seconds, seed)) for seed, gait in enumerate(GAITS[: min(count, len(GAITS))])]
     for number in range(count):

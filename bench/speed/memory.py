@@ -1,10 +1,9 @@
-"""What a bank costs in memory: `python -m bench.speed.memory [--clips 1000] [--seconds 36]`.
+"""Measures the memory of a bank and the time to open it: `python -m bench.speed.memory [--clips 1000] [--seconds 36]`.
 
-Of a generated bank of about 1 GB, unless told otherwise.
-
-Prints how long it takes to open without and with verification, how fast memory is read and digests are computed for
-comparison, what two processes that evaluate splices all over the bank have of it (`/proc/PID/smaps`, Linux), and the
-bytes of a character's state.
+The bank is generated, by default of about 1 GB. Prints:
+- the time to open it without and with verification, next to reading the same number of bytes and digesting them;
+- the pages that two processes hold while both evaluate splices all over the bank (`/proc/PID/smaps`, Linux only);
+- the bytes of a character's state.
 """
 
 from __future__ import annotations
@@ -41,9 +40,9 @@ PROCESSES = 2
 
 @dataclass(frozen=True)
 class Opening:
-    """Seconds that opening a bank of `bytes` takes, the median and the slowest, and what compares to it.
+    """Seconds to open a bank of `bytes`: medians, and the slowest without verification.
 
-    reading, digesting: seconds of a sum over, and of a digest of, as many bytes that are in memory.
+    reading, digesting: seconds to sum and to digest the same number of bytes in memory, for comparison.
     """
 
     bytes: int
@@ -57,7 +56,7 @@ class Opening:
 
 @dataclass(frozen=True)
 class State:
-    """Bytes of a character: its request and memory, which it keeps, and its pose, which each frame overwrites."""
+    """Bytes per character: request and memory persist between frames; each frame overwrites the pose."""
 
     request: int
     memory: int
@@ -65,20 +64,20 @@ class State:
 
 
 def main(
-    clips: Annotated[int, typer.Option(min=1)] = 1000,
-    seconds: Annotated[float, typer.Option(min=3.0, help="Length of a clip")] = 36.0,
-    times: Annotated[int, typer.Option(min=1, help="Times that the bank is opened")] = 20,
-    out: Annotated[Path | None, typer.Option(help="JSON file of the results")] = None,
+    clips: Annotated[int, typer.Option(min=1, help="Clips of the generated bank")] = 1000,
+    seconds: Annotated[float, typer.Option(min=3.0, help="Length of each clip")] = 36.0,
+    times: Annotated[int, typer.Option(min=1, help="How often to open the bank")] = 20,
+    out: Annotated[Path | None, typer.Option(help="JSON file for the results")] = None,
 ) -> None:
-    """Prints what a large bank costs to open and to hold."""
+    """Prints the time to open a large bank and the memory to hold it."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bank"
         bank = generate(path, Size(clips=clips, seconds=seconds))
         for file in path.rglob("*.*"):
             with file.open("rb+") as written:
-                os.fsync(written.fileno())  # a page that is not yet on the disk would count as dirty
+                os.fsync(written.fileno())  # otherwise pages not yet on disk would count as dirty
         opening, state = time_opening(bank, times), state_of(bank)
-        del bank  # or this process would share the pages too
+        del bank  # otherwise this process would share the pages too
         held = held_by_processes(path)
     show(opening, state, held)
     if out:
@@ -87,7 +86,7 @@ def main(
 
 
 def time_opening(bank: Bank, times: int) -> Opening:
-    """Opens a bank whose files are in the page cache, again and again."""
+    """Opens a bank `times` times, with its files in the page cache."""
     data = np.ones(sum(table.nbytes for table in bank.tables.values()), np.uint8)
     unverified = seconds_of(lambda: Bank.open(bank.path, verify=False), times)
     verified = seconds_of(lambda: Bank.open(bank.path), 3)
@@ -105,7 +104,7 @@ def time_opening(bank: Bank, times: int) -> Opening:
 
 
 def seconds_of(work: Callable[[], object], times: int) -> list[float]:
-    """Seconds of each of so many runs."""
+    """Returns the seconds of each of `times` runs of `work`."""
     seconds = []
     for _ in range(times):
         began = time.perf_counter()
@@ -115,7 +114,7 @@ def seconds_of(work: Callable[[], object], times: int) -> list[float]:
 
 
 def state_of(bank: Bank) -> State:
-    """The bytes of one character."""
+    """Returns the bytes of one character's state."""
     memory, poses = Memory.begin(1, RATE), Evaluator(bank).poses(1)
     return State(
         request=REQUEST.itemsize,
@@ -125,7 +124,7 @@ def state_of(bank: Bank) -> State:
 
 
 def held_by_processes(bank: Path) -> list[dict[str, int]]:
-    """What each of PROCESSES processes has of a bank's tables, bytes by field, while all of them have it open."""
+    """Returns the bytes of a bank's tables that each of PROCESSES processes holds, by field, while all have it open."""
     context = multiprocessing.get_context("spawn")
     pipes = [context.Pipe() for _ in range(PROCESSES)]
     processes = [context.Process(target=_hold, args=(bank, theirs)) for _, theirs in pipes]
@@ -133,16 +132,16 @@ def held_by_processes(bank: Path) -> list[dict[str, int]]:
         process.start()
     for (ours, theirs), _ in zip(pipes, processes, strict=True):
         theirs.close()
-        ours.recv()  # EOFError, if the process failed
+        ours.recv()  # raises EOFError if the process failed
     held = [table_pages(Path(f"/proc/{process.pid}/smaps").read_text(), str(bank)) for process in processes]
     for (ours, _), process in zip(pipes, processes, strict=True):
-        ours.send("enough")
+        ours.send("end")
         process.join()
     return held
 
 
 def _hold(path: Path, pipe: Connection) -> None:
-    """Opens a bank, plays splices until every clip has been touched in many places, and waits."""
+    """Opens a bank, evaluates splices that read every clip in many places, and waits for the parent process."""
     bank = Bank.open(path, verify=False)
     evaluator = Evaluator(bank)
     for requests in request_sets(bank, 20_000, Scene()):
@@ -152,7 +151,7 @@ def _hold(path: Path, pipe: Connection) -> None:
 
 
 def table_pages(smaps: str, folder: str) -> dict[str, int]:
-    """Bytes of FIELDS, summed over the mappings of files below `folder`, in a text of /proc/PID/smaps."""
+    """Returns bytes by FIELDS, summed over all mapped files below `folder`, from the text of /proc/PID/smaps."""
     total, ours = dict.fromkeys(FIELDS, 0), False
     for line in smaps.splitlines():
         if HEADING.match(line):
@@ -163,7 +162,7 @@ def table_pages(smaps: str, folder: str) -> dict[str, int]:
 
 
 def show(opening: Opening, state: State, held: Sequence[dict[str, int]]) -> None:
-    """Prints all of it."""
+    """Prints all results."""
     console, gigabytes = Console(width=110), opening.bytes / 1e9
     table = Table(
         title=f"A bank of {gigabytes:.2f} GB in {opening.clips:,} clips, in the page cache", title_justify="left"
@@ -174,18 +173,18 @@ def show(opening: Opening, state: State, held: Sequence[dict[str, int]]) -> None
     table.add_row("open without verification, slowest", f"{1e3 * opening.slowest_unverified:.1f}", "")
     for label, seconds in (
         ("open with verification", opening.verified),
-        ("a digest of as many bytes", opening.digesting),
-        ("a sum of as many bytes", opening.reading),
+        ("digest of the same number of bytes", opening.digesting),
+        ("sum of the same number of bytes", opening.reading),
     ):
         table.add_row(label, f"{1e3 * seconds:,.0f}", f"{gigabytes / seconds:.2f}")
     console.print(table)
-    table = Table(title="Pages of the tables, processes at the same time, MB", title_justify="left")
+    table = Table(title="Pages of the tables held by simultaneous processes, MB", title_justify="left")
     for column in ("process", *FIELDS):
         table.add_column(column, justify="right")
     for number, one in enumerate(held, 1):
         table.add_row(str(number), *(f"{one[field] / 1e6:.1f}" for field in FIELDS))
     console.print(table)
-    console.print(f"State of a character: request {state.request} B, memory {state.memory} B; its pose {state.pose} B")
+    console.print(f"Per character: request {state.request} B, memory {state.memory} B, pose {state.pose} B")
 
 
 if __name__ == "__main__":

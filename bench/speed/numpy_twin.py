@@ -1,7 +1,7 @@
-"""The splice as one would write it with NumPy: whole batches at once, posture `relative` (docs/bank.md, by hand).
+"""The splice written with NumPy: whole batches at once, posture `relative` (docs/bank.md, by hand).
 
-Each step is an array operation over all characters, so there is no loop in Python; but each reads and writes arrays of
-its own. It is what the kernels are measured against, and tells which rows a splice touches.
+Each step is an array operation over all characters. So there is no Python loop, but each step reads and writes whole
+arrays. The kernels are measured against this version. It also computes which rows a splice reads.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Between which rows of a table n characters are: `rows` [n] and the ones after them, and how far past [n]."""
+    """Positions of n characters in a table: between `rows` [n] and the next rows, at the fractions `shares` [n]."""
 
     rows: Integers
     shares: Floats
@@ -44,7 +44,7 @@ class NumpyTwin:
         )
 
     def evaluate(self, requests: Requests, out: Poses) -> None:
-        """Writes the poses of splices, posture `relative`, whatever method and posture the requests name."""
+        """Writes the poses of splices with posture `relative`. Ignores the method and posture of the requests."""
         below, above = self.splice_places(requests)
         layout, lower, upper = self._layout, self._tables["lower"], self._tables["upper"]
         before_l, after_l, before_u, after_u = (
@@ -56,17 +56,17 @@ class NumpyTwin:
         for half, lanes in ((layout.lower, lanes_l), (layout.upper, lanes_u)):
             out.rotations[:, half.joints] = lanes[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)]
         cloud, planes = slice(CLOUD, CLOUD + 3 * layout.cloud_width), (-1, 3, layout.cloud_width)
-        # What fills up the vectors is points at the origin, which add nothing.
+        # Padding consists of points at the origin, which add nothing.
         target = _mix(before_l[:, cloud], after_l[:, cloud], below.shares).reshape(planes).swapaxes(1, 2)
         source = _mix(before_u[:, cloud], after_u[:, cloud], above.shares).reshape(planes).swapaxes(1, 2)
         aligned = quaternion.multiply(lanes_l[:, PELVIS], horn_rotation(target, source))
         turn = quaternion.multiply(lanes_u[:, TORSO_OFFSET], quaternion.conjugate(lanes_l[:, TORSO_OFFSET]))
         frame = lanes_l[:, POSTURE_FRAME]
-        seen = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
-        out.rotations[:, layout.pelvis] = quaternion.multiply(seen, aligned)
+        lean = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
+        out.rotations[:, layout.pelvis] = quaternion.multiply(lean, aligned)
 
     def splice_places(self, requests: Requests) -> tuple[Places, Places]:
-        """Where in `lower` and in `upper` splices are."""
+        """Returns the positions in the tables `lower` and `upper`, as if all requests were splices."""
         clip_l, clip_u, phases = requests.locomotion, requests.action, self._tables["phase_of_frame"]
         below = self._own_places(clip_l, requests.time)
         phase = _between(phases, below)
@@ -78,13 +78,13 @@ class NumpyTwin:
         cycles = self._last[clip_u] - self._first[clip_u]
         cells = (phase - self._first[clip_u]) * ((self._cells[clip_u] - 1) / cycles)
         frame = _between(self._tables["frame_of_phase"], _locate(cells, self._first_cell[clip_u], self._cells[clip_u]))
-        for _ in range(2):  # as the kernels, from the table's near answer to the very frame
+        for _ in range(2):  # like the kernels, refines the table's approximate frame to the exact one
             rows = _locate(frame, self._first_row[clip_u], self._rows[clip_u]).rows
             frame = rows - self._first_row[clip_u] + (phase - phases[rows]) / (phases[rows + 1] - phases[rows])
         return below, _locate(frame, self._first_row[clip_u], self._rows[clip_u])
 
     def places(self, requests: Requests) -> tuple[Places, Places]:
-        """Where in `lower` and in `upper` characters are: splices and others."""
+        """Returns the positions in the tables `lower` and `upper` for each request's own method."""
         below, above = self.splice_places(requests)
         clip_u = requests.action
         last = (self._frames[clip_u] - 1) / self._rate[clip_u]
@@ -100,9 +100,9 @@ class NumpyTwin:
 
 
 def _locate(at: Floats, first: Integers, count: Integers) -> Places:
-    held = np.clip(at, 0.0, count - 1.0)
-    before = np.minimum(held.astype(np.int64), count - 2)
-    return Places(first + before, held - before)
+    clamped = np.clip(at, 0.0, count - 1.0)
+    before = np.minimum(clamped.astype(np.int64), count - 2)
+    return Places(first + before, clamped - before)
 
 
 def _between(table: NDArray[np.floating], place: Places) -> Floats:

@@ -1,8 +1,9 @@
-"""How long the offline job takes: `python -m bench.speed.precompute [CLIPS] [--jobs N] [--rounds 3] [--out FILE.json]`.
+"""Measures the offline job: `python -m bench.speed.precompute [CLIPS] [--jobs N] [--rounds 3] [--out FILE.json]`.
 
-Without CLIPS, on generated ones (31 joints at 120 frames per second): of 10 s, 1 min and 10 min, and 10, 100 and 1,000
-of 4 s. With CLIPS, on a folder of files. Each run is a process of its own, whose memory is measured; its kernels are
-warm before its clock starts. Disk writes are included, and files that were just written are read from memory.
+Without CLIPS, processes generated clips of 31 joints at 120 frames per second: single clips of 10 s, 1 min and 10 min,
+and then 10, 100 and 1,000 clips of 4 s. With CLIPS, processes a folder of files. Each run is a separate process, whose
+memory is measured and whose kernels are warm before its clock starts. Times include writing to disk. Files that were
+just written are read from the page cache.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ MEGABYTE = 1e6
 
 @dataclass(frozen=True)
 class Timing:
-    """One run: seconds of motion, seconds it took, and the most memory, bytes, of its process and of a worker."""
+    """One run: seconds of motion, seconds taken, and peak memory in bytes of its process and of its largest worker."""
 
     what: str
     motion: float
@@ -63,13 +64,13 @@ class Timing:
 
 
 def main(
-    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; generated ones if not given")] = None,
-    baseline: Annotated[str | None, typer.Option(help="Baseline clip")] = None,
-    jobs: Annotated[int, typer.Option(min=1, help="Processes of the runs that use several")] = 2,
-    rounds: Annotated[int, typer.Option(min=2, help="Of the generated clips only the lengths are repeated")] = 3,
-    out: Annotated[Path | None, typer.Option(help="JSON file of all timings")] = None,
+    clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: generated clips")] = None,
+    baseline: Annotated[str | None, typer.Option(help="Baseline clip; default: chosen automatically")] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Number of processes of the parallel runs")] = 2,
+    rounds: Annotated[int, typer.Option(min=2, help="Rounds; for generated clips, of the single clips only")] = 3,
+    out: Annotated[Path | None, typer.Option(help="JSON file for all timings")] = None,
 ) -> None:
-    """Prints times and memory, and how time grows with the length and the number of clips."""
+    """Prints times and memory, and how the time grows with the length and the number of clips."""
     console, timings = Console(width=120), []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -77,7 +78,7 @@ def main(
             timings = _folder_runs(clips, baseline, folder / "bank", jobs, rounds)
         else:
             lengths = [timing for _ in range(rounds) for timing in in_process(time_lengths)]
-            console.print(_table(lengths, "one clip, one core"))
+            console.print(_table(lengths, "One clip on one core"))
             for what in dict.fromkeys(timing.what.split(",")[0] for timing in lengths):
                 console.print(_growth(what, [one for one in lengths if one.what.startswith(what)]))
             counts = []
@@ -85,7 +86,7 @@ def main(
                 in_process(write_generated, folder / str(count), count, SHORT)
                 counts += _folder_runs(folder / str(count), None, folder / "bank", jobs, 1, f"{count} clips, ")
                 shutil.rmtree(folder / str(count))
-            console.print(_table(counts, f"clips of {SHORT:g} s, from files to a bank"))
+            console.print(_table(counts, f"Clips of {SHORT:g} s, from files to a bank"))
             cold = [one for one in counts if one.what.endswith("cold, 1 process")]
             console.print(_growth("cold, 1 process", cold))
             timings = lengths + counts
@@ -96,13 +97,13 @@ def main(
 
 
 def in_process(function: Callable[..., Any], *arguments: Any) -> Any:
-    """The function's result in a process of its own, so that its memory is its own."""
+    """Calls a function in a new process, so that its memory is measured separately, and returns its result."""
     with ProcessPoolExecutor(1, get_context("spawn"), end_with_parent) as pool:
         return pool.submit(function, *arguments).result()
 
 
 def time_lengths() -> list[Timing]:
-    """Clips of each length: read from BVH text; aligned as an action; and written as a bank with their neutral."""
+    """Times clips of each length: reading BVH text, aligning as an action, and writing a bank with their neutral."""
     base = generated("walk", LENGTHS[0], seed=1)
     with tempfile.TemporaryDirectory() as name:
         file, bank = Path(name) / "action.bvh", Path(name) / "bank"
@@ -129,14 +130,14 @@ def time_lengths() -> list[Timing]:
                 "BVH file to tables": written - began,
             }.items():
                 timings.append(Timing(f"{what}, {seconds:g} s", seconds, taken, _peak(resource.RUSAGE_SELF)))
-    return timings[3:]  # the first ones were for the kernels
+    return timings[3:]  # the first length only warmed up the kernels
 
 
 def time_job(clips: Path, bank: Path, baseline: str | None, jobs: int) -> tuple[float, float, float]:
-    """Seconds that the job took, and the peak memory, bytes, of its process and of the largest worker."""
+    """Returns the seconds of the job, and the peak memory in bytes of its process and of its largest worker."""
     with tempfile.TemporaryDirectory() as name:
         write_generated(Path(name) / "clips", 1, SHORT)
-        build_bank([Path(name) / "clips"], Path(name) / "bank")  # for the kernels
+        build_bank([Path(name) / "clips"], Path(name) / "bank")  # warms up the kernels
     began = time.perf_counter()
     try:
         build_bank([clips], bank, baseline=baseline, jobs=jobs)
@@ -148,7 +149,7 @@ def time_job(clips: Path, bank: Path, baseline: str | None, jobs: int) -> tuple[
 def _folder_runs(
     clips: Path, baseline: str | None, bank: Path, jobs: int, rounds: int, label: str = ""
 ) -> list[Timing]:
-    """Cold with one process and with several; then once more, nothing changed; then with one clip changed."""
+    """Times cold runs with one process and with several, then a run without changes, then one with a changed clip."""
     timings = []
     copies = bank.with_name("copies")
     shutil.copytree(clips, copies)
@@ -196,7 +197,7 @@ def _table(timings: list[Timing], title: str) -> Table:
 
 
 def _growth(what: str, timings: list[Timing]) -> str:
-    """The power of the motion's length with which time grows, and its standard error: 1 is linear."""
+    """Describes how the time grows with the motion's length: the fitted exponent (1: linear) and its standard error."""
     x, y = (np.log([getattr(one, field) for one in timings]) for field in ("motion", "seconds"))
     (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
     return f"{what}: time grows with the motion's length to the power {slope:.2f} ± {np.sqrt(covariance[0, 0]):.2f}"

@@ -1,4 +1,4 @@
-"""What characters play in the speed benchmarks, and a copy of the bytes that they touch."""
+"""Requests for the speed benchmarks, and a copy of the bytes that they read and write."""
 
 from __future__ import annotations
 
@@ -14,12 +14,15 @@ from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Requests
 
 RATE = 60.0  # ticks per second
-SETS = 32  # of requests, which rounds take in turns
+SETS = 32  # sets of requests; each round takes the next one
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What characters play: one clip pair or any (`many`), at times that go on by a tick each round, or at any."""
+    """What characters play: one pair of clips or random pairs (`many`), at random or `sequential` times.
+
+    Sequential times advance by a tick per round.
+    """
 
     many: bool = True
     sequential: bool = False
@@ -32,57 +35,60 @@ class Scene:
 def request_sets(
     bank: Bank, count: int, scene: Scene, method: str = "splice", posture: str = "relative", seed: int = 0
 ) -> list[Requests]:
-    """SETS sets of requests of `count` characters; work that runs in turns needs seeds of its own, or it finds in the
-    caches what other work brought there."""
+    """Returns SETS sets of requests for `count` characters.
+
+    Interleaved pieces of work need different seeds, because otherwise they find each other's rows in the caches.
+    """
     draw = np.random.default_rng(seed)
     clips = len(bank.clips)
     locomotion, action = draw.integers(0, clips, (2, count)) if scene.many else np.array([[0], [clips - 1]])
     durations = np.array([clip.duration for clip in bank.clips])
-    lasts = np.broadcast_to(durations[locomotion], count)
-    begun, sets = draw.random(count) * lasts, []
+    lengths = np.broadcast_to(durations[locomotion], count)
+    starts, sets = draw.random(count) * lengths, []
     for number in range(SETS):
         requests = Requests.empty(count)
         requests.locomotion[:], requests.action[:] = locomotion, action
-        times = np.mod(begun + number / RATE, lasts) if scene.sequential else draw.random(count) * lasts
+        times = np.mod(starts + number / RATE, lengths) if scene.sequential else draw.random(count) * lengths
         requests.time[:], requests.method[:], requests.posture[:] = times, METHODS[method], POSTURES[posture]
         sets.append(requests)
     return sets
 
 
 def evaluation(evaluator: Evaluator, sets: Sequence[Requests], memory: Memory | None = None) -> Work:
-    """Evaluates one set a round into poses of its own."""
+    """Work that evaluates one set of requests per round into its own poses."""
     poses = evaluator.poses(len(sets[0]))
     return lambda number: evaluator.evaluate(sets[number % len(sets)], poses, memory)
 
 
 def twin_evaluation(twin: NumpyTwin, evaluator: Evaluator, sets: Sequence[Requests]) -> Work:
-    """The same, by the NumPy twin."""
+    """The same work, done by the NumPy twin."""
     poses = evaluator.poses(len(sets[0]))
     return lambda number: twin.evaluate(sets[number % len(sets)], poses)
 
 
 class Copy:
-    """The floor: copies what a set of requests reads and writes, and computes nothing.
+    """The floor: copies the bytes that a set of requests reads and writes, and computes nothing.
 
-    The very rows of both tables, two neighbours of each per character, as whole items into an array that is there, and
-    as many bytes of poses from one array to another. Which rows these are is worked out beforehand. An evaluator
-    that has its rows fetched ahead, and need not write them, can be faster where they come from memory.
+    It copies the same rows of both tables, two neighbouring rows of each per character, as whole items into an existing
+    array. It also copies as many bytes as the poses have. The rows are determined beforehand. An evaluator prefetches
+    its rows and does not write them, so it can be faster than this when rows come from memory.
     """
 
     def __init__(self, bank: Bank, sets: Sequence[Requests]) -> None:
         count, joints = len(sets[0]), bank.skeleton.joint_count
         twin, halves = NumpyTwin(bank), bank.layout.halves
-        # An item is a row, and a void one so that NumPy moves it whole.
+        # An item is a whole row, of a void type, so that NumPy copies it in one piece.
         items = {name: np.dtype((np.void, 4 * half.columns)) for name, half in halves.items()}
         self._tables = [bank.tables[name].view(items[name])[:, 0] for name in items]
         self._rows = [
-            [np.stack([place.rows, place.rows + 1], axis=1).ravel() for place in twin.places(one)] for one in sets
+            [np.stack([place.rows, place.rows + 1], axis=1).ravel() for place in twin.places(requests)]
+            for requests in sets
         ]
         self._room = [np.empty(2 * count, item) for item in items.values()]
         self._poses, self._out = np.zeros((2, count, 3 + 4 * joints), np.float32)
 
     def run(self, number: int) -> None:
-        """Copies for the set of a round."""
+        """Copies the bytes of one round's set."""
         for table, rows, room in zip(self._tables, self._rows[number % len(self._rows)], self._room, strict=True):
             np.take(table, rows, out=room, mode="clip")
         np.copyto(self._out, self._poses)

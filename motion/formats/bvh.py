@@ -1,8 +1,8 @@
-"""Biovision Hierarchy (BVH), read and written.
+"""Reads and writes Biovision Hierarchy (BVH) files.
 
-No reader on PyPI takes position channels on inner joints and is fast (docs/formats.md), so this is ours: the hierarchy
-is parsed line by line without recursion, the frames by NumPy. Euler channels are intrinsic rotations in the order in
-which they stand; position channels replace the joint's offset.
+No reader on PyPI is fast and supports position channels on inner joints (docs/formats.md), hence this one. The
+hierarchy is parsed line by line without recursion, the frames by a Numba kernel. Euler channels are intrinsic rotations
+in the order of the file; position channels replace the joint's offset.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError
-from motionsplice.motion.formats.decimals import read_table
+from motionsplice.motion.formats.decimals import is_finite, read_table
 from motionsplice.motion.formats.fold import Nodes, still
 from motionsplice.motion.quaternion import Floats
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
-BLOCK = 256  # frames whose angles stay in a core's cache while they become rotations
-PIECE = 64  # frames that are written at once
-CUT_SHORT = "The file may be cut short: export it again"
+BLOCK = 256  # frames converted to rotations at once, so that their angles stay in a core's cache
+PIECE = 64  # frames written at once
+CUT_SHORT = "Export the file again; it may be cut short"
 
 
 @dataclass
@@ -40,9 +40,9 @@ class _Joint:
 
 
 def parse(data: bytes) -> tuple[Nodes, float]:
-    """The joints and motion in a BVH file, in its own unit, and its frames per second. Raises FormatError."""
+    """Parses a BVH file: its joints and motion, in the file's unit, and its frames per second. Raises FormatError."""
     if b"\0" in data:
-        raise FormatError("this is a binary file, not BVH text", mend="Export it as BVH")
+        raise FormatError("this is a binary file, not BVH text", mend="Export the motion as BVH")
     lines = data.decode("utf-8-sig", errors="replace").splitlines()
     joints, line = _hierarchy(lines)
     count, rate, line = _motion_header(lines, line)
@@ -51,25 +51,26 @@ def parse(data: bytes) -> tuple[Nodes, float]:
 
 
 def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
-    """All joints and end sites, and the number of the line with MOTION."""
+    """Returns all joints and end sites, and the index of the line with MOTION."""
     joints: list[_Joint] = []
-    open_joints: list[int] = []  # those whose brace is open
-    started = waiting = False  # waiting for a brace
+    open_joints: list[int] = []  # joints whose brace is open
+    started = waiting = False  # waiting: the next word must be an opening brace
     for number, (word, *rest) in _statements(lines):
         match word.upper():
             case "HIERARCHY" if not started:
                 started = True
             case _ if not started:
-                raise FormatError("a BVH file begins with HIERARCHY", place=f"line {number + 1}", mend="Is it one?")
+                problem = f"expected HIERARCHY, the first word of a BVH file, found {word[:40]!r}"
+                raise FormatError(problem, place=f"line {number + 1}", mend="Export the motion as BVH")
             case "ROOT" | "JOINT" | "END" if not waiting:
                 is_end = word.upper() == "END"
                 if not rest or (not is_end and (word.upper() == "ROOT") != (not joints)) or (is_end and not joints):
-                    raise FormatError("one ROOT with JOINTs below it was expected", place=f"line {number + 1}")
+                    raise FormatError("expected one ROOT with named JOINTs below it", place=f"line {number + 1}")
                 if joints and not open_joints:
-                    raise FormatError("a joint lies outside the root", place=f"line {number + 1}")
+                    raise FormatError("a joint is outside the ROOT's braces", place=f"line {number + 1}")
                 parent = open_joints[-1] if open_joints else -1
                 if joints and joints[parent].is_end:
-                    raise FormatError("nothing can hang on an End Site", place=f"line {number + 1}")
+                    raise FormatError("an End Site cannot have children", place=f"line {number + 1}")
                 joints.append(_Joint(" ".join(rest), parent, number + 1, is_end=is_end))
                 waiting = True
             case "{" if waiting:
@@ -84,12 +85,12 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
             case "MOTION" if joints and not open_joints and not waiting:
                 return joints, number
             case _:
-                raise FormatError(f"{' '.join([word, *rest])[:40]!r} was not expected here", place=f"line {number + 1}")
-    raise FormatError("it ends inside the hierarchy, before MOTION", place=f"line {len(lines)}", mend=CUT_SHORT)
+                raise FormatError(f"unexpected {' '.join([word, *rest])[:40]!r}", place=f"line {number + 1}")
+    raise FormatError("the file ends inside the hierarchy, before MOTION", place=f"line {len(lines)}", mend=CUT_SHORT)
 
 
 def _statements(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
-    """Numbered statements as words. A brace may stand behind the name it opens."""
+    """Yields each statement as its line index and words. A brace may follow on the line of the name that it opens."""
     for number, text in enumerate(lines):
         words = text.split()
         if len(words) > 1 and words[-1] == "{":
@@ -101,9 +102,9 @@ def _statements(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
 
 def _give_channels(joint: _Joint, channels: list[str], line: int) -> None:
     if joint.channels is not None:
-        raise FormatError(f"joint {joint.name!r} has CHANNELS twice", place=f"line {line}")
+        raise FormatError(f"joint {joint.name!r} has a second CHANNELS line", place=f"line {line}")
     if joint.is_end and channels:
-        raise FormatError("an End Site has CHANNELS", place=f"line {line}", mend="Make it a JOINT")
+        raise FormatError("an End Site cannot have CHANNELS", place=f"line {line}", mend="Make it a JOINT")
     joint.channels = channels
 
 
@@ -125,16 +126,17 @@ def _offset(words: list[str], line: int) -> list[float]:
 def _channels(words: list[str], line: int) -> list[str]:
     channels = [word.capitalize() for word in words[1:]]
     if not words or words[0] != str(len(channels)):
-        raise FormatError(f"CHANNELS names {len(channels)} channels, not the number it says", place=f"line {line}")
+        declared = words[0][:20] if words else "nothing"
+        raise FormatError(f"CHANNELS declares {declared}, but names {len(channels)} channels", place=f"line {line}")
     if unknown := [word for word in channels if word not in CHANNELS]:
         raise FormatError(f"unknown channel {unknown[0]!r}", place=f"line {line}", mend=f"Use {', '.join(CHANNELS)}")
     if len(set(channels)) != len(channels):
-        raise FormatError("CHANNELS names a channel twice", place=f"line {line}")
+        raise FormatError("CHANNELS lists a channel twice", place=f"line {line}")
     return channels
 
 
 def _motion_header(lines: list[str], line: int) -> tuple[int, float, int]:
-    """The frame count, frames per second and the number of the first line of frames."""
+    """Returns the frame count, the frames per second and the index of the first line of frames."""
     found: dict[str, str] = {}
     for number in range(line + 1, len(lines)):
         key, _, value = lines[number].partition(":")
@@ -147,34 +149,34 @@ def _motion_header(lines: list[str], line: int) -> tuple[int, float, int]:
             found[name] = value.strip()
             float(value)
         except ValueError:
-            expected = "'Frames: N' and 'Frame Time: seconds'"
-            raise FormatError(f"{expected} were expected", place=f"line {number + 1}") from None
+            problem = f"expected 'Frames: N' and 'Frame Time: seconds', found {lines[number].strip()[:40]!r}"
+            raise FormatError(problem, place=f"line {number + 1}") from None
         if len(found) == 2:
             count, step = float(found["frames"]), float(found["frametime"])
-            if not (
-                count >= 0 and math.isfinite(count) and count == int(count) and SHORTEST_STEP <= step <= LONGEST_STEP
-            ):
-                problem = f"{count:g} frames of {step:g} s are not a motion"
-                raise FormatError(problem, place=f"line {number + 1}", mend="Frame Time is seconds per frame")
+            whole = count >= 0 and math.isfinite(count) and count == int(count)
+            if not (whole and SHORTEST_STEP <= step <= LONGEST_STEP):
+                problem = f"the header is invalid: {count:g} frames of {step:g} s each"
+                mend = f"Give a whole number of frames and {SHORTEST_STEP:g} to {LONGEST_STEP:g} seconds per frame"
+                raise FormatError(problem, place=f"line {number + 1}", mend=mend)
             return int(count), _rate(found["frametime"]), number + 1
-    raise FormatError("it ends before the frames", place=f"line {len(lines)}", mend=CUT_SHORT)
+    raise FormatError("the file ends before the frames", place=f"line {len(lines)}", mend=CUT_SHORT)
 
 
 def _rate(text: str) -> float:
-    """Frames per second; a step that is a whole rate's to its last digit, rounded or cut, means that rate."""
+    """Returns frames per second: a whole rate if its step, rounded or truncated, gives the digits of `text`."""
     step, last_digit = float(text), 10.0 ** float(Decimal(text).as_tuple().exponent)
     whole = float(round(1.0 / step))
     return whole if whole > 0.0 and abs(1.0 / whole - step) < last_digit else 1.0 / step
 
 
 def _frames(lines: list[str], first: int, count: int, width: int) -> Floats:
-    """All channel values [F, width]. Allocates for what is there, whatever the header says."""
+    """Returns all channel values [F, width]. Allocates for the rows that exist, whatever the header claims."""
     rows = [(number, text) for number, text in enumerate(lines[first:], first + 1) if text.strip()]
     if len(rows) != count:
-        problem = f"the header says {count} frames, and {len(rows)} are there"
+        problem = f"expected {count} frames, as the header says, found {len(rows)}"
         raise FormatError(problem, place="after 'Frame Time'", mend=CUT_SHORT)
     if count == 0:
-        raise FormatError("it has no frames", mend="Export the motion, not the rig alone")
+        raise FormatError("the file has no frames", mend="Export the motion, not only the rig")
     values = read_table("\n".join(text for _, text in rows), count, width)
     if values is not None:
         return values
@@ -186,37 +188,32 @@ def _first_bad_row(rows: list[tuple[int, str]], width: int) -> FormatError:
         words = text.split()
         place = f"line {number}, frame {frame}"
         if len(words) != width:
-            return FormatError(f"{len(words)} values where the channels need {width}", place=place, mend=CUT_SHORT)
-        for word in words:
-            try:
-                sound = math.isfinite(float(word))
-            except ValueError:
-                sound = False
-            if not sound:
-                return FormatError(f"{word[:20]!r} is not a finite number", place=place)
-    return FormatError(f"the frames do not have {width} values each")
+            return FormatError(f"expected {width} values per frame, found {len(words)}", place=place, mend=CUT_SHORT)
+        if invalid := [word for word in words if not is_finite(word)]:
+            return FormatError(f"{invalid[0][:20]!r} is not a finite number", place=place)
+    return FormatError(f"expected {width} plain decimal numbers in every frame")
 
 
 def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
-    """Joints without end sites, and their motion."""
+    """Returns the joints and their motion, with end sites apart; `values` [F, width], `size` bytes of the file."""
     places = {number: place for place, number in enumerate(n for n, joint in enumerate(joints) if not joint.is_end)}
     real, ends = [joint for joint in joints if not joint.is_end], [joint for joint in joints if joint.is_end]
     rotations = still(len(values), len(real), size)
     translations: dict[int, Floats] = {}
-    alike: dict[str, list[tuple[int, list[int]]]] = {}  # joints and their columns by order of axes, to do at once
+    by_order: dict[str, list[tuple[int, list[int]]]] = {}  # joints and their columns, by Euler order: converted at once
     column = 0
     for place, joint in enumerate(real):
         channels = joint.channels or []
         turns = [number for number, channel in enumerate(channels) if channel.endswith("rotation")]
         order = "".join(channels[number][0] for number in turns).lower()
-        alike.setdefault(order, []).append((place, [column + number for number in turns]))
+        by_order.setdefault(order, []).append((place, [column + number for number in turns]))
         if len(turns) < len(channels):
             translations[place] = np.tile(np.array(joint.offset), (len(values), 1))
             for number, channel in enumerate(channels):
                 if channel.endswith("position"):
                     translations[place][:, "XYZ".index(channel[0])] = values[:, column + number]
         column += len(channels)
-    for order, turning in alike.items():
+    for order, turning in by_order.items():
         at, columns = [place for place, _ in turning], [own for _, own in turning]
         for first in range(0, len(values) if order else 0, BLOCK):
             halves = np.radians(values[first : first + BLOCK, columns]) * 0.5
@@ -233,13 +230,30 @@ def _nodes(joints: list[_Joint], values: Floats, size: int) -> Nodes:
 
 
 def dump_bvh(clip: Clip, unit: float = 1.0) -> bytes:
-    """A clip as BVH: ZXY Euler channels in degrees, lengths in `unit` metres, joints in depth-first order."""
+    """Writes a clip as a BVH file: ZXY Euler channels in degrees, joints in depth-first order.
+
+    Args:
+        clip: The clip.
+        unit: The file's unit of length in metres, such as 0.01 for centimetres.
+
+    Returns:
+        The file's bytes. Values of the frames have 6 decimal places, offsets 9 significant digits.
+
+    Example:
+        ```python
+        from pathlib import Path
+        from motionsplice import dump_bvh
+        from motionsplice.motion.procedural.library import make
+
+        Path("carry.bvh").write_bytes(dump_bvh(make("walk", "carry_box"), unit=0.01))
+        ```
+    """
     return b"".join(pieces(clip, unit))
 
 
 def pieces(clip: Clip, unit: float = 1.0) -> Iterator[bytes]:
-    """What `dump_bvh` gives, in pieces that each take a millisecond or two to make."""
-    from scipy.spatial.transform import Rotation  # half a second, which those who only read need not wait
+    """Yields the bytes of `dump_bvh` in pieces, each of which takes a millisecond or two."""
+    from scipy.spatial.transform import Rotation  # takes half a second, and reading does not need it
 
     order, text = _write_hierarchy(clip, unit)
     header = ["MOTION", f"Frames: {clip.frame_count}", f"Frame Time: {1.0 / clip.rate:.9g}", ""]
@@ -248,7 +262,7 @@ def pieces(clip: Clip, unit: float = 1.0) -> Iterator[bytes]:
     for first in range(0, clip.frame_count, PIECE):
         frames = slice(first, first + PIECE)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # in gimbal lock SciPy sets one angle to 0, which is right
+            warnings.simplefilter("ignore", UserWarning)  # in gimbal lock SciPy sets one angle to 0, which is correct
             turns = Rotation.from_quat(clip.rotations[frames, order].reshape(-1, 4)).as_euler("ZXY", degrees=True)
         places = clip.root_positions[frames] / unit
         values = np.concatenate([places, turns.reshape(len(places), -1)], axis=1)
@@ -256,13 +270,13 @@ def pieces(clip: Clip, unit: float = 1.0) -> Iterator[bytes]:
 
 
 def _write_hierarchy(clip: Clip, unit: float) -> tuple[list[int], list[str]]:
-    """Joints in the order in which they are written, and the lines of the hierarchy."""
+    """Returns the joints in the order of the file, and the lines of the hierarchy."""
     skeleton, lines = clip.skeleton, ["HIERARCHY"]
     ends: dict[int, list[int]] = {}
     for end, joint in enumerate(skeleton.end_parents):
         ends.setdefault(int(joint), []).append(end)
     order: list[int] = []
-    pending: list[tuple[int, int]] = [(0, 0)]  # joints to open, or, as -1, a brace to close, with their depth
+    pending: list[tuple[int, int]] = [(0, 0)]  # with their depth: joints to open, or -1 for a brace to close
     while pending:
         joint, depth = pending.pop()
         tab = "\t" * depth

@@ -1,9 +1,10 @@
-"""Motion files of any format -> clips."""
+"""Reads motion files of any supported format as clips."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -28,16 +29,23 @@ from motionsplice.motion.roles import (
 )
 
 SUFFIXES = (".amc", ".bvh")
-JUMP = 0.1  # radians, mean over joints: more after the first frame, and twice as much as elsewhere, is no motion
+# The first frame is a bind pose if the step after it, in mean radians over the joints, exceeds this and is more than
+# twice as large as any other step.
+JUMP = 0.1
 
-CHECKED_RATE = 10.0  # frames per second that show how a body is held
+CHECKED_RATE = 10.0  # frames per second at which the roles are checked against the motion
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A clip, its roles, the metres that one of the file's units was taken for, and what is worth knowing.
+    """A motion file as it was read.
 
-    warnings tell what would spoil a splice if nothing is done about it; notes what was done to the file.
+    Attributes:
+        clip: The motion, in metres, with the root as joint 0.
+        roles: The roles of the rig's joints.
+        unit: The metres in the file's unit of length, as given, stated in the file, or guessed.
+        notes: What was changed or assumed, such as joints left out or the unit guessed.
+        warnings: Problems that will spoil a splice unless they are fixed, such as a leading bind pose.
     """
 
     clip: Clip
@@ -48,34 +56,67 @@ class Reading:
 
 
 def read_clip(
-    path: Path, *, skip_frames: int = 0, unit: str | None = None, roles: Mapping[str, GivenRole] = NOTHING_GIVEN
+    path: str | PathLike[str],
+    *,
+    skip_frames: int = 0,
+    unit: str | None = None,
+    roles: Mapping[str, GivenRole] = NOTHING_GIVEN,
 ) -> Reading:
-    """Reads a BVH or AMC file; an AMC file's skeleton is the ASF file beside it.
+    """Reads a BVH or AMC file.
 
-    `skip_frames` leading frames are left out; `unit` is the file's unit of length, for files that do not say it and
-    whose legs do not show it; `roles` name joints that cannot be found by name. Raises MotionError naming the file.
+    The skeleton of an AMC file is the ASF file in the same folder: `16.asf` for `16_15.amc`, or else the only one.
+    Joints above the root, at which legs and trunk branch, are folded into its motion; joints that do not descend
+    from it are left out.
+
+    Args:
+        path: The file.
+        skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
+        unit: The file's unit of length: "m", "dm", "cm", "mm", "in", "cmu" (0.0254 / 0.45 m), or metres per unit as a
+            number. None to use the one stated in the file, or else the one that gives the legs an adult's length.
+        roles: Joint names by role, for joints that cannot be found by name; see `find_roles`.
+
+    Returns:
+        The clip, its roles, and notes and warnings for the user.
+
+    Raises:
+        FormatError: The file or its skeleton file is missing, malformed or of an unsupported type.
+        ClipError: The motion is invalid, for example not finite.
+        RoleError: The roles of the joints cannot be found.
+        SettingsError: The unit or a role is unknown.
+
+    Example:
+        ```python
+        from pathlib import Path
+        from motionsplice import dump_bvh, read_clip
+        from motionsplice.motion.procedural.library import make
+
+        Path("walk.bvh").write_bytes(dump_bvh(make("walk"), unit=0.01))
+        reading = read_clip(Path("walk.bvh"), unit="cm")
+        print(reading.clip.frame_count, reading.clip.rate, reading.warnings)
+        ```
     """
+    path = Path(path)
     try:
-        with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip refuse what is not finite
+        with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
             return _read(path, skip_frames, unit, roles)
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
 def clip_files(folder: Path) -> list[Path]:
-    """The files of a folder that are clips, in order of name."""
+    """Returns the motion files in a folder, in order of name."""
     return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
 
 
 def files_behind(path: Path) -> tuple[Path, ...]:
-    """All files that `read_clip` reads for one. Raises FormatError if a skeleton is missing."""
+    """Returns all files that `read_clip` reads for `path`. Raises FormatError if a skeleton file is missing."""
     return (path, _skeleton_file(path)) if path.suffix.lower() == ".amc" and path.exists() else (path,)
 
 
 def _read(path: Path, skip_frames: int, unit: str | None, given: Mapping[str, GivenRole]) -> Reading:
     nodes, rate, own_unit = _parse(path)
     if not 0 <= skip_frames < len(nodes.rotations):
-        problem = f"{skip_frames} frames cannot be skipped of {len(nodes.rotations)}"
+        problem = f"cannot skip {skip_frames} of {len(nodes.rotations)} frames"
         raise FormatError(problem, mend="Choose a smaller --skip-frames")
     folded = fold(nodes, _root(nodes, given))
     roles = find_roles(folded.skeleton, given)
@@ -90,20 +131,20 @@ def _read(path: Path, skip_frames: int, unit: str | None, given: Mapping[str, Gi
         notes.append(note)
     clip = _clip(path.stem, folded, rate, metres, skip_frames)
     posed = skip_frames == 0 and _starts_with_a_pose(clip.rotations)
-    warnings = ("its first frame looks like a bind pose; --skip-frames 1 leaves it out",) if posed else ()
+    warnings = ("the first frame looks like a bind pose; leave it out with --skip-frames 1",) if posed else ()
     if not given:
-        some = slice(None, None, max(1, int(clip.rate / CHECKED_RATE)))
-        check_shape(world_transforms(clip.skeleton, clip.root_positions[some], clip.rotations[some])[0], roles)
+        checked = slice(None, None, max(1, int(clip.rate / CHECKED_RATE)))
+        check_shape(world_transforms(clip.skeleton, clip.root_positions[checked], clip.rotations[checked])[0], roles)
     return Reading(clip, roles, metres, tuple(notes), warnings)
 
 
 def _parse(path: Path) -> tuple[Nodes, float, float | None]:
-    """A file's nodes, frames per second, and metres per unit if it says so."""
+    """Returns a file's nodes, frames per second, and metres per unit if the file states it."""
     suffix = path.suffix.lower()
     if path.is_dir():
-        raise FormatError("it is a folder", mend=f"Give one file of it, {' or '.join(SUFFIXES)}")
+        raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
     if suffix not in SUFFIXES:
-        raise FormatError(f"files of kind {suffix!r} cannot be read", mend=f"Give one of {', '.join(SUFFIXES)}")
+        raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)
     if suffix == ".bvh":
         return *bvh.parse(data), None
@@ -116,31 +157,34 @@ def _parse(path: Path) -> tuple[Nodes, float, float | None]:
 
 
 def read_bytes(path: Path) -> bytes:
-    """What is in a file. Raises FormatError if that is nothing."""
+    """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty."""
     if not path.exists():
-        raise FormatError("there is no such file", file=str(path))
+        raise FormatError("no such file", file=str(path), mend="Check the path")
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise FormatError(f"it cannot be read: {error.strerror}", file=str(path)) from None
+        raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None
     if not data or data.isspace():
-        raise FormatError("the file is empty", file=str(path))
+        raise FormatError("the file is empty", file=str(path), mend="Export it again")
     return data
 
 
 def _skeleton_file(path: Path) -> Path:
-    """The ASF file of an AMC file: `16.asf` of `16_15.amc`, else the only one in the folder."""
+    """Returns the ASF file of an AMC file: `16.asf` for `16_15.amc`, or else the only one in the folder."""
     name = path.stem.rpartition("_")[0] or path.stem
     beside = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")
     named = [file for file in beside if file.stem == name] or beside
     if len(named) == 1:
         return named[0]
-    problem = f"there is no {name}.asf beside it" + (f", and {len(beside)} others are" if beside else "")
-    raise FormatError(f"its skeleton is missing: {problem}", mend=f"Put {name}.asf there")
+    others = f", but {len(beside)} other .asf files" if beside else ""
+    raise FormatError(f"found no skeleton {name}.asf in its folder{others}", mend=f"Put {name}.asf beside the motion")
 
 
 def _root(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:
-    """Where legs and trunk part; the file's own root if names do not show it, which `find_roles` then reports."""
+    """Returns the joint at which legs and trunk branch.
+
+    If names do not show it, returns the file's own root; `find_roles` then reports what is missing.
+    """
     found = limbs_by_name(nodes.names, given)
     return common_ancestor(nodes.parents, [found[role] for role in ENDS]) if set(ENDS) <= set(found) else 0
 
@@ -154,6 +198,6 @@ def _starts_with_a_pose(rotations: Floats) -> bool:
     if len(rotations) < 4:
         return False
     first = quaternion.angle(rotations[0], rotations[1]).mean()
-    if first <= JUMP:  # nearly always, and the rest need not be looked at
+    if first <= JUMP:  # true of nearly all files, and then the other frames need not be read
         return False
     return bool(first > 2.0 * np.max(quaternion.angle(rotations[1:-1], rotations[2:]).mean(axis=1)))

@@ -1,4 +1,4 @@
-"""From what a file holds (any rig, any node above the hips) to a skeleton whose joint 0 is the papers' root."""
+"""Makes any file's joints a skeleton whose joint 0 is the papers' root: nodes above the hips are folded into it."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from motionsplice.motion.errors import FormatError
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers, Skeleton, chain, subtree
 
-STEADY = 0.01  # of the rig's longest bone: less movement of an inner joint on its parent is noise
+STEADY = 0.01  # of the longest bone: an inner joint that moves less on its parent is noise
 
-STILL = 10_000_000  # rotations that any file may have, however few of them it holds
+STILL = 10_000_000  # rotations allowed for any file, even if it has channels for few of them
 
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """A file's joints as they stand in it, in the file's unit of length.
+    """A file's J joints and E end sites over F frames, unchanged, in the file's unit of length.
 
-    names, parents: J joints, parent before child.
-    offsets:        [J, 3] each joint's place on its parent at rest.
+    names, parents: the joints, parent before child; a root's parent is negative.
+    offsets:        [J, 3] from the parent to the joint at rest, in the parent's frame.
     end_parents, end_offsets: [E], [E, 3] the end sites.
-    translations:   by joint, [F, 3], its place on its parent over time, for joints that have position channels.
+    translations:   [F, 3] by joint, from the parent to the joint over time, for joints with position channels.
     rotations:      [F, J, 4] in the parents' frames.
     """
 
@@ -38,19 +38,19 @@ class Nodes:
 
 
 def still(frames: int, joints: int, size: int) -> Floats:
-    """Joints that do not turn [frames, joints, 4], for a file of `size` bytes to fill in.
+    """Returns identity rotations [frames, joints, 4], for the channels of a file of `size` bytes to be written into.
 
-    Raises FormatError if they would take far more memory than the file: joints without channels cost it nothing.
+    Raises FormatError if the array would be far larger than the file, in which joints without channels take no space.
     """
     if frames * joints > max(STILL, size):
-        problem = f"{frames} frames of {joints} joints, most of which do not move, are too many"
-        raise FormatError(problem, mend="Leave out the joints without channels")
+        problem = f"{frames} frames of {joints} joints, most of them without channels, take too much memory"
+        raise FormatError(problem, mend="Remove the joints without channels")
     return np.tile(quaternion.IDENTITY, (frames, joints, 1))
 
 
 @dataclass(frozen=True, eq=False)
 class Folded:
-    """A skeleton and its motion, still in the file's unit, and what was changed on the way."""
+    """A skeleton and its motion, still in the file's unit, and notes on what was changed."""
 
     skeleton: Skeleton
     root_positions: Floats
@@ -59,21 +59,22 @@ class Folded:
 
 
 def fold(nodes: Nodes, root: int) -> Folded:
-    """Makes the joint `root` joint 0: all above it, moving or not, becomes its world transform; the rest is dropped.
+    """Makes the joint `root` joint 0 and keeps its descendants only.
 
-    An inner joint's position channels become its offset: their median, which is noted if they move.
+    The transforms of its ancestors, moving or not, become part of its world transform. The position channels of an
+    inner joint are replaced by their median, as its offset; a note says so if they vary.
     """
     position, rotation = _world(nodes, root)
-    kept = subtree(nodes.parents, root)
-    places = {joint: place for place, joint in enumerate(kept)}
-    offsets, notes = nodes.offsets[kept].copy(), []
-    longest = float(np.linalg.norm(nodes.offsets[kept[1:]], axis=1).max(initial=0.0))
-    for place, joint in enumerate(kept[1:], 1):
+    inside = subtree(nodes.parents, root)
+    places = {joint: place for place, joint in enumerate(inside)}
+    offsets, notes = nodes.offsets[inside].copy(), []
+    longest = float(np.linalg.norm(nodes.offsets[inside[1:]], axis=1).max(initial=0.0))
+    for place, joint in enumerate(inside[1:], 1):
         if joint in nodes.translations:
             moved = nodes.translations[joint]
             offsets[place] = np.median(moved, axis=0)
             if np.abs(moved - offsets[place]).max() > STEADY * longest:
-                notes.append(f"joint {nodes.names[joint]!r} moves on its parent; it was fixed at its median place")
+                notes.append(f"joint {nodes.names[joint]!r} moves on its parent; fixed at its median offset")
     if dropped := [name for joint, name in enumerate(nodes.names) if joint not in places]:
         notes.append(
             f"{nodes.names[root]!r} is the root; left out: {', '.join(dropped[:5])}{' ...' * (len(dropped) > 5)}"
@@ -81,23 +82,23 @@ def fold(nodes: Nodes, root: int) -> Folded:
     ends = [end for end, joint in enumerate(nodes.end_parents) if int(joint) in places]
     offsets[0] = 0.0
     skeleton = Skeleton(
-        names=tuple(nodes.names[joint] for joint in kept),
-        parents=np.array([-1] + [places[int(nodes.parents[joint])] for joint in kept[1:]]),
+        names=tuple(nodes.names[joint] for joint in inside),
+        parents=np.array([-1] + [places[int(nodes.parents[joint])] for joint in inside[1:]]),
         offsets=offsets,
         end_parents=np.array([places[int(nodes.end_parents[end])] for end in ends], np.int64),
         end_offsets=nodes.end_offsets[ends].reshape(-1, 3),
     )
-    rotations = nodes.rotations[:, kept]
+    rotations = nodes.rotations[:, inside]
     rotations[:, 0] = rotation
     return Folded(skeleton, position, rotations, tuple(notes))
 
 
 def _world(nodes: Nodes, joint: int) -> tuple[Floats, Floats]:
-    """A joint's world position [F, 3] and rotation [F, 4]."""
+    """Returns a joint's world position [F, 3] and rotation [F, 4]."""
     frames = len(nodes.rotations)
     position, rotation = np.zeros((frames, 3)), np.tile(quaternion.IDENTITY, (frames, 1))
-    for one in reversed(chain(nodes.parents, joint)):
-        local = nodes.translations.get(one, np.broadcast_to(nodes.offsets[one], (frames, 3)))
+    for link in reversed(chain(nodes.parents, joint)):
+        local = nodes.translations.get(link, np.broadcast_to(nodes.offsets[link], (frames, 3)))
         position = position + quaternion.rotate(rotation, local)
-        rotation = quaternion.multiply(rotation, nodes.rotations[:, one])
+        rotation = quaternion.multiply(rotation, nodes.rotations[:, link])
     return position, rotation

@@ -1,1 +1,1 @@
-"""The built-in motions and hand gestures, generated with known truth for tests, benchmarks and the demo."""
+"""The built-in motions and hand gestures, generated with a known truth, for tests, benchmarks and the demo."""

@@ -1,4 +1,4 @@
-"""What people do with their upper bodies while they walk, laid over how a locomotion carries them."""
+"""The built-in actions: motions of the upper body, performed on top of any built-in locomotion."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ def reaching_arm(
     pronation: float | Floats = 0.0,
     extension: float | Floats = 0.0,
 ) -> Arm:
-    """The arm with its wrist at `wrist` [F, 3]: metres outward, up and forward of the shoulder in the chest's axes.
+    """Returns the arm whose wrist is at `wrist` [F, 3]: metres outward, up and forward of the shoulder, in chest axes.
 
-    The elbow points to `elbow`, also outward, up and forward. Without `pronation` the palm faces inwards on a
-    forearm held forward; a quarter turn faces it down. `extension` bends the hand back.
+    `elbow` is the direction of the elbow, also outward, up and forward. `pronation` and `extension` are in radians [F].
+    At zero pronation the palm of a forearm held forward faces inwards; at a quarter turn it faces down. `extension`
+    bends the hand back.
     """
     mirror = np.array([side, 1.0, 1.0])
     limb = two_bones(wrist * mirror, np.broadcast_to(np.array(elbow) * mirror, wrist.shape), UPPER_ARM, FOREARM)
@@ -41,14 +42,14 @@ def reaching_arm(
 
 
 def _still(point: tuple[float, float, float], rhythm: Rhythm, bob: float = 0.0) -> Floats:
-    """A held point [F, 3], that gives by `bob` metres under each step."""
+    """Returns a held point [F, 3] that moves up and down by `bob` metres with each step."""
     held = np.tile(point, (len(rhythm.phase), 1))
     held[:, 1] += bob * rhythm.pace * np.cos(4.0 * np.pi * (rhythm.phase - 0.12))
     return held
 
 
 def _carry_box(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
-    """Leaning back under a heavy box, held in front by its sides."""
+    """Leans back under a heavy box, held by its sides in front of the body."""
     width, low, ahead = 0.19 * random.uniform(0.93, 1.07), random.uniform(-0.38, -0.35), random.uniform(0.33, 0.36)
     held = trunk(replace(carriage, twist=0.5 * carriage.twist), rhythm)
     held = replace(held, pitch=held.pitch - np.radians(random.uniform(15.5, 17.0)))
@@ -60,7 +61,7 @@ def _carry_box(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) 
 
 
 def _carry_cup(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
-    """The right forearm level in front, with a cup; the left arm swings."""
+    """Holds a cup on a level right forearm; the left arm swings."""
     calm = replace(carriage, twist=0.8 * carriage.twist)
     held = (-0.06 + random.uniform(-0.02, 0.02), -UPPER_ARM + random.uniform(0.0, 0.03), 0.25)
     cup = reaching_arm(RIGHT, _still(held, rhythm, bob=-0.004), (0.35, -1.0, -0.25))
@@ -68,7 +69,7 @@ def _carry_cup(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) 
 
 
 def _punch(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
-    """Straight punches out of the guard, left and right in turn, each as the other side's foot lands."""
+    """Throws straight punches from the guard, left and right in turn, each as the foot of the other side lands."""
     reach, drive = random.uniform(0.555, 0.565), random.uniform(0.85, 1.1)
     base = trunk(replace(carriage, twist=0.4 * carriage.twist), rhythm)
     arms, thrusts = {}, {}
@@ -90,7 +91,7 @@ def _punch(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> U
 
 
 def _push(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
-    """Leaning into something heavy, with both palms on it."""
+    """Leans into something heavy, with both palms on it."""
     height, reach = random.uniform(-0.04, 0.02), random.uniform(0.54, 0.56)
     leaning = trunk(replace(carriage, twist=0.6 * carriage.twist), rhythm)
     leaning = replace(leaning, pitch=leaning.pitch + np.radians(random.uniform(16.0, 18.0)))
@@ -100,7 +101,7 @@ def _push(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Up
 
 
 def _wave(carriage: Carriage, rhythm: Rhythm, random: np.random.Generator) -> Upper:
-    """The right hand up and waving in its own time; the left arm swings."""
+    """Waves the raised right hand at a rate of its own; the left arm swings."""
     rate, start = random.uniform(1.5, 1.9), random.uniform(0.0, 1.0)
     beat = np.sin(2.0 * np.pi * (rate * rhythm.time + start))
     late = np.sin(2.0 * np.pi * (rate * rhythm.time + start) - 0.7)

@@ -1,4 +1,4 @@
-"""The built-in humanoid: 22 joints in a T-pose, and limbs solved by two bones.
+"""The built-in humanoid: 22 joints in a T-pose, and a solver for limbs of two bones.
 
 Segment lengths are the fractions of stature of Drillis and Contini (1966), as printed by Winter,
 Biomechanics and Motor Control of Human Movement, figure 4.1, for a stature of 1.78 m.
@@ -19,8 +19,8 @@ from motionsplice.motion.skeleton import Skeleton
 STATURE = 1.78
 THIGH, SHANK, ANKLE_HEIGHT = 0.245 * STATURE, 0.246 * STATURE, 0.039 * STATURE
 UPPER_ARM, FOREARM, HAND = 0.186 * STATURE, 0.146 * STATURE, 0.108 * STATURE
-HEEL = (-0.055, -ANKLE_HEIGHT)  # forward and up of the ankle, metres
-BALL = (0.135, 0.024 - ANKLE_HEIGHT)  # the joint of the toes
+HEEL = (-0.055, -ANKLE_HEIGHT)  # from the ankle, forward and up, metres
+BALL = (0.135, 0.024 - ANKLE_HEIGHT)  # the joint of the toes, likewise
 
 UP: Floats = np.array([0.0, 1.0, 0.0])
 LEFT, RIGHT = 1.0, -1.0  # the sign of a side's X
@@ -55,7 +55,7 @@ _ENDS = (
 
 
 def _skeleton() -> Skeleton:
-    joints = list(_SPINE)  # depth first, as files have them, so that no order changes on the way through one
+    joints = list(_SPINE)  # depth first, as in files, so that writing and reading a file keeps the order
     for limb in (_ARM, _LEG):
         for side, sign in (("Left", LEFT), ("Right", RIGHT)):
             for name, parent, (x, y, z) in limb:
@@ -79,14 +79,14 @@ def side_name(side: float) -> str:
 
 
 def euler(yaw: ArrayLike, pitch: ArrayLike, roll: ArrayLike) -> Floats:
-    """The turn by `roll` about Z, then `pitch` about X (forward lean), then `yaw` about Y. [...] -> [..., 4]."""
+    """Returns the rotation by `roll` about Z, `pitch` about X (lean forward), then `yaw` about Y. [...] -> [..., 4]."""
     yaw, pitch, roll = np.broadcast_arrays(yaw, pitch, roll)
     turned = quaternion.multiply(quaternion.about([0.0, 1.0, 0.0], yaw), quaternion.about([1.0, 0.0, 0.0], pitch))
     return quaternion.multiply(turned, quaternion.about([0.0, 0.0, 1.0], roll))
 
 
 class Limb(NamedTuple):
-    """A solved limb: directions of both bones and the hinge's axis, each [F, 3] of unit length."""
+    """A solved limb: the directions of both bones and the axis of the hinge, each [F, 3] of unit length."""
 
     upper: Floats
     lower: Floats
@@ -94,9 +94,9 @@ class Limb(NamedTuple):
 
 
 def two_bones(reach: Floats, pole: Floats, upper: float, lower: float) -> Limb:
-    """The limb of bones `upper` and `lower` metres that reaches by `reach` [F, 3], its middle joint towards `pole`.
+    """Solves a limb of two bones, `upper` and `lower` metres long, whose end is `reach` [F, 3] from its first joint.
 
-    A reach beyond the limb is shortened to it.
+    The middle joint bends towards `pole` [F, 3]. A reach longer than the limb is shortened to its length.
     """
     distance = np.linalg.norm(reach, axis=-1, keepdims=True)
     along = reach / distance
@@ -111,5 +111,5 @@ def two_bones(reach: Floats, pole: Floats, upper: float, lower: float) -> Limb:
 
 
 def frame(x: Floats, y: Floats) -> Floats:
-    """The rotation [F, 4] that takes X to `x` and Y to `y`, both [F, 3], of unit length and square."""
+    """Returns the rotation [F, 4] that takes X to `x` and Y to `y`, perpendicular unit vectors [F, 3]."""
     return Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=-1)).as_quat()

@@ -1,4 +1,4 @@
-"""The built-in locomotions by name, and the numbers of each."""
+"""The built-in locomotions by name, with their parameters."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ from motionsplice.motion.procedural.locomotions import (
 from motionsplice.motion.procedural.upper import Carriage
 
 RISE, TREAD = 0.17, 0.29  # of a stair, metres
-# Captured runs and jogs swing arms and shoulders 0.06 of a stride ahead of walks, against the knees; the knees of a run
-# themselves pass that much earlier after the heel strike.
+# In captured runs and jogs, arms and shoulders are 0.06 of a stride ahead of those in walks, relative to the knees. The
+# knees of a run pass each other earlier after the heel strike by about as much again.
 RUN_LEAD = 0.125
 
 

@@ -1,11 +1,12 @@
-"""Periodic curves of the gait cycle, in cycles from heel strike, and norms of how people move.
+"""Periodic joint-angle curves over the gait cycle, in cycles from heel strike, after published norms.
 
-Angles in degrees at every 5 % of the cycle, drawn to within a few degrees after published curves, not copied from
-tables: walking after Winter (1991), The Biomechanics and Motor Control of Human Gait, and Perry (1992), Gait
-Analysis; running after Novacheck (1998), The biomechanics of running; stairs after Riener, Rabuffetti and Frigo
-(2002), Stair ascent and descent at different inclinations. A thigh's angle is against the vertical, forward positive
-(so less than the hip's flexion by the pelvis's tilt); a knee's is its flexion; a foot's is its pitch over the floor,
-toes up positive, keyed so that it is exactly flat while it stands.
+The angles, in degrees at every 5 % of the cycle, follow published curves to within a few degrees; they are not copied
+from tables. Sources: walking, Winter (1991), The Biomechanics and Motor Control of Human Gait, and Perry (1992), Gait
+Analysis; running, Novacheck (1998), The biomechanics of running; stairs, Riener, Rabuffetti and Frigo (2002), Stair
+ascent and descent at different inclinations.
+
+The thigh's angle is to the vertical, forward positive, and so smaller than the hip's flexion by the pelvis's tilt. The
+knee's is its flexion. The foot's is its pitch to the floor, toes up positive; its keys keep it exactly flat in stance.
 """
 
 from __future__ import annotations
@@ -19,14 +20,14 @@ from scipy.ndimage import gaussian_filter1d
 
 from motionsplice.motion.quaternion import Floats
 
-Curve = Callable[[Floats], Floats]  # of phases [n] in cycles, to radians [n]
+Curve = Callable[[Floats], Floats]  # phases [n] in cycles -> radians [n]
 
 _GRID = 400  # samples of a cycle
 _BLUR = 0.012  # of a cycle
 
 
 def fourier(samples: tuple[float, ...], harmonics: int) -> Curve:
-    """The Fourier series of `harmonics` through angles in degrees, evenly spaced over a cycle; in radians."""
+    """Returns the curve of a Fourier series of `harmonics`, fitted to degrees evenly spaced over a cycle."""
     spectrum = np.fft.rfft(np.radians(samples)) / len(samples)
     order = np.arange(1, harmonics + 1)
 
@@ -38,7 +39,7 @@ def fourier(samples: tuple[float, ...], harmonics: int) -> Curve:
 
 
 def keyed(keys: tuple[tuple[float, float], ...]) -> Curve:
-    """A smooth periodic curve near (phase, degrees) keys, phases in [0, 1), flat where the keys are; in radians."""
+    """Returns a smooth periodic curve near keys (phase in [0, 1), degrees), flat where successive keys are equal."""
     at, value = np.array(keys).T
     at = np.concatenate([at - 1.0, at, at + 1.0])
     grid = np.arange(_GRID) / _GRID
@@ -49,19 +50,19 @@ def keyed(keys: tuple[tuple[float, float], ...]) -> Curve:
 
 
 def scaled(curve: Curve, factor: float) -> Curve:
-    """`factor` times `curve`."""
+    """Returns the curve multiplied by `factor`."""
     return lambda phase: factor * curve(phase)
 
 
 @dataclass(frozen=True)
 class Norm:
-    """One leg's sagittal motion over a cycle."""
+    """The sagittal motion of one leg over a cycle."""
 
     thigh: Curve
     knee: Curve
 
     def scaled(self, factor: float) -> Norm:
-        """The same motion, `factor` times as wide."""
+        """Returns the same motion with angles multiplied by `factor`."""
         return Norm(scaled(self.thigh, factor), scaled(self.knee, factor))
 
 

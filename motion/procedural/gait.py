@@ -1,6 +1,6 @@
-"""A gait: how feet, pelvis and hips move within one stride.
+"""Gaits: the motion of feet, pelvis and hips within one stride.
 
-The norms' curves (see `curves`) give the swing foot's path and the height of the hips.
+The norms (see `curves`) determine the path of the swing foot and the height of the hips.
 """
 
 from __future__ import annotations
@@ -17,20 +17,28 @@ from motionsplice.motion.procedural.path import ease
 from motionsplice.motion.quaternion import Floats
 
 TURN = 2.0 * np.pi
-LONGEST = 0.998 * (THIGH + SHANK)  # a leg is never quite straight
+LONGEST = 0.998 * (THIGH + SHANK)  # metres; a leg is never quite straight
 
 
 @dataclass(frozen=True)
 class Gait:
-    """How a locomotion steps. Phases in cycles from the left heel strike, lengths in metres, angles in radians.
+    """The parameters of a gait. Phases in cycles from the left heel strike, lengths in metres, angles in radians.
 
-    A stride takes `period` seconds and goes `stride` forward and `rise` up; a foot stands for `duty` of it.
-    `norm` is absent where the literature has none (side-steps): then `foot` alone shapes the swing, and the
-    pelvis is `lowered` from where the legs would be straight. `lift` raises the swing foot further. The feet are
-    `width` apart. The pelvis tilts forward, drops on the swing side and turns by the three `pelvis_` angles, and
-    moves over the standing foot by `sway`. `bob` is the amplitude of its height where the norm is not to say it (a
-    run's flight): lowest at mid-stance, or highest if negative. A foot that lands on its `forefoot` has level toes;
-    one that climbs more than `rise` does so in the first part, `rising`, of its swing.
+    period:     seconds of a stride.
+    stride, rise: how far a stride goes forward and up.
+    duty:       the fraction of a stride for which a foot is in stance.
+    width:      distance between the left and right footholds.
+    foot:       pitch of the foot over its own cycle.
+    norm:       angles of thigh and knee; None where the literature has none (side-steps). Then `foot` alone shapes the
+                swing, and the pelvis is `lowered` from the height at which the legs would be straight.
+    lift:       extra height of the swing foot.
+    toe_out:    outward turn of the feet.
+    pelvis_tilt, pelvis_list, pelvis_rotation: how far the pelvis tilts forward, drops on the swing side and turns.
+    sway:       how far the pelvis moves over the standing foot.
+    bob:        amplitude of the pelvis's height where the norm does not give it (the flight of a run): lowest at
+                mid-stance, or highest if negative.
+    forefoot:   1 if the foot lands on the forefoot with level toes, else 0.
+    rising:     the first part of the swing, in which a foot rises to a foothold higher than `rise` gives.
     """
 
     period: float
@@ -52,7 +60,7 @@ class Gait:
     rising: float = 0.8
 
     def swing(self, u: Floats) -> Floats:
-        """The ankle in swing off its even way from foothold to foothold, forward and up: [n, 2]."""
+        """Returns the swinging ankle's offset from even motion between footholds: forward and up, [n, 2]."""
         s = (u - self.duty) / (1.0 - self.duty)
         lift = self.lift * 64.0 * (s * (1.0 - s)) ** 3
         if self.norm is None:
@@ -66,7 +74,7 @@ class Gait:
         return np.stack([along + hip[:, 2] + ahead, height + hip[:, 1] + up + lift], axis=-1)
 
     def pelvis_turn(self, phase: Floats) -> tuple[Floats, Floats, Floats]:
-        """Yaw, pitch and roll of the pelvis against the heading, at phases [n]."""
+        """Returns yaw, pitch and roll of the pelvis relative to the heading, each [n], at phases [n]."""
         yaw = -self.pelvis_rotation * np.cos(TURN * (phase - 0.02))
         pitch = self.pelvis_tilt + 0.2 * self.pelvis_list * np.cos(2.0 * TURN * (phase - 0.1))
         roll = self.pelvis_list * (np.sin(TURN * phase + 0.55) + 0.25 * np.sin(3.0 * TURN * phase + 0.4)) / 1.1
@@ -74,17 +82,17 @@ class Gait:
 
     @cached_property
     def height(self) -> Floats:
-        """The hips' height over a step, as coefficients of `harmonics`."""
+        """The height of the hips over a step, as coefficients [5] of `harmonics`."""
         return self._fit[0]
 
     @cached_property
     def surge(self) -> Floats:
-        """How far the hips are ahead of even speed, less how far a foot is put ahead of them, likewise."""
+        """How far the hips are ahead of even speed, minus how far a foot lands ahead of them, as coefficients [5]."""
         return self._fit[1]
 
     @cached_property
     def _fit(self) -> tuple[Floats, Floats]:
-        """Where the hips must be for a leg that stands to bend as the norm says, in the least squares."""
+        """Fits height and surge of the hips, by least squares, so that the standing leg bends as in the norm."""
         bob = -self.bob * np.array([0.0, np.cos(TURN * self.duty), np.sin(TURN * self.duty), 0.0, 0.0])
         if self.norm is None:
             bob[0] = THIGH + SHANK + ANKLE_HEIGHT - hip_of(LEFT)[1] - self.lowered
@@ -108,10 +116,12 @@ class Gait:
 
 
 def hip_of(side: float) -> Floats:
+    """Returns the hip joint's offset from the root [3]."""
     return SKELETON.offsets[SKELETON.index(side_name(side) + "UpLeg")]
 
 
 def harmonics(phase: Floats) -> Floats:
+    """Returns the Fourier basis of a step (half a cycle) up to its second harmonic. [n] -> [n, 5]."""
     step = 2.0 * TURN * phase
     return np.stack([np.ones_like(step), np.cos(step), np.sin(step), np.cos(2 * step), np.sin(2 * step)], axis=-1)
 
@@ -121,16 +131,16 @@ def _fitted(basis: Floats, values: Floats) -> Floats:
 
 
 def _ankle(norm: Norm, phase: Floats) -> tuple[Floats, Floats]:
-    """Where the norm's ankle is against the hip: forward and up."""
+    """Returns the ankle's offset from the hip in the norm: forward and up, each [n]."""
     thigh = norm.thigh(phase)
     shank = thigh - norm.knee(phase)
     return THIGH * np.sin(thigh) + SHANK * np.sin(shank), -THIGH * np.cos(thigh) - SHANK * np.cos(shank)
 
 
 def rocker(pitch: Floats) -> tuple[Floats, Floats]:
-    """How far forward and up an ankle is of its place over the flat foot, when the foot rolls to `pitch`.
+    """Returns how far forward and up the ankle moves from its place over the flat foot as the foot rolls to `pitch`.
 
-    It rolls about the heel with the toes up (positive), about the ball with the heel up.
+    A foot with its toes up (positive pitch) rolls about the heel, a foot with its heel up about the ball.
     """
     heel = pitch > 0.0
     z: Floats = np.where(heel, -HEEL[0], -BALL[0])
@@ -140,5 +150,5 @@ def rocker(pitch: Floats) -> tuple[Floats, Floats]:
 
 
 def progress(u: Floats, duty: float | Floats) -> Floats:
-    """How much of the way to its next place a foot has gone, and turned: all of it shortly before it lands."""
+    """Returns the fraction of its way to the next foothold that a foot has covered: 1 shortly before it lands."""
     return ease((u - duty) / (0.9 * (1.0 - duty)))

@@ -1,7 +1,8 @@
-"""The same gestures by a body and by hands that were captured apart: in other times and sizes, so the truth is known.
+"""Pairs of a body and separately captured hands that perform the same gestures, with a known truth.
 
-Majkowska, Zordan and Faloutsos 2006 captured hands in a cube of 20 inches, and bodies without such a limit. What both
-do is a score; which frame of the hands goes with which of the body follows from when each of them reads it.
+Majkowska, Zordan and Faloutsos 2006 captured hands in a cube of 20 inches, and bodies without that limit. Here both
+perform one score, each at its own tempo and size. Their tempi determine which frame of the hands belongs to which frame
+of the body.
 """
 
 from __future__ import annotations
@@ -35,16 +36,16 @@ from motionsplice.motion.procedural.score import (
 from motionsplice.motion.procedural.upper import Carriage, Rhythm, swinging_arm, trunk
 from motionsplice.motion.quaternion import Floats
 
-SLOWEST, FASTEST, TEMPO_CHANGES = 0.6, 1.6, 1.2  # of the score's time; seconds from one drawn tempo to the next
-VOLUME = np.array([0.0, -0.28, 0.27])  # where hands are captured: their wrist at rest, from the shoulder
-SMALLER = 0.95  # the stature of whose hands are captured
-SAMPLE_HANDS = {"count_steps": "right", "directions": "both"}  # bodies that gesture, and by which hand
+SLOWEST, FASTEST, TEMPO_CHANGES = 0.6, 1.6, 1.2  # relative tempo; seconds between random tempi
+VOLUME = np.array([0.0, -0.28, 0.27])  # the wrist at rest where hands are captured, from the shoulder, metres
+SMALLER = 0.95  # stature of the person whose hands are captured, relative to the body's
+SAMPLE_HANDS = {"count_steps": "right", "directions": "both"}  # the gesturing hand of each sample
 _ELBOW = (0.45, -1.0, -0.35)
 
 
 @dataclass(frozen=True)
 class Span:
-    """A phase of a gesture, in real-valued frames of the body."""
+    """A phase of a gesture, from frame `begin` to `end` of the body, real-valued. `side` is LEFT or RIGHT."""
 
     side: float
     kind: PhaseKind
@@ -54,10 +55,12 @@ class Span:
 
 @dataclass(frozen=True, eq=False)
 class GesturePair:
-    """A body without fingers' motion, hands of their own, and what both together should be.
+    """A body whose fingers do not move, separately captured hands, and the true result of combining them.
 
-    hand_frames: [F] the real-valued frame of `hands` that goes with each of `body`. truth: the body whose own fingers
-    move. spans: the phases of the body's gestures.
+    truth:       the body with its own fingers moving.
+    hand_frames: [F] the real-valued frame of `hands` that belongs to each frame of `body`.
+    kinds:       the gestures in order.
+    spans:       the phases of the body's gestures.
     """
 
     body: Clip
@@ -80,13 +83,15 @@ def gesture_pair(
     locomotion: str | None = "walk",
     hand: str = "both",
 ) -> GesturePair:
-    """Gestures of `kinds`, or so many drawn ones, within `seconds` of the body's time.
+    """Generates a pair that performs gestures of the given `kinds`, or `gestures` random ones.
 
-    amplitude: how large each of the hands' gestures is, as a part of the body's, is drawn from this. locomotion: what
-    the body does meanwhile; None: it stands. hand: `left`, `right` or `both`. Raises SettingsError for another.
+    seconds:         duration of the body's clip. rate, hand_rate: frames per second of the body and of the hands.
+    amplitude:       range of the size of the hands' gestures relative to the body's.
+    locomotion:      the body's locomotion, or None to stand.
+    hand:            "left", "right" or "both"; raises SettingsError for anything else.
     """
     if hand not in SIDES:
-        raise SettingsError(f"there is no hand {hand!r}", mend=f"Choose one of {', '.join(SIDES)}")
+        raise SettingsError(f"unknown hand {hand!r}", mend=f"Choose one of {', '.join(SIDES)}")
     random = np.random.default_rng([seed, 7])
     drawn = [KINDS[int(number)] for number in random.integers(0, len(KINDS), gestures)]
     score = write_score(random, kinds if kinds is not None else drawn, SIDES[hand])
@@ -103,9 +108,9 @@ def gesture_pair(
         body = moving("body", locomotion, lambda c, r: _upper(c, r, own), lasting, rate, seed)
     facing = random.uniform(-np.pi, np.pi)
     hands = standing("hands", lambda c, r: _upper(c, r, small), (len(hand_time) - 1) / hand_rate, hand_rate, facing)
-    hands = with_fingers(hands, {side: one[:, FINGERS] for side, one in small.items()})
+    hands = with_fingers(hands, {side: channels[:, FINGERS] for side, channels in small.items()})
     hands = replace(hands, skeleton=hands.skeleton.scaled(SMALLER), root_positions=SMALLER * hands.root_positions)
-    truth = with_fingers(replace(body, name="truth"), {side: one[:, FINGERS] for side, one in own.items()})
+    truth = with_fingers(replace(body, name="truth"), {side: channels[:, FINGERS] for side, channels in own.items()})
     frames = np.arange(len(body_time), dtype=np.float64)
     spans = [
         Span(side, kind, *np.interp([begin, end], body_time, frames).tolist())
@@ -117,7 +122,7 @@ def gesture_pair(
 
 
 def _reading(random: np.random.Generator, score: Score, seconds: float, rate: float) -> Floats:
-    """When a performer reads the score [F]: its time in each frame, at a tempo that changes smoothly."""
+    """Returns the time in the score [F] that a performer, whose tempo varies smoothly, has reached in each frame."""
     time = np.arange(round(seconds * rate) + 1) / rate
     knots = np.arange(0.0, seconds + 2.0 * TEMPO_CHANGES, TEMPO_CHANGES)
     tempo = np.exp(random.uniform(np.log(SLOWEST), np.log(FASTEST), len(knots)))
@@ -126,29 +131,29 @@ def _reading(random: np.random.Generator, score: Score, seconds: float, rate: fl
 
 
 def _channels(score: Score, time: Floats, place: Floats, sizes: Floats) -> dict[float, Floats]:
-    """What each side's hand does [F, CHANNELS] as the score has it, but for the size of each gesture."""
+    """Returns the motion [F, CHANNELS] of each side's hand, with each gesture of the score scaled by its size."""
     return {side: performed(moves, REST, place, sizes, time) for side, moves in score.moves.items()}
 
 
 def _vary(channels: dict[float, Floats], score: Score, time: Floats, random: np.random.Generator) -> None:
-    """Another performance is another: its wrists stray by a centimetre, and its palms by a few degrees."""
+    """Varies a performance: wrists by about a centimetre, palms by a few degrees."""
     knots = np.linspace(0.0, score.seconds, 2 + round(score.seconds))
-    for one in channels.values():
-        astray = random.normal(size=(len(knots), 5)) * [0.008, 0.008, 0.008, 0.06, 0.06]
-        one[:, :5] += PchipInterpolator(knots, astray)(np.clip(time, 0.0, score.seconds))
+    for hand in channels.values():
+        deviations = random.normal(size=(len(knots), 5)) * [0.008, 0.008, 0.008, 0.06, 0.06]
+        hand[:, :5] += PchipInterpolator(knots, deviations)(np.clip(time, 0.0, score.seconds))
 
 
 def _upper(carriage: Carriage, rhythm: Rhythm, channels: dict[float, Floats]) -> Upper:
-    """Arms as channels have them, others as they swing; the chest goes along a little less than in plain walking."""
+    """Returns the chest, which twists less than in plain walking, and the arms: gesturing, or else swinging."""
     arms = {side: swinging_arm(carriage, rhythm, side) for side in (LEFT, RIGHT)}
-    for side, one in channels.items():
-        palm = {"pronation": one[:, PRONATION], "extension": one[:, EXTENSION]}
-        arms[side] = reaching_arm(side, one[:, WRIST], _ELBOW, **palm)
+    for side, hand in channels.items():
+        palm = {"pronation": hand[:, PRONATION], "extension": hand[:, EXTENSION]}
+        arms[side] = reaching_arm(side, hand[:, WRIST], _ELBOW, **palm)
     return trunk(replace(carriage, twist=0.6 * carriage.twist), rhythm), arms
 
 
 def sample_gestures() -> dict[str, Clip]:
-    """Bodies that gesture as they walk, and the hands of each, by name: those of SAMPLE_HANDS."""
+    """Returns the sample gestures by name: for each of SAMPLE_HANDS, a walking body and its hands."""
     found = {}
     for name, seed, kinds in (
         ("count_steps", 11, ["count"] * 5),

@@ -1,7 +1,7 @@
-"""The built-in humanoid with fingers: three joints each, and the poses of a hand.
+"""The built-in humanoid with fingers of three joints each, and poses of its hands.
 
-Palms face down in the T-pose. Lengths are about those of a hand of 0.108 of stature (Winter, figure 4.1), whose fingers
-are parted as in Buryanov and Kotiuk 2010, Proportions of hand segments.
+Palms face down in the T-pose. The hand's length is about 0.108 of stature (Winter, figure 4.1); the proportions of the
+fingers' segments follow Buryanov and Kotiuk 2010, Proportions of hand segments.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Skeleton
 
 FINGERS = ("Thumb", "Index", "Middle", "Ring", "Pinky")
-# where the first joint sits on a left wrist, the way to the next ones, and the lengths of three bones, metres
+# for a left hand: offset of the first joint from the wrist, direction of the finger, lengths of its three bones; metres
 _SHAPES: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]] = {
     "Thumb": ((0.022, -0.012, 0.026), (0.62, -0.22, 0.75), (0.046, 0.033, 0.027)),
     "Index": ((0.091, 0.0, 0.026), (1.0, 0.0, 0.04), (0.043, 0.025, 0.021)),
@@ -27,7 +27,7 @@ _SHAPES: Mapping[str, tuple[tuple[float, float, float], tuple[float, float, floa
     "Ring": ((0.086, 0.0, -0.015), (1.0, 0.0, -0.04), (0.043, 0.027, 0.022)),
     "Pinky": ((0.079, -0.004, -0.033), (1.0, 0.0, -0.09), (0.033, 0.020, 0.019)),
 }
-# a pose of a hand: how far each finger is curled, from 0 (straight) to 1 (fist); fingers spread; thumb across the palm
+# A pose [7]: the curl of each finger from 0 (straight) to 1 (fist), the spread of the fingers, the thumb's opposition.
 SPREAD, OPPOSED, POSE = 5, 6, 7
 RELAXED = np.array([0.15, 0.22, 0.28, 0.33, 0.38, 0.1, 0.25])
 FIST = np.array([0.75, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0])
@@ -43,7 +43,7 @@ COUNTED: Mapping[int, Floats] = MappingProxyType(
         5: OPEN,
     }
 )
-_CURLS = np.radians([82.0, 100.0, 62.0])  # of a fist's knuckle and the two joints after it
+_CURLS = np.radians([82.0, 100.0, 62.0])  # of the knuckle and the two joints after it, in a fist
 _THUMB_CURLS = np.radians([18.0, 48.0, 62.0])
 _SPREADS = np.radians([0.0, 11.0, 1.0, -8.0, -17.0])
 _OPPOSED = np.radians(52.0)
@@ -63,8 +63,8 @@ def _fingered() -> Skeleton:
         if name.endswith("Hand"):
             mirror = np.array([LEFT if name.startswith("Left") else RIGHT, 1.0, 1.0])
             for finger in FINGERS:
-                base, way, lengths = _SHAPES[finger]
-                along = mirror * way / np.linalg.norm(way)
+                base, direction, lengths = _SHAPES[finger]
+                along = mirror * direction / np.linalg.norm(direction)
                 above, at = name, mirror * base
                 for number, length in enumerate(lengths, 1):
                     joints.append((f"{name}{finger}{number}", above, at))
@@ -85,18 +85,18 @@ _PLACES = [FINGERED.index(name) for name in SKELETON.names]
 
 
 def finger_joints(side: float) -> list[int]:
-    """The 15 joints of a hand, finger by finger, from the palm on."""
+    """Returns the 15 joints of a hand, finger by finger, each from the palm outwards."""
     return [FINGERED.index(f"{side_name(side)}Hand{finger}{number}") for finger in FINGERS for number in (1, 2, 3)]
 
 
 def finger_rotations(pose: Floats, side: float) -> Floats:
-    """The local rotations [F, 15, 4] of a hand's joints in poses [F, POSE]."""
+    """Returns the local rotations [F, 15, 4] of a hand's joints in poses [F, POSE]."""
     turns = np.empty((len(pose), len(FINGERS), 3, 4))
     opposed, spread = pose[:, OPPOSED], pose[:, SPREAD]
     across = quaternion.about([1.0, 0.0, 0.0], _OPPOSED * opposed)
     for finger in range(len(FINGERS)):
         for joint in range(3):
-            if finger == 0:  # bends in the palm's plane, which its first joint has turned
+            if finger == 0:  # bends in the plane of the palm, after its first joint has turned it across
                 turn = quaternion.about([0.0, 1.0, 0.0], _THUMB_CURLS[joint] * pose[:, finger])
                 turns[:, finger, joint] = quaternion.multiply(across, turn) if joint == 0 else turn
             else:
@@ -108,7 +108,7 @@ def finger_rotations(pose: Floats, side: float) -> Floats:
 
 
 def with_fingers(clip: Clip, poses: Mapping[float, Floats] = MappingProxyType({})) -> Clip:
-    """A clip of the built-in humanoid with fingers: in the poses [F, POSE] of each side, relaxed by default."""
+    """Adds fingers to a clip of the built-in humanoid, in the poses [F, POSE] by side, relaxed by default."""
     rotations = np.empty((clip.frame_count, FINGERED.joint_count, 4))
     rotations[:, _PLACES] = clip.rotations
     for side in (LEFT, RIGHT):

@@ -1,7 +1,7 @@
-"""The built-in motions by name: people on the move, and what they do with their hands meanwhile.
+"""The built-in motions by name: locomotions, and actions of the upper body on top of them.
 
-They need no data, and `make` lays any action over any locomotion, so each pair has the ground truth that
-captured motion rarely has.
+They need no data. `make` performs any action on any locomotion, so each pair has a ground truth, which captured motion
+rarely has.
 """
 
 from __future__ import annotations
@@ -23,33 +23,45 @@ from motionsplice.motion.quaternion import Floats
 LOCOMOTIONS: tuple[str, ...] = tuple(catalogue.LOCOMOTIONS)
 ACTIONS: tuple[str, ...] = tuple(actions.ACTIONS)
 
-# Each name's place here seeds its variations; new ones go to the end, so that what there is stays as it is.
+# The place of a name seeds its random variation. Append new names, so that existing motions do not change.
 _NUMBERS = (
     *("walk", "slow_walk", "curve", "run", "stairs_up", "side_step", "turn_180"),
     *("carry_box", "carry_cup", "punch", "push", "wave"),
     *("stairs_down", "walk_to_run", "step_up"),
 )
-_SHOULDERS_LEAD, _GAZE_LEADS = 0.12, 0.3  # seconds ahead of the pelvis on the way into a turn
+_SHOULDERS_LEAD, _GAZE_LEADS = 0.12, 0.3  # seconds by which they turn ahead of the pelvis
 
 
 def make(
     locomotion: str, action: str | None = None, *, seconds: float = 6.0, rate: float = 60.0, seed: int = 0
 ) -> Clip:
-    """A person on a `locomotion`, doing an `action` meanwhile if one is named.
+    """Generates a clip of a person on a locomotion, with or without an action.
 
-    The seed varies tempo, starting phase, stride and style. The root and the lower body depend on locomotion,
-    seed, seconds and rate alone, so the clip with an action is the ground truth of splicing that action onto the
-    one without. Raises SettingsError if a name is unknown, or seconds or rate make no clip.
+    The root and the lower body depend on locomotion, seed, seconds and rate only. So the clip with an action is the
+    ground truth of splicing that action onto the clip without it.
+
+    Args:
+        locomotion: One of LOCOMOTIONS.
+        action: One of ACTIONS, or None to let the arms swing.
+        seconds: Duration, up to 3600.
+        rate: Frames per second, 1 to 1000.
+        seed: Varies tempo, starting phase, stride and style.
+
+    Returns:
+        The clip, named after its locomotion and action, such as "walk+wave".
+
+    Raises:
+        SettingsError: A name is unknown, or seconds or rate are out of range.
     """
     known = catalogue.LOCOMOTIONS
     if locomotion not in known:
-        raise SettingsError(f"there is no locomotion {locomotion!r}", mend=did_you_mean(locomotion, LOCOMOTIONS))
+        raise SettingsError(f"unknown locomotion {locomotion!r}", mend=did_you_mean(locomotion, LOCOMOTIONS))
     if action is not None and action not in actions.ACTIONS:
-        raise SettingsError(f"there is no action {action!r}", mend=did_you_mean(action, ACTIONS))
+        raise SettingsError(f"unknown action {action!r}", mend=did_you_mean(action, ACTIONS))
     if not (0.0 <= seconds <= 3600.0 and 1.0 <= rate <= 1000.0):
         raise SettingsError(
-            f"{seconds} seconds at {rate} frames per second",
-            mend="Ask for up to an hour at 1 to 1000 frames per second",
+            f"cannot generate {seconds} seconds at {rate} frames per second",
+            mend="Choose up to 3600 seconds at 1 to 1000 frames per second",
         )
     name = locomotion if action is None else f"{locomotion}+{action}"
     if action is None:
@@ -71,7 +83,7 @@ def moving(
     rate: float,
     seed: int,
 ) -> Clip:
-    """A person on a locomotion, whose upper body does what `upper` says."""
+    """Generates a clip of a person on a locomotion, whose upper body moves as `upper` returns."""
     random = np.random.default_rng([seed, _NUMBERS.index(locomotion)])
     chosen = varied(catalogue.LOCOMOTIONS[locomotion], random)
     walker = chosen.walker(seconds, start=random.uniform())
@@ -94,7 +106,7 @@ def moving(
 def standing(
     name: str, upper: Callable[[Carriage, Rhythm], actions.Upper], seconds: float, rate: float, facing: float
 ) -> Clip:
-    """A person who stands, facing `facing` radians about Y, and whose upper body does what `upper` says."""
+    """Generates a clip of a person who stands, turned `facing` radians about Y; the upper body is as in `moving`."""
     time = np.arange(round(seconds * rate) + 1) / rate
     still = np.zeros(len(time))
     aside = np.radians(1.2) * np.sin(0.9 * time) * np.cos(0.37 * time + 1.0)  # nobody stands quite still
@@ -112,18 +124,18 @@ _SAMPLE_SEEDS = {name: seed for seed, name in enumerate(_NUMBERS, start=1)}
 
 
 def sample_clips() -> dict[str, Clip]:
-    """All locomotions, and every action on a walk, each with a seed of its own, by name."""
+    """Returns the sample clips by name: all locomotions, and every action on a walk, each with its own seed."""
     plain = {name: make(name, seed=_SAMPLE_SEEDS[name]) for name in LOCOMOTIONS}
     return plain | {name: make("walk", name, seed=_SAMPLE_SEEDS[name]) for name in ACTIONS}
 
 
 def truth(locomotion: str, action: str) -> Clip:
-    """What splicing two of the sample clips should give: the locomotion's person doing the action."""
+    """Returns the true result of splicing two sample clips: the action performed by the locomotion's person."""
     return make(locomotion, action, seed=_SAMPLE_SEEDS[locomotion])
 
 
 def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Arm]) -> dict[str, Floats]:
-    """World rotations [F, 4] of the upper body's joints by name."""
+    """Returns the world rotations [F, 4] of the upper body's joints by name."""
     shoulders = euler(rhythm.shoulders + chest.yaw, chest.pitch, chest.roll)
     gaze = euler(rhythm.gaze + 0.15 * chest.yaw, 0.3 * chest.pitch + 0.02, 0.25 * chest.roll)
     world = {
@@ -143,7 +155,7 @@ def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Ar
 
 
 def _local(world: dict[str, Floats]) -> Floats:
-    """World rotations by joint name as rotations [F, J, 4] in the parents' frames."""
+    """Converts world rotations [F, 4] by joint name to rotations [F, J, 4] in the parents' frames."""
     turned = np.stack([world[name] for name in SKELETON.names], axis=1)
     local = turned.copy()
     local[:, 1:] = quaternion.multiply(quaternion.conjugate(turned[:, SKELETON.parents[1:]]), turned[:, 1:])

@@ -1,4 +1,4 @@
-"""What a built-in locomotion is made of, how seeds vary it, and where and when it leads."""
+"""The parts of a built-in locomotion: gaits, changes between them, routes, and its variation by seed."""
 
 from __future__ import annotations
 
@@ -17,39 +17,39 @@ from motionsplice.motion.procedural.upper import Carriage
 from motionsplice.motion.quaternion import Floats
 
 STEP = 0.26  # the height of a platform, metres
-_APPROACH, _ARRIVAL = 0.75, 0.5  # cycles before a foot lands on the platform, and after, of another gait
+_APPROACH, _ARRIVAL = 0.75, 0.5  # cycles of the second gait before and after a foot lands on the platform
 
 
 @dataclass(frozen=True)
 class Manner:
-    """A gait, and how it carries the upper body."""
+    """A gait, and the carriage of the upper body that goes with it."""
 
     gait: Gait
     carriage: Carriage
 
 
-Route = Callable[[Turning, Tempo, float], Path]  # of a gait, its tempo and a clip's seconds
-Changing = Callable[[float, float], Change]  # of a clip's first phase, and its strides at the first gait's tempo
+Route = Callable[[Turning, Tempo, float], Path]  # gait, tempo, seconds of the clip -> path
+Changing = Callable[[float, float], Change]  # first phase of the clip, its strides at the first gait's tempo -> change
 
 
 def never(start: float, strides: float) -> Change:
-    """One gait all the way."""
+    """Keeps the first gait throughout."""
     return Change()
 
 
 def midway(start: float, strides: float) -> Change:
-    """Into the second gait within one and a half strides, from two fifths of the clip on."""
+    """Changes to the second gait within one and a half strides, beginning at two fifths of the clip."""
     return Change(start + 0.4 * strides, lasting=1.5)
 
 
 def around_a_step(start: float, strides: float) -> Change:
-    """The second gait while both feet climb a platform: the first lands there near the middle of the clip."""
+    """Uses the second gait while both feet climb a platform, on which the first lands near the middle of the clip."""
     landing = round(2.0 * (start + 0.45 * strides)) / 2.0
     return Change(landing - _APPROACH, lasting=0.6, back=landing + _ARRIVAL)
 
 
 def onward(gait: Turning, tempo: Tempo, seconds: float) -> Path:
-    """Straight ahead over a floor or stairs. No foot stands lower than Y = 0, where the first or the last stair is."""
+    """Leads straight ahead over a floor or stairs. The lowest foothold, the first or the last stair, is at Y = 0."""
     end = tempo.phase(np.array([seconds]))[0]
     lowest = -0.5 if gait.first.rise > 0.0 else np.floor(2.0 * (end - LANDED)) / 2.0 + 0.5
     below = gait.first.rise * (tempo.start - 0.5 * gait.first.duty - lowest)
@@ -63,7 +63,7 @@ def onward(gait: Turning, tempo: Tempo, seconds: float) -> Path:
 
 
 def onto_a_platform(gait: Turning, tempo: Tempo, seconds: float) -> Path:
-    """Straight ahead, and up one step."""
+    """Leads straight ahead and up one step."""
     flat = onward(gait, tempo, seconds).position
     landing = tempo.change.begin + _APPROACH
     foothold = flat(tempo.time(np.array([landing + 0.5 * gait.second.duty])))[0]
@@ -77,17 +77,17 @@ def onto_a_platform(gait: Turning, tempo: Tempo, seconds: float) -> Path:
 
 
 def leftward_steps(gait: Turning, tempo: Tempo, seconds: float) -> Path:
-    """To the left, facing ahead."""
+    """Leads to the left, facing ahead."""
     return straight(lambda time: np.multiply.outer(time, np.array([_speed(gait), 0.0, 0.0])))
 
 
 def around(gait: Turning, tempo: Tempo, seconds: float) -> Path:
-    """Along a circle to the left."""
+    """Leads along a circle to the left."""
     return circle(_speed(gait), radius=2.6)
 
 
 def there_and_back(gait: Turning, tempo: Tempo, seconds: float) -> Path:
-    """Ahead, about half way through the clip, and back."""
+    """Leads ahead, turns round half-way through the clip, and leads back."""
     return about_turn(_speed(gait), middle=0.5 * seconds, lasting=1.5, slowest=0.25)
 
 
@@ -97,7 +97,7 @@ def _speed(gait: Turning) -> float:
 
 @dataclass(frozen=True)
 class Locomotion:
-    """A manner, another that it changes to if `changing` says so, and where they lead."""
+    """A manner, a second manner and when it changes to it, and a route."""
 
     manner: Manner
     then: Manner | None = None
@@ -105,7 +105,7 @@ class Locomotion:
     route: Route = onward
 
     def walker(self, seconds: float, start: float) -> Walker:
-        """Who begins a clip of `seconds` at phase `start`."""
+        """Returns the walker of a clip of `seconds` that begins at phase `start`."""
         first = self.manner.gait
         second = first if self.then is None else self.then.gait
         tempo = Tempo(start, first.period, second.period, self.changing(start, seconds / first.period))
@@ -113,13 +113,13 @@ class Locomotion:
         return Walker(gait, tempo, self.route(gait, tempo, seconds))
 
     def carriage(self, weight: Floats) -> Carriage:
-        """How the upper body is carried where the first gait has given way by `weight` [F]."""
+        """Returns the carriage of the upper body where the second gait has weight `weight` [F]."""
         own = self.manner.carriage
         return own if self.then is None else own.turning_to(self.then.carriage, weight)
 
 
 def varied(locomotion: Locomotion, random: np.random.Generator) -> Locomotion:
-    """The same locomotion of another person: tempo within 8 %, stride within 4 %, amplitudes within 12 %."""
+    """Returns the locomotion of a random person: tempo varies by 8 %, stride by 4 %, amplitudes by 12 %."""
     style, arms = random.uniform(0.88, 1.12, 2)
     stepping = 1.0 if locomotion.manner.gait.rise else random.uniform(0.96, 1.04)
     tempo = random.uniform(0.92, 1.08)

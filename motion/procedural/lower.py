@@ -1,7 +1,7 @@
-"""The lower body: feet planned on the ground, the pelvis over them, and legs that join the two.
+"""The lower body: feet planned on the ground, the pelvis over them, and legs solved between the two.
 
-A foot in swing follows its gait; in stance it stays where it was put, rolling over heel and ball; the legs are solved
-for hips and feet. So knees and hips follow the norms while no foot slides.
+A foot in swing follows its gait. A foot in stance stays on its foothold and rolls over heel and ball. So knees and hips
+follow the norms, and no foot slides.
 """
 
 from __future__ import annotations
@@ -31,14 +31,16 @@ from motionsplice.motion.procedural.tempo import Tempo
 from motionsplice.motion.procedural.turning import Turning
 from motionsplice.motion.quaternion import Floats
 
-LEAVE, LAND = 0.12, 0.1  # phases over which a foot goes from the ground's path to the swing's, and back
-TO_LEAVE = 0.4  # the phase of a foot whose gait its foothold has: the body's as it leaves, lest the leg be outrun
-LANDED = 0.07  # the phase by which a foot has come to rest after heel strike
+LEAVE, LAND = 0.12, 0.1  # cycles over which a foot blends from stance to swing, and back
+# A foothold uses the gait at this phase of its foot, shortly before the foot leaves. With the gait at landing, a body
+# that speeds up would outrun the leg.
+TO_LEAVE = 0.4
+LANDED = 0.07  # the phase at which a foot has come to rest after heel strike
 
 
 @dataclass(frozen=True)
 class Walker:
-    """Who goes where: a gait, when its steps are taken, and the path they lead along."""
+    """A gait, the tempo of its steps, and the path along which they lead."""
 
     gait: Turning
     tempo: Tempo
@@ -47,7 +49,7 @@ class Walker:
 
 @dataclass(frozen=True)
 class Foot:
-    """Over F frames: the ankle [F, 3], the foot's yaw and pitch [F], and the bend of the toes [F]."""
+    """A foot over F frames: the ankle's position [F, 3], yaw and pitch of the foot [F], and bend of the toes [F]."""
 
     ankle: Floats
     yaw: Floats
@@ -56,14 +58,14 @@ class Foot:
 
 
 def foot(walker: Walker, side: float, time: Floats) -> Foot:
-    """The motion of one foot at times [F] seconds."""
+    """Returns the motion of one foot at times [F] seconds."""
     gait, tempo, path = walker.gait, walker.tempo, walker.path
     behind = 0.0 if side == LEFT else 0.5
     phase = tempo.phase(time) + behind
     cycle = np.floor(phase - LANDED)
     first = int(cycle.min())
     landing_at = np.arange(first, int(cycle.max()) + 2, dtype=np.float64) - behind
-    weights = tempo.change.weight(landing_at + TO_LEAVE)  # one for each foothold: what stands does not change
+    weights = tempo.change.weight(landing_at + TO_LEAVE)  # one for each foothold: a standing foot does not change
     duties = gait.value("duty", weights)
     at = tempo.time(landing_at + 0.5 * duties)
     yaw = path.heading(at)
@@ -82,7 +84,7 @@ def foot(walker: Walker, side: float, time: Floats) -> Foot:
     weight = between(weights)
     pitch = gait.foot(u, weight) * between(pace)
     foot_yaw = between(yaw)
-    # In swing the foot follows the norm; just off and just before the ground it still, or already, rolls there.
+    # In swing the foot follows the norm; just after leaving and just before landing it rolls on the ground.
     leaving = 1.0 - ease((u - duty) / LEAVE + 0.35)
     landing = ease((u - 1.0 - LANDED) / LAND + 1.0)
     rolled = np.stack(rocker(pitch), axis=-1)
@@ -115,27 +117,27 @@ class LowerBody:
 
 
 def lower_body(walker: Walker, time: Floats) -> LowerBody:
-    """The lower body at times [F] seconds."""
+    """Returns the lower body at times [F] seconds."""
     root, pelvis, feet = _planned(walker, time)
     root = root - UP * _sink(walker, time)[:, None]
     phase = walker.tempo.phase(time)
     heading = walker.path.heading(time) + walker.gait.pelvis_turn(phase, walker.tempo.weight(time))[0]
     world = {"Hips": pelvis}
-    for side, one in feet.items():
+    for side, planned in feet.items():
         name = side_name(side)
         hip = root + quaternion.rotate(pelvis, hip_of(side))
-        pole = forward(0.5 * (heading + one.yaw))
-        leg = two_bones(one.ankle - hip, pole, THIGH, SHANK)
-        ankle = euler(one.yaw, -one.pitch, 0.0)
+        pole = forward(0.5 * (heading + planned.yaw))
+        leg = two_bones(planned.ankle - hip, pole, THIGH, SHANK)
+        ankle = euler(planned.yaw, -planned.pitch, 0.0)
         world[name + "UpLeg"] = frame(leg.hinge, -leg.upper)
         world[name + "Leg"] = frame(leg.hinge, -leg.lower)
         world[name + "Foot"] = ankle
-        world[name + "ToeBase"] = quaternion.multiply(ankle, quaternion.about([1.0, 0.0, 0.0], -one.toes))
+        world[name + "ToeBase"] = quaternion.multiply(ankle, quaternion.about([1.0, 0.0, 0.0], -planned.toes))
     return LowerBody(root, world, phase)
 
 
 def _planned(walker: Walker, time: Floats) -> tuple[Floats, Floats, dict[float, Foot]]:
-    """Root positions [F, 3], pelvis rotations [F, 4] and feet, before any leg is asked whether it can reach."""
+    """Returns root positions [F, 3], pelvis rotations [F, 4] and feet, whether or not the legs can reach."""
     gait, path, phase, weight = walker.gait, walker.path, walker.tempo.phase(time), walker.tempo.weight(time)
     heading, pace, rolled = path.heading(time), path.pace(time), path.lean(time)
     yaw, pitch, roll = gait.pelvis_turn(phase, weight)
@@ -151,20 +153,21 @@ def _planned(walker: Walker, time: Floats) -> tuple[Floats, Floats, dict[float, 
 
 
 def _sink(walker: Walker, time: Floats) -> Floats:
-    """How far [F] the hips must sink, smoothly, so that no leg reaches further than `LONGEST`.
+    """Returns how far [F] the hips must sink, smoothly, so that no leg reaches further than `LONGEST`.
 
-    It is worked out on a time grid of its own, beyond both ends, so that neither rate nor ends show in it.
+    It is computed on a fixed time grid that extends beyond both ends, so that it depends neither on the rate nor on
+    where the clip ends.
     """
     rate, radius = 100.0, 10
     margin = 2.0 * radius / rate
     grid = np.arange(time[0] - margin, time[-1] + margin + 2.0 / rate, 1.0 / rate)
     root, pelvis, feet = _planned(walker, grid)
     excess = np.zeros(len(grid))
-    for side, one in feet.items():
-        leg = root + quaternion.rotate(pelvis, hip_of(side)) - one.ankle
+    for side, planned in feet.items():
+        leg = root + quaternion.rotate(pelvis, hip_of(side)) - planned.ankle
         tallest = np.sqrt(np.maximum(LONGEST**2 - leg[:, 0] ** 2 - leg[:, 2] ** 2, 0.01))
         excess = np.maximum(excess, leg[:, 1] - tallest)
-    # The blur's kernel is no wider than the maximum's window, so the result nowhere falls below the excess.
+    # The blur is no wider than the window of the maximum, so the result is nowhere below the excess.
     return CubicSpline(grid, gaussian_filter1d(maximum_filter1d(excess, 2 * radius + 1), radius / 3, radius=radius))(
         time
     )

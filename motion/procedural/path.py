@@ -1,4 +1,4 @@
-"""Where the body goes: position and heading as functions of time."""
+"""Paths: position, heading and pace of the body as functions of time."""
 
 from __future__ import annotations
 
@@ -14,27 +14,29 @@ GRAVITY = 9.81
 
 
 def forward(heading: Floats) -> Floats:
-    """The unit vector [..., 3] over the floor at `heading` [...] radians about Y from +Z."""
+    """Returns the horizontal unit vector [..., 3] at `heading` [...] radians about Y from +Z."""
     return np.stack([np.sin(heading), np.zeros_like(heading), np.cos(heading)], axis=-1)
 
 
 def leftward(heading: Floats) -> Floats:
-    """The unit vector [..., 3] over the floor to the left of `heading` [...]."""
+    """Returns the horizontal unit vector [..., 3] to the left of `heading` [...]."""
     return np.stack([np.cos(heading), np.zeros_like(heading), -np.sin(heading)], axis=-1)
 
 
 def ease(t: Floats) -> Floats:
-    """From 0 to 1 over [0, 1], starting and ending with neither speed nor acceleration, held outside."""
+    """Rises from 0 to 1 over [0, 1], with zero speed and acceleration at both ends; constant outside."""
     t = np.clip(t, 0.0, 1.0)
     return t**3 * (10.0 + t * (6.0 * t - 15.0))
 
 
 @dataclass(frozen=True)
 class Path:
-    """Functions of time in seconds [n]: `position` -> [n, 3], `heading` -> [n], `pace` -> [n].
+    """A path as functions of time in seconds [n].
 
-    The pace is the length of a step there against that of a full step: 1, but for where the body slows to turn.
-    `ground` is the height [n] on which a foot stands that the path puts at points [n, 3]: theirs, if not given.
+    position: [n, 3] metres.
+    heading:  [n] radians about Y from +Z.
+    pace:     [n] length of a step relative to a full step: 1, except where the body slows down to turn.
+    ground:   of points [n, 3] on the path: the height [n] of the ground there, by default the points' own.
     """
 
     position: Callable[[Floats], Floats]
@@ -43,7 +45,7 @@ class Path:
     ground: Callable[[Floats], Floats] = lambda points: points[:, 1]
 
     def lean(self, time: Floats) -> Floats:
-        """The roll to the left [n] that balances the path's curvature, taken over half a second."""
+        """Returns the roll to the left [n] in radians that balances the path's curvature, averaged over 0.5 s."""
         around = time[:, None] + np.linspace(-0.25, 0.25, 11)
         after, before = around.ravel() + 0.01, around.ravel() - 0.01
         turning = (self.heading(after) - self.heading(before)) / 0.02
@@ -56,13 +58,13 @@ def _even(t: Floats) -> Floats:
 
 
 def straight(position: Callable[[Floats], Floats], ground: Callable[[Floats], Floats] | None = None) -> Path:
-    """Facing +Z all the way; `position` and `ground` as in `Path`."""
+    """Returns a path that faces +Z throughout; `position` and `ground` as in `Path`."""
     path = Path(position, np.zeros_like, _even)
     return path if ground is None else replace(path, ground=ground)
 
 
 def circle(speed: float, radius: float) -> Path:
-    """Forward along a circle to the left."""
+    """Returns a path along a circle to the left; `speed` in metres per second, `radius` in metres."""
 
     def position(t: Floats) -> Floats:
         angle = t * speed / radius
@@ -72,9 +74,9 @@ def circle(speed: float, radius: float) -> Path:
 
 
 def about_turn(speed: float, middle: float, lasting: float, slowest: float) -> Path:
-    """Forward, half a turn to the left at time `middle` within `lasting` seconds, and back.
+    """Returns a path forward, half a turn to the left within `lasting` seconds around time `middle`, and back.
 
-    The pace falls to `slowest` at the middle of the turn.
+    The pace falls to `slowest` in the middle of the turn.
     """
     grid = middle + np.linspace(-12.0, 12.0, 2401)
 

@@ -1,4 +1,4 @@
-"""Gestures as a score that bodies and hands perform, each in its own time and size: holds and strokes of least jerk."""
+"""Scores of gestures, which bodies and hands perform at their own tempo and size: holds and minimum-jerk moves."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ Kind = Literal["count", "point", "wave", "open_close", "thumbs_up"]
 PhaseKind = Literal["preparation", "stroke", "hold", "retraction"]
 KINDS: tuple[Kind, ...] = ("count", "point", "wave", "open_close", "thumbs_up")
 STILL = 0.3  # seconds at rest before the first gesture and after the last
-# what a move leads to: the wrist, metres outward, up and forward of the shoulder; pronation and extension; fingers
+# Channels of a hand: the wrist, metres outward, up and forward of the shoulder; pronation and extension; a finger pose.
 WRIST, PRONATION, EXTENSION, FINGERS, CHANNELS = slice(0, 3), 3, 4, slice(5, 5 + POSE), 5 + POSE
 REST = np.array([0.02, -0.40, 0.22, 0.35, 0.0, *RELAXED])
 
 
 @dataclass(frozen=True, eq=False)
 class Move:
-    """From what was before to `to` [CHANNELS], from `begin` on, within `lasting` seconds of the score.
+    """A move to the channels `to` [CHANNELS], from `begin` within `lasting`, both in seconds of the score.
 
-    gesture: the number of the gesture that it belongs to, for performers vary them; -1 for the way to rest.
+    gesture: the number of its gesture, by which performers scale it; -1 for a return to rest.
     """
 
     kind: PhaseKind
@@ -36,7 +36,7 @@ class Move:
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """The moves of each side's hand, in order, over `seconds`; and the kinds of all gestures."""
+    """The moves of each side's hand, in order, over `seconds`, and the kinds of all gestures."""
 
     seconds: float
     moves: dict[float, list[Move]]
@@ -44,13 +44,13 @@ class Score:
 
 
 def least_jerk(t: Floats) -> Floats:
-    """From 0 to 1 as t goes there, as hands do (Flash and Hogan 1985)."""
+    """Rises from 0 to 1 with t by the minimum-jerk curve of hand movements (Flash and Hogan 1985)."""
     t = np.clip(t, 0.0, 1.0)
     return np.asarray(t**3 * (10.0 - 15.0 * t + 6.0 * t * t))
 
 
 class Writer:
-    """Writes the moves of one hand, one after the other."""
+    """Writes the moves of one hand in order. Durations are drawn from ranges in seconds and scaled by `hurry`."""
 
     def __init__(self, random: np.random.Generator, hurry: float) -> None:
         self.random, self.hurry = random, hurry
@@ -66,7 +66,7 @@ class Writer:
 
 
 def write_score(random: np.random.Generator, kinds: list[Kind], sides: tuple[float, ...]) -> Score:
-    """Gestures of these kinds in order, by the hands in turn."""
+    """Writes a score of gestures of these kinds in order, by the hands in turn."""
     hurry = min(1.0, 9.0 * len(sides) / max(len(kinds), 1)) ** 0.7
     writers = {side: Writer(random, hurry) for side in sides}
     counted = dict.fromkeys(sides, 0)
@@ -99,9 +99,9 @@ def _gesture(writer: Writer, kind: Kind, number: int, counted: int) -> None:
         return moved
 
     if kind == "count":
-        shown = place(-0.04, 0.02, 0.34, -0.35, 0.1, COUNTED[max(counted, 1)])
-        writer.move("preparation", (0.35, 0.55), shown, number)
-        writer.move("stroke", (0.12, 0.2), shifted(shown, up=(-0.07, -0.03), extended=(-0.4, -0.2)), number)
+        raised = place(-0.04, 0.02, 0.34, -0.35, 0.1, COUNTED[max(counted, 1)])
+        writer.move("preparation", (0.35, 0.55), raised, number)
+        writer.move("stroke", (0.12, 0.2), shifted(raised, up=(-0.07, -0.03), extended=(-0.4, -0.2)), number)
         writer.hold((0.15, 0.6))
     elif kind == "point":
         drawn_in = place(0.02, -0.04, 0.24, 1.0, 0.3, POINT)
@@ -132,10 +132,11 @@ def _gesture(writer: Writer, kind: Kind, number: int, counted: int) -> None:
 
 
 def performed(moves: list[Move], rest: Floats, place: Floats, sizes: Floats, s: Floats) -> Floats:
-    """What a hand does [n, CHANNELS] at times [n] of a score.
+    """Returns a hand's channels [n, CHANNELS] at times `s` [n] of a score.
 
-    The wrist's way from where the score has it at rest begins at `place` [3], and is larger by each gesture's entry in
-    `sizes`; rest [CHANNELS] is the score's.
+    rest:  [CHANNELS] the rest position in the score.
+    place: [3] the wrist's rest position in this performance.
+    sizes: by gesture, the factor by which the wrist's displacement from rest is scaled.
     """
     here = np.concatenate([place, rest[3:]])
     done = np.tile(here, (len(s), 1))
@@ -148,7 +149,7 @@ def performed(moves: list[Move], rest: Floats, place: Floats, sizes: Floats, s: 
 
 
 def phase_spans(moves: list[Move], seconds: float) -> list[tuple[PhaseKind, float, float]]:
-    """The phases of one hand in order, from and to times of the score; between moves it holds."""
+    """Returns the phases of one hand in order, each with its begin and end in the score; holds fill the gaps."""
     spans: list[tuple[PhaseKind, float, float]] = []
     time = 0.0
     for move in moves:

@@ -1,4 +1,4 @@
-"""A gait that turns into another: every number and curve of the two, mixed."""
+"""A gait that turns into another: a blend of all parameters and curves of the two."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from motionsplice.motion.quaternion import Floats
 
 
 def _registered(u: Floats, duty: Floats, own: float) -> Floats:
-    """The phases [n] of a gait that stands for `own` where one that stands for `duty` [n] is at `u` [n].
+    """Maps phases `u` [n] of a gait with duty `duty` [n] to the phases [n] of a gait with duty `own`.
 
-    A smooth map of the cycle: heel strike onto heel strike, toe-off onto toe-off.
+    The map of the cycle is smooth. It takes heel strike to heel strike and toe-off to toe-off.
     """
     cycle = np.floor(u)
     u = u - cycle
@@ -29,36 +29,36 @@ def _registered(u: Floats, duty: Floats, own: float) -> Floats:
 
 @dataclass(frozen=True)
 class Turning:
-    """A gait that turns into another: at weight 0 it is the first, at weight 1 the second. All weights are [n]."""
+    """A blend of two gaits: the first at weight 0, the second at weight 1. All weights are [n]."""
 
     first: Gait
     second: Gait
 
     def value(self, name: str, weight: Floats) -> Floats:
-        """A number of the gait [n]."""
+        """Returns a parameter of the gait by its name [n]."""
         first, second = getattr(self.first, name), getattr(self.second, name)
         return np.asarray(first + (second - first) * weight)
 
     def foot(self, u: Floats, weight: Floats) -> Floats:
-        """The foot's pitch [n] at its own phases [n]."""
+        """Returns the foot's pitch [n] at the foot's phases [n]."""
         return self._mixed([gait.foot(at) for gait, at in self._both(u, weight)], weight)
 
     def swing(self, u: Floats, weight: Floats) -> Floats:
-        """As `Gait.swing`: [n, 2]."""
+        """Returns the blend of `Gait.swing`, [n, 2]."""
         return self._mixed([gait.swing(at) for gait, at in self._both(u, weight)], weight[:, None])
 
     def pelvis_turn(self, phase: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]:
-        """As `Gait.pelvis_turn`: yaw, pitch and roll, each [n]."""
+        """Returns the blend of `Gait.pelvis_turn`: yaw, pitch and roll, each [n]."""
         turns = zip(self.first.pelvis_turn(phase), self.second.pelvis_turn(phase), strict=True)
         yaw, pitch, roll = (self._mixed(both, weight) for both in turns)
         return yaw, pitch, roll
 
     def height(self, weight: Floats) -> Floats:
-        """As `Gait.height`: [n, 5]."""
+        """Returns the blend of `Gait.height`, [n, 5]."""
         return self._mixed((self.first.height, self.second.height), weight[:, None])
 
     def surge(self, weight: Floats) -> Floats:
-        """As `Gait.surge`: [n, 5]."""
+        """Returns the blend of `Gait.surge`, [n, 5]."""
         return self._mixed((self.first.surge, self.second.surge), weight[:, None])
 
     def _both(self, u: Floats, weight: Floats) -> list[tuple[Gait, Floats]]:

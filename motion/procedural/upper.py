@@ -1,4 +1,4 @@
-"""The upper body as a locomotion moves it: trunk against the pelvis, arms against the legs, a steady gaze."""
+"""The upper body in locomotion: the trunk turns against the pelvis, the arms swing against the legs."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ TURN = 2.0 * np.pi
 
 @dataclass(frozen=True)
 class Carriage:
-    """How a locomotion carries the upper body; angles in radians.
+    """The upper body's parameters in a locomotion; angles in radians. In a blend of two carriages each is an array [F].
 
-    `lean` is the trunk's mean forward pitch, `twist` and `list` the amplitudes of its turn and roll against the
-    path, `nod` of its pitch twice a stride. The upper arms swing by `swing` about `hang` (forward positive), held
-    off the body by `abduction` and turned inwards by `inward`; the elbows bend by `elbow`, and by `elbow_swing`
-    more and less. Arms and twist are `lead` cycles ahead of a walk's, against the heel strikes. Where one carriage
-    turns into another, each is an array [F].
+    lean:        mean forward pitch of the trunk.
+    twist, list: amplitudes of the trunk's yaw and roll relative to the path.
+    nod:         amplitude of the trunk's pitch, which oscillates twice a stride.
+    swing, hang: amplitude and mean of the upper arms' swing, forward positive.
+    abduction, inward: how far the upper arms are held off the body and turned inwards.
+    elbow, elbow_swing: mean and amplitude of the elbows' bend.
+    lead:        cycles by which arms and twist are ahead of a walk's, relative to the heel strikes.
     """
 
     lean: float | Floats
@@ -37,17 +39,21 @@ class Carriage:
     lead: float | Floats = 0.0
 
     def turning_to(self, other: Carriage, weight: Floats) -> Carriage:
-        """This carriage where `weight` [F] is 0, the other where it is 1."""
+        """Returns the blend of this carriage, at `weight` [F] 0, and the other, at weight 1."""
         both = {field.name: (getattr(self, field.name), getattr(other, field.name)) for field in fields(self)}
         return Carriage(**{name: first + (second - first) * weight for name, (first, second) in both.items()})
 
 
 @dataclass(frozen=True)
 class Rhythm:
-    """What the locomotion imposes on the upper body, over F frames.
+    """The locomotion's inputs to the upper body, each [F].
 
-    phase [F] in cycles from the left heel strike; swing [F], that of arms and twist; pace [F], the steps' length
-    against full ones; headings [F] of shoulders and gaze; lean [F], the roll into a curve; time [F] in seconds.
+    phase: cycles from the left heel strike.
+    swing: the phase of arms and twist.
+    pace:  length of the steps relative to full steps.
+    shoulders, gaze: headings, radians about Y.
+    lean:  roll into a curve, radians.
+    time:  seconds.
     """
 
     phase: Floats
@@ -61,7 +67,7 @@ class Rhythm:
 
 @dataclass(frozen=True)
 class Trunk:
-    """The chest's yaw against the shoulders' heading, its pitch and its roll, each [F]."""
+    """The chest's yaw relative to the shoulders' heading, its pitch and its roll, each [F], radians."""
 
     yaw: Floats
     pitch: Floats
@@ -70,7 +76,7 @@ class Trunk:
 
 @dataclass(frozen=True)
 class Arm:
-    """One arm over F frames: rotations [F, 4] of upper arm, forearm and hand against the chest."""
+    """An arm over F frames: rotations [F, 4] of upper arm, forearm and hand relative to the chest."""
 
     upper: Floats
     fore: Floats
@@ -78,7 +84,7 @@ class Arm:
 
 
 def trunk(carriage: Carriage, rhythm: Rhythm) -> Trunk:
-    """The chest turns against the pelvis, rolls to the standing leg and nods after each heel strike."""
+    """Returns the trunk: it turns against the pelvis, rolls to the standing leg and nods after each heel strike."""
     angle = TURN * rhythm.phase
     return Trunk(
         yaw=carriage.twist * rhythm.pace * np.cos(TURN * rhythm.swing - 0.25),
@@ -88,11 +94,11 @@ def trunk(carriage: Carriage, rhythm: Rhythm) -> Trunk:
 
 
 def hanging_arm(side: float, flexion: Floats, abduction: Floats, inward: Floats, elbow: Floats) -> Arm:
-    """An arm by its joint angles [F]: hanging down at zero, with the palm to the thigh."""
+    """Returns an arm by its joint angles [F], radians. At zero it hangs down, with the palm to the thigh."""
     lateral = euler(0.0, -flexion, 0.0)
     outward = euler(0.0, 0.0, side * abduction)
     turned = euler(-side * inward, 0.0, np.full_like(inward, -0.5 * np.pi * side))
-    # The inward turn comes after the hang, about the arm itself: yaw of a bone that points down.
+    # The arm is rolled from the T-pose to hang down, then turned inwards about its own axis, which is now vertical.
     upper = quaternion.multiply(quaternion.multiply(lateral, outward), turned)
     fore = quaternion.multiply(upper, euler(-side * elbow, 0.15, 0.0))
     hand = quaternion.multiply(fore, euler(-side * 0.12, 0.0, 0.0))
@@ -100,7 +106,7 @@ def hanging_arm(side: float, flexion: Floats, abduction: Floats, inward: Floats,
 
 
 def swinging_arm(carriage: Carriage, rhythm: Rhythm, side: float) -> Arm:
-    """The arm's natural swing, forward with the other side's leg; the elbow bends as it comes forward."""
+    """Returns an arm in natural swing: forward with the other side's leg, the elbow bending on the way forward."""
     angle = TURN * rhythm.swing + (np.pi if side == LEFT else 0.0)
     wave = np.cos(angle - 0.2) + 0.08 * np.cos(2.0 * angle - 0.6)
     late = np.cos(angle - 0.75)
@@ -115,4 +121,5 @@ def swinging_arm(carriage: Carriage, rhythm: Rhythm, side: float) -> Arm:
 
 
 def swinging_arms(carriage: Carriage, rhythm: Rhythm) -> dict[float, Arm]:
+    """Returns both arms in natural swing, by side."""
     return {side: swinging_arm(carriage, rhythm, side) for side in (LEFT, RIGHT)}

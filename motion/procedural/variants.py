@@ -1,8 +1,7 @@
-"""The same motion on rigs that differ and at other times, for tests and benchmarks that the answer does not differ."""
+"""Variants of clips that must not change a splice: local axes, timing."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,16 +10,15 @@ from scipy.spatial.transform import Rotation
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.skeleton import Skeleton
 
 
 def local_axes(joints: int, seed: int) -> Floats:
-    """A random constant rotation for each joint's local frame [joints, 4]."""
+    """Returns a random constant rotation for each joint's local frame [joints, 4]."""
     return np.asarray(Rotation.random(joints, random_state=seed).as_quat())
 
 
 def with_local_axes(clip: Clip, axes: Floats) -> Clip:
-    """The same motion on a rig whose local frames are turned by `axes`: all world positions stay."""
+    """Returns the same motion on a rig with local frames rotated by `axes` [J, 4]; world positions do not change."""
     skeleton = clip.skeleton
     above = np.concatenate([quaternion.IDENTITY[None], axes[skeleton.parents[1:]]])
     turned = replace(
@@ -33,48 +31,13 @@ def with_local_axes(clip: Clip, axes: Floats) -> Clip:
 
 
 def warped(clip: Clip, frames: Floats, name: str) -> Clip:
-    """The same motion at other times: real-valued frames [n] of the clip."""
+    """Returns the clip resampled at its real-valued `frames` [n], at the same rate."""
     positions, rotations = clip.sampled(frames)
     return Clip(name, clip.skeleton, clip.rate, positions, rotations)
 
 
 def uneven_time(frame_count: int) -> Floats:
-    """Frames of a clip played unevenly: between half and one and a half times as fast."""
+    """Returns real-valued frames [frame_count] that play a clip unevenly, at 0.5 to 1.5 times its speed."""
     seconds = np.linspace(0.0, 1.0, frame_count)
     curve = seconds + 0.05 * np.sin(2.0 * np.pi * seconds) + 0.009 * np.sin(6.0 * np.pi * seconds)
     return (curve - curve[0]) / (curve[-1] - curve[0]) * (frame_count - 1)
-
-
-def with_bones_above(clip: Clip, above: Mapping[str, str]) -> Clip:
-    """The same motion with a bone more, half-way up, above each joint named: it is called so, and never turns."""
-    skeleton = clip.skeleton
-    names, parents, offsets, places = list[str](), list[int](), list[Floats](), list[int]()
-    for joint, name in enumerate(skeleton.names):
-        parent, offset = (places[skeleton.parents[joint]] if joint else -1), skeleton.offsets[joint]
-        if name in above:
-            offset = 0.5 * offset
-            names.append(above[name])
-            parents.append(parent)
-            offsets.append(offset)
-            parent = len(names) - 1
-        places.append(len(names))
-        names.append(name)
-        parents.append(parent)
-        offsets.append(offset)
-    ends = np.array(places)[skeleton.end_parents]
-    rig = Skeleton(tuple(names), np.array(parents), np.array(offsets), ends, skeleton.end_offsets)
-    rotations = np.tile(quaternion.IDENTITY, (clip.frame_count, len(names), 1))
-    rotations[:, places] = clip.rotations
-    return replace(clip, skeleton=rig, rotations=rotations)
-
-
-def with_arms_turned(skeleton: Skeleton, radians: float) -> Skeleton:
-    """The built-in rig with another bind pose: an A-pose for a positive angle."""
-    offsets, ends = skeleton.offsets.copy(), skeleton.end_offsets.copy()
-    for side, down in (("Left", -radians), ("Right", radians)):
-        arm = skeleton.subtree(skeleton.index(f"{side}Arm"))
-        turn = quaternion.about([0.0, 0.0, 1.0], down)
-        offsets[arm[1:]] = quaternion.rotate(turn, offsets[arm[1:]])
-        tips = np.isin(skeleton.end_parents, arm)
-        ends[tips] = quaternion.rotate(turn, ends[tips])
-    return replace(skeleton, offsets=offsets, end_offsets=ends)

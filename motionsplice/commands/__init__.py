@@ -1,1 +1,1 @@
-"""The commands of `motionsplice`, one module a group. Imported by `cli`."""
+"""The commands of `motionsplice`, one module per group. Each is imported when one of its commands is used."""

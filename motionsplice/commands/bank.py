@@ -1,11 +1,14 @@
-"""`motionsplice precompute` and `motionsplice inspect`: building a bank, and looking into it."""
+"""`motionsplice precompute` and `motionsplice inspect`: building and listing a bank.
+
+The offline job is imported when it is needed, so that `inspect` starts fast.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
@@ -17,10 +20,11 @@ from rich.table import Table
 from motionsplice.commands.progress_file import ProgressFile
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import MotionError
-from motionsplice.motion.roles import read_roles_file
-from motionsplice.precompute.hands.settings import HandsOnBody
-from motionsplice.precompute.job.job import Outcome, build_bank
 from motionsplice.runtime.bank import Bank
+
+if TYPE_CHECKING:
+    from motionsplice.precompute.hands.settings import HandsOnBody
+    from motionsplice.precompute.job.outcome import Outcome
 
 AUTOMATIC = "auto"
 
@@ -36,25 +40,27 @@ def register(app: typer.Typer) -> None:
 
 def precompute_command(
     clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), or folders of them.")],
-    out: Annotated[Path, typer.Option(help="The bank to write.")],
+    out: Annotated[Path, typer.Option(help="The bank to write, a folder.")],
     baseline: Annotated[
-        str, typer.Option(help="The clip whose stride all are aligned to; auto: the most typical stride.")
+        str, typer.Option(help="The clip to whose stride all clips are aligned; auto: the most typical stride.")
     ] = AUTOMATIC,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; else one per core.")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one per core.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
     hands: Annotated[
-        list[str] | None, typer.Option(help="BODY:HANDS, clips of which the second gives the first one's hands.")
+        list[str] | None, typer.Option(help="BODY:HANDS: lay the hands of clip HANDS on clip BODY.")
     ] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
-    progress: Annotated[Path | None, typer.Option(help="File that tells how far it is, as JSON, for programs.")] = None,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
+    progress: Annotated[Path | None, typer.Option(help="File to write progress to, as JSON.")] = None,
 ) -> None:
     """Align clips to a baseline locomotion, and write a bank.
 
-    A clips.toml beside the clips may say of each its kind ("locomotion" or "action"), neutral, tags, skip_frames and
-    unit; a hands.toml, which hands are laid on which bodies, and how. A clip that fails is named with its reason, the
-    others finish, and the exit status is 1.
+    A clips.toml beside the clips may set the kind ("locomotion" or "action"), neutral, tags, skip_frames and unit of
+    each clip. A hands.toml lists which hands are laid on which bodies, and how. If a clip fails, its reason is printed,
+    the others finish, and the exit status is 1.
     """
+    from motionsplice.precompute.hands.settings import HandsOnBody
+
     file = ProgressFile(progress) if progress is not None else None
     try:
         outcome = run(
@@ -69,11 +75,11 @@ def precompute_command(
         )
     except MotionError as problem:
         if file is not None:
-            file.give_up(str(problem))
+            file.fail(str(problem))
         raise
     if file is not None:
         file.finish(outcome)
-    tell_work(outcome, out)
+    print_work(outcome, out)
     if not outcome.unchanged:
         show_bank(Bank.open(out))
     for name, error in outcome.failed.items():
@@ -93,13 +99,16 @@ def run(
     hands: Sequence[HandsOnBody] = (),
     file: ProgressFile | None = None,
 ) -> Outcome:
-    """The offline job behind a progress bar."""
+    """Runs the offline job behind a progress bar. Raises MotionError."""
+    from motionsplice.motion.roles import read_roles_file
+    from motionsplice.precompute.job.job import build_bank
+
     columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console) as bar:
         tasks: dict[str, TaskID] = {}
 
         def show(stage: str, done: int, total: int) -> None:
-            if stage not in tasks:  # what has nothing to do has no bar
+            if stage not in tasks:  # a stage without work has no bar
                 tasks[stage] = bar.add_task(stage)
             bar.update(tasks[stage], completed=done, total=total)
             if file is not None:
@@ -117,24 +126,24 @@ def run(
         )
 
 
-def tell_work(outcome: Outcome, out: Path) -> None:
-    """Prints how much there was to do."""
+def print_work(outcome: Outcome, out: Path) -> None:
+    """Prints how many clips were processed, and how many were reused or failed."""
     count = f"{len(outcome.clips)} clip{'s' * (len(outcome.clips) != 1)}"
     if outcome.unchanged:
-        said = f"{out}: nothing to do, none of its {count} changed"
+        line = f"{out}: nothing to do, none of its {count} changed"
     else:
-        said = f"{count}, {outcome.kept} unchanged"
+        line = f"{count}, {outcome.reused} reused"
     failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
-    console.print(said + failed, highlight=False, soft_wrap=True)
+    console.print(line + failed, highlight=False, soft_wrap=True)
 
 
-def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank.")]) -> None:
-    """Show what is in a bank: its clips, and how well each is aligned to the baseline."""
+def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")]) -> None:
+    """Show the clips of a bank, and how well each is aligned to the baseline."""
     show_bank(Bank.open(bank))
 
 
 def show_bank(bank: Bank) -> None:
-    """Prints a bank's clips as a table, and what was noted while they were read."""
+    """Prints a bank's clips and hands as tables, and the warnings and notes of the job."""
     stride = bank.baseline.end - bank.baseline.start
     console.print(
         f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, baseline {bank.baseline.clip!r} "
@@ -143,8 +152,8 @@ def show_bank(bank: Bank) -> None:
         soft_wrap=True,
     )
     table = Table(
-        caption="mean, worst: root and knees against the baseline's at the same phase, cm; "
-        "shoulders: an action's, beyond its neutral's gait, degrees"
+        caption="mean, worst: distance of root and knees from the baseline's at the same phase, cm; "
+        "shoulders: motion of an action's shoulders beyond its neutral's gait, degrees"
     )
     for column in ("clip", "neutral"):
         table.add_column(column, overflow="fold")
@@ -166,9 +175,9 @@ def show_bank(bank: Bank) -> None:
     if bank.hands:
         console.print(hands_table(bank))
     warnings = [(clip.name, clip.warnings) for clip in bank.clips] + [(one.name, one.warnings) for one in bank.hands]
-    for style, said in (("yellow", warnings), ("dim", [(clip.name, clip.notes) for clip in bank.clips])):
+    for style, messages in (("yellow", warnings), ("dim", [(clip.name, clip.notes) for clip in bank.clips])):
         names: dict[str, list[str]] = {}
-        for name, sentences in said:
+        for name, sentences in messages:
             for sentence in sentences:
                 names.setdefault(sentence, []).append(name)
         for sentence, clips in names.items():
@@ -178,10 +187,11 @@ def show_bank(bank: Bank) -> None:
 
 
 def hands_table(bank: Bank) -> Table:
-    """Which hands lie on which clips, and how far they go from the body's own time."""
+    """Returns a table of the hands on each clip, and of how far their time runs from the body's."""
     table = Table(
-        caption="mismatch: how much phases of gestures differ, as a part of how much those of any two frames do; "
-        "ahead: by how much the hands' own time runs ahead of the body's, least and most, seconds"
+        caption="mismatch: mean phase cost of aligned frames over that of all frames in the band, 0 for identical "
+        "gestures and about 1 for unrelated ones; ahead: seconds by which the hands run ahead of the body, least and "
+        "most"
     )
     for column in ("hands", "on", "hand", "wrist", "pairs"):
         table.add_column(column, overflow="fold")
@@ -189,8 +199,8 @@ def hands_table(bank: Bank) -> Table:
         table.add_column(column, justify="right", no_wrap=True)
     for one in bank.hands:
         frames, rate = bank.hand_frames(one.name, one.body), bank.clip(one.body).rate
-        taken = {"left": [0], "right": [1]}.get(one.hand, [0, 1])
-        ahead = frames[:, taken] / one.rate - np.arange(len(frames))[:, None] / rate
+        sides = {"left": [0], "right": [1]}.get(one.hand, [0, 1])
+        ahead = frames[:, sides] / one.rate - np.arange(len(frames))[:, None] / rate
         table.add_row(
             escape(one.name),
             escape(one.body),

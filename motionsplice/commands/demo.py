@@ -1,4 +1,4 @@
-"""`motionsplice demo`: the whole path on the built-in motions."""
+"""`motionsplice demo`: the whole workflow on the built-in motions."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from motionsplice.commands import bank as command_bank
 from motionsplice.commands import hands as command_hands
 from motionsplice.commands import serve as command_serve
 from motionsplice.commands.motion import Method, Posture, spliced
-from motionsplice.commands.sample_folder import write_sample_clips, write_sample_gestures
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import truth
+from motionsplice.motion.samples import write_sample_clips, write_sample_gestures
 from motionsplice.pictures.sheets import animation, contact_sheet
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
 
 LOCOMOTION, ACTION = "curve", "carry_cup"
 BODY, HANDS = "count_steps", "count_steps_hands"
-SHOWN = (0.5, 3.0)  # seconds on the contact sheet
+SHEET = (0.5, 3.0)  # first and last second on the contact sheet
 
 console = Console(emoji=False)
 
@@ -32,13 +32,13 @@ def register(app: typer.Typer) -> None:
 
 
 def demo_command(
-    folder: Annotated[Path, typer.Argument(help="Where to put clips, bank and results.")] = Path("demo"),
+    folder: Annotated[Path, typer.Argument(help="Folder for clips, bank and results.")] = Path("demo"),
 ) -> None:
-    """Write the built-in motions, build a bank of them, splice one, lay hands on another, draw both, and serve."""
+    """Build a bank of the built-in motions, splice one, add hands to another, draw both, and serve."""
     clips, bank_folder, gestures = folder / "clips", folder / "bank", folder / "gestures"
     write_sample_clips(clips)
     write_sample_gestures(gestures)
-    command_bank.tell_work(command_bank.run([clips], bank_folder, baseline="walk"), bank_folder)
+    command_bank.print_work(command_bank.run([clips], bank_folder, baseline="walk"), bank_folder)
     bank = Bank.open(bank_folder)
     command_bank.show_bank(bank)
     splice = spliced(bank, LOCOMOTION, ACTION, Method.SPLICE, Posture.RELATIVE, 0.0)
@@ -48,14 +48,14 @@ def demo_command(
     real = truth(LOCOMOTION, ACTION)
     rows = [("naive splice", naive, bank.roles), ("motionsplice", splice, bank.roles), ("truth", real, bank.roles)]
     sheet, film = motion.with_suffix(".png"), motion.with_suffix(".gif")
-    contact_sheet(rows, start=SHOWN[0], end=SHOWN[1], ghost=real).save(sheet)
+    contact_sheet(rows, start=SHEET[0], end=SHEET[1], ghost=real).save(sheet)
     film.write_bytes(animation(rows, end=4.0, ghost=real))
-    console.print(f"\n{ACTION!r} spliced onto {LOCOMOTION!r}, as never captured:")
+    console.print(f"\n{ACTION!r} spliced onto {LOCOMOTION!r}, a motion that was never captured:")
     for what, file in (("motion", motion), ("picture", sheet), ("animation", film), ("bank", bank_folder)):
         console.print(f"  {what:9} {file}", highlight=False)
     hands, counting = (gestures / f"{name}.bvh" for name in (HANDS, BODY))
     merged = folder / f"{BODY}+hands.bvh"
-    console.print(f"\n{HANDS!r}, captured apart, laid on {BODY!r}:")
+    console.print(f"\n{HANDS!r}, captured separately, laid on {BODY!r}:")
     command_hands.hands_command(counting, hands, merged, hand="right", picture=merged.with_suffix(".png"))
     settings = Settings()
     if sys.stdout.isatty():

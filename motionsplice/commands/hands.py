@@ -1,4 +1,4 @@
-"""`motionsplice hands`: hands that were captured apart, laid on the body of another clip."""
+"""`motionsplice hands`: lays separately captured hands on the body of another clip."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from motionsplice.commands.outputs import check_suffix
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import Reading, read_clip
@@ -36,35 +37,39 @@ def register(app: typer.Typer) -> None:
 
 
 def hands_command(
-    body: Annotated[Path, typer.Argument(help="The motion whose body is kept (.bvh, .amc).")],
+    body: Annotated[Path, typer.Argument(help="The motion that gives the body (.bvh, .amc).")],
     hands: Annotated[
-        Path, typer.Argument(help="The motion whose fingers are taken: the same gestures, captured apart.")
+        Path, typer.Argument(help="The motion that gives the fingers: the same gestures, captured separately.")
     ],
     out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
     pair: Annotated[
         list[str] | None,
-        typer.Option(help="BODY:HANDS, frames that go together; BODY:HANDS~N give or take N frames of the hands."),
+        typer.Option(help="BODY:HANDS, two frames to align; BODY:HANDS~N allows N frames of the hands either way."),
     ] = None,
     band: Annotated[
-        str, typer.Option(help="How far either pass may stray, as parts of the body's frames.")
+        str, typer.Option(help="Half width of each pass's band, as a share of the body's frames.")
     ] = f"{BANDS[0]},{BANDS[1]}",
-    hand: Annotated[HandChoice, typer.Option(help="Both are aligned together; each, in its own time.")] = "both",
+    hand: Annotated[
+        HandChoice, typer.Option(help="both: align the hands together; each: align each separately.")
+    ] = "both",
     turn: Annotated[
-        Turn, typer.Option(help="Hands are turned as suits a window of frames, or as trunks are.")
+        Turn, typer.Option(help="window: rotate the hands to fit a window of frames; trunk: to fit the trunk.")
     ] = "window",
-    wrist: Annotated[bool, typer.Option("--wrist", help="Take wrists and the twist of forearms too.")] = False,
-    picture: Annotated[Path | None, typer.Option(help="A .png of costs, bands and paths, and of the curves.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of both that are not motion.")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    wrist: Annotated[bool, typer.Option("--wrist", help="Also take the wrists and the twist of the forearms.")] = False,
+    picture: Annotated[Path | None, typer.Option(help="A .png to write: costs, bands, paths and curves.")] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of both motions that are not motion.")] = 0,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
 ) -> None:
-    """Align hands to a body that was captured apart, and write the body with their fingers.
+    """Align hands to a body that was captured separately, and write the body with their fingers.
 
-    Phases of gestures are aligned first, frames within them second; pairs of frames bend both. Frames count from 0.
+    The first pass aligns the phases of gestures, the second the frames within them. Pairs of frames constrain both.
+    Frames count from 0.
     """
+    check_suffix(out, ".bvh")
+    if picture is not None:
+        check_suffix(picture, ".png", option="--picture")
     settings = HandSettings(hand, wrist, turn, _bands(band), tuple(FramePair.parse(one) for one in pair or ()))
-    if picture is not None and picture.suffix.lower() != ".png":
-        raise SettingsError(f"a picture cannot be written as {picture.suffix!r}", mend="End --picture in .png")
     given = read_roles_file(roles) if roles else {}
     ours, theirs = (read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in (body, hands))
     begin = time.perf_counter()
@@ -74,7 +79,7 @@ def hands_command(
         for sentence in warnings:
             console.print(f"[yellow]{escape(f'{clip.name}: {sentence}')}[/yellow]", soft_wrap=True)
     console.print(phase_table(spliced, ours, theirs))
-    for line in _how_it_went(spliced, theirs, settings):
+    for line in _alignment_lines(spliced, theirs, settings):
         console.print(f"  {line}", highlight=False)
     out.write_bytes(dump_bvh(spliced.clip))
     count = f"{spliced.clip.frame_count} frames at {spliced.clip.rate:g} per second"
@@ -85,7 +90,7 @@ def hands_command(
 
 
 def phase_table(spliced: HandSplice, body: Reading, hands: Reading) -> Table:
-    """How many phases of each kind either performer's hands go through (the paper's table 2)."""
+    """Returns a table of the number of phases of each kind in either performer's hands (the paper's table 2)."""
     table = Table(caption="phases of gestures, counted in both motions")
     table.add_column("hand", no_wrap=True)
     table.add_column("of", overflow="fold", min_width=8)
@@ -96,14 +101,14 @@ def phase_table(spliced: HandSplice, body: Reading, hands: Reading) -> Table:
         for side in aligned.body:
             for clip, moves in ((body.clip, aligned.body[side]), (hands.clip, aligned.hands[side])):
                 counts = count_phases(phases(moves, rate))
-                told = (str(counts.get(kind, 0)) for kind in KINDS)
-                table.add_row(side, escape(clip.name), f"{clip.duration:.2f}", *told)
+                numbers = (str(counts.get(kind, 0)) for kind in KINDS)
+                table.add_row(side, escape(clip.name), f"{clip.duration:.2f}", *numbers)
             table.add_section()
     return table
 
 
-def _how_it_went(spliced: HandSplice, hands: Reading, settings: HandSettings) -> list[str]:
-    """A line for each alignment, and one for each pair."""
+def _alignment_lines(spliced: HandSplice, hands: Reading, settings: HandSettings) -> list[str]:
+    """Returns a line for each alignment, and one for each pair."""
     lines = []
     rate, own = spliced.clip.rate, hands.clip.rate
     for aligned in spliced.aligned:
@@ -122,5 +127,5 @@ def _bands(text: str) -> tuple[float, float]:
     try:
         first, second = (float(part) for part in text.split(","))
     except ValueError:
-        raise SettingsError(f"--band {text!r} is no two numbers", mend="Write parts of 1, such as 0.3,0.1") from None
+        raise SettingsError(f"--band: expected two numbers, found {text!r}", mend="Example: 0.3,0.1") from None
     return first, second

@@ -1,32 +1,33 @@
-"""`motionsplice splice` and `motionsplice render`: motions out of a bank, and pictures of motions."""
+"""`motionsplice splice` and `motionsplice render`: motions from a bank, and pictures of motions.
+
+The evaluator and the pictures are imported when they are needed, so that a misspelt clip name is reported at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
-from motionsplice.motion.clip import Clip
+from motionsplice.commands.outputs import check_suffix
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.hand_joints import Side
-from motionsplice.motion.roles import read_roles_file
-from motionsplice.pictures.sheets import animation, contact_sheet
-from motionsplice.precompute import splice as whole_clip
-from motionsplice.runtime import requests
-from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.evaluator import Evaluator
+
+if TYPE_CHECKING:
+    from motionsplice.motion.clip import Clip
+    from motionsplice.precompute import splice as whole_clip
+    from motionsplice.runtime import requests
+    from motionsplice.runtime.bank import Bank
 
 console = Console(emoji=False)
 
 
 class Method(StrEnum):
-    """How the upper body comes onto the lower."""
+    """How the upper body is put on the lower body."""
 
     SPLICE = "splice"
     NAIVE = "naive"
@@ -35,7 +36,7 @@ class Method(StrEnum):
 
 
 class Posture(StrEnum):
-    """What becomes of the action's posture."""
+    """How the action's posture is kept."""
 
     RELATIVE = "relative"
     ABSOLUTE = "absolute"
@@ -66,26 +67,38 @@ def register(app: typer.Typer) -> None:
 
 
 def splice_command(
-    bank: Annotated[Path, typer.Argument(help="A bank.")],
+    bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")],
     locomotion: Annotated[str, typer.Option(help="The clip that gives the root and the lower body.")],
     action: Annotated[str, typer.Option(help="The clip that gives the upper body.")],
     out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
     method: Annotated[
-        Method, typer.Option(help="The bank's splice, plain DOF replacement, the papers' whole-clip splice, or none.")
+        Method,
+        typer.Option(
+            help="splice: aligned by the bank; naive: rotations replaced; exact: the papers' whole-clip splice; "
+            "none: the locomotion alone."
+        ),
     ] = Method.SPLICE,
     posture: Annotated[
         Posture,
         typer.Option(
-            help="What the action does beyond its gait, its own mean posture (the papers), the same by a running mean, "
-            "or the locomotion's."
+            help="relative: add what the action does beyond its gait; absolute: keep the action's mean posture, as in "
+            "the papers; running: like absolute, with a running mean; off: keep the locomotion's posture."
         ),
     ] = Posture.RELATIVE,
-    start: Annotated[float, typer.Option(help="Seconds into the action before which it does not begin.")] = 0.0,
-    hands: Annotated[str | None, typer.Option(help="The hands, which must be aligned to the action.")] = None,
+    start: Annotated[
+        float, typer.Option(help="Earliest second of the action; it begins at the next frame in step.")
+    ] = 0.0,
+    hands: Annotated[str | None, typer.Option(help="A hands clip, aligned to the action, to lay on it.")] = None,
 ) -> None:
     """Splice an action's upper body onto a locomotion, and write the motion as BVH."""
+    check_suffix(out, ".bvh")
+    from motionsplice.runtime.bank import Bank
+
     opened = Bank.open(bank)
-    clip, whole = spliced(opened, locomotion, action, method, posture, start, hands), opened.clip(locomotion)
+    whole, _ = opened.clip(locomotion), opened.clip(action)  # raises UnknownClipError before anything slow is imported
+    clip = spliced(opened, locomotion, action, method, posture, start, hands)
+    from motionsplice.motion.formats.bvh import dump_bvh
+
     out.write_bytes(dump_bvh(clip))
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
@@ -100,40 +113,48 @@ def spliced(
     start: float,
     hands: str | None = None,
 ) -> Clip:
-    """A whole splice by any method. Raises MotionError."""
+    """Returns a whole splice by any method. Raises MotionError."""
     if method is not Method.EXACT:
+        from motionsplice.runtime.evaluator import Evaluator
+        from motionsplice.runtime.splice import Splice
+
         form = RUN_TIME_METHODS[method]
-        return Evaluator(bank).clip(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
+        return Evaluator(bank).clip(
+            Splice(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
+        )
     if hands is not None:
-        raise SettingsError("the exact splice lays no hands", mend="Leave out --hands, or use --method splice")
+        raise SettingsError("the exact splice cannot lay hands", mend="Leave out --hands, or use --method splice")
     if start != 0.0:
         raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
     if posture not in WHOLE_CLIP_POSTURES:
-        raise SettingsError("the exact splice knows its whole posture", mend="Choose --posture absolute")
+        known = ", ".join(WHOLE_CLIP_POSTURES)
+        raise SettingsError(f"the exact splice has no posture {posture.value!r}", mend=f"Choose --posture {known}")
+    from motionsplice.precompute.splice import splice_exact
+
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
     offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
-    return whole_clip.splice_exact(
-        clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], torso_offsets=offsets
-    ).clip
+    return splice_exact(clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], torso_offsets=offsets).clip
 
 
 def render_command(
     motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), one row each.")],
-    out: Annotated[Path, typer.Option(help="A .png contact sheet, or a .gif that plays them side by side.")],
-    ghost: Annotated[Path | None, typer.Option(help="A motion of the same rig, in grey behind each row.")] = None,
-    columns: Annotated[int, typer.Option(min=1, max=60, help="Moments on a contact sheet.")] = 10,
-    start: Annotated[float, typer.Option(min=0.0, help="Seconds from which to draw.")] = 0.0,
-    end: Annotated[float | None, typer.Option(min=0.0, help="Seconds up to which to draw; else all.")] = None,
+    out: Annotated[Path, typer.Option(help="A .png contact sheet, or a .gif that plays the motions side by side.")],
+    ghost: Annotated[Path | None, typer.Option(help="A motion of the same rig, drawn in grey behind each row.")] = None,
+    columns: Annotated[int, typer.Option(min=1, max=60, help="Moments in each row of a contact sheet.")] = 10,
+    start: Annotated[float, typer.Option(min=0.0, help="Second at which drawing starts.")] = 0.0,
+    end: Annotated[float | None, typer.Option(min=0.0, help="Second at which drawing ends; default: the last.")] = None,
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
-    hand: Annotated[Side | None, typer.Option(help="Draw this hand alone, close up.")] = None,
+    hand: Annotated[Side | None, typer.Option(help="Draw only this hand, as a close-up.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
 ) -> None:
-    """Draw one or several motions as stick figures, or one hand of each, for judging by eye."""
-    kind = out.suffix.lower()
-    if kind not in (".png", ".gif"):
-        raise SettingsError(f"a picture cannot be written as {kind!r}", mend="End --out in .png or .gif")
+    """Draw motions as stick figures, or one hand of each, to judge them by eye."""
+    kind = check_suffix(out, ".png", ".gif")
+    from motionsplice.motion.formats.files import read_clip
+    from motionsplice.motion.roles import read_roles_file
+    from motionsplice.pictures.sheets import animation, contact_sheet
+
     given = read_roles_file(roles) if roles else {}
     readings = [read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
     rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]

@@ -1,4 +1,4 @@
-"""`motionsplice serve`: a bank over HTTP."""
+"""`motionsplice serve`: a bank over HTTP. The server is imported when it starts, so that `--help` is fast."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from rich.console import Console
 from rich.table import Table
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.service.server import listen, serve
 from motionsplice.service.settings import PREFIX, Settings
 
 EPILOG = "Example: [bold]motionsplice serve bank --port 8000 --watch[/bold]"
-TEXT = (SecretStr, tuple)  # types of settings that are given as text
+TEXT = (SecretStr, tuple)  # types of settings that flags give as text
 
 
 def register(app: typer.Typer) -> None:
@@ -27,14 +26,16 @@ def register(app: typer.Typer) -> None:
 def serve_command(bank: Path, **flags: Any) -> None:
     """Serve a bank's clips, poses, splices and streams over HTTP until stopped.
 
-    Settings may also come from the environment, as MOTIONSPLICE_HOST and so on; flags win.
+    Settings are also read from the environment, as MOTIONSPLICE_HOST and so on. Flags override it.
     """
     given = {name: value for name, value in flags.items() if value is not None}
     start(bank, Settings(**given))
 
 
 def start(bank: Path, settings: Settings) -> None:
-    """Verifies a bank, says where it is served and with which settings, and serves it until stopped."""
+    """Verifies a bank, prints its address and settings, and serves it until stopped. Raises MotionError."""
+    from motionsplice.service.server import listen, serve
+
     digest, console = Bank.open(bank).digest, Console(emoji=False)
     listener = listen(settings)
     port = listener.getsockname()[1]
@@ -44,14 +45,14 @@ def start(bank: Path, settings: Settings) -> None:
     console.print(table)
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     console.print(f"bank {digest}", highlight=False)
-    console.print(f"Serving {bank} at http://{host}:{port}/docs (Ctrl-C ends it)", highlight=False, soft_wrap=True)
+    console.print(f"Serving {bank} at http://{host}:{port}/docs (stop with Ctrl-C)", highlight=False, soft_wrap=True)
     serve(bank, settings, listener)
 
 
 def _signature() -> inspect.Signature:
-    """One flag for each setting, so that none is forgotten; all are optional, for the environment may have them."""
+    """Returns a flag for each setting. All are optional, since the environment may set them."""
     hints = get_type_hints(Settings)
-    argument = Annotated[Path, typer.Argument(help="A bank.")]
+    argument = Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")]
     parameters = [inspect.Parameter("bank", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=argument)]
     for name, field in Settings.model_fields.items():
         kind = _flag_type(hints[name])
@@ -65,7 +66,7 @@ def _signature() -> inspect.Signature:
 
 
 def _flag_type(hint: Any) -> type:
-    """The type of a setting as a flag: text for what the settings read from text themselves."""
+    """Returns the type of a setting's flag: str if Settings parses the text itself."""
     while get_origin(hint) is Annotated:
         hint = get_args(hint)[0]
     if get_origin(hint) in (types.UnionType,):

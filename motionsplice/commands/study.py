@@ -1,4 +1,4 @@
-"""`motionsplice study`: which motions of the upper body go with the legs, and which of them survive a splice."""
+"""`motionsplice study`: which upper-body motions correlate with the legs, and which of them survive a splice."""
 
 from __future__ import annotations
 
@@ -34,8 +34,9 @@ from motionsplice.precompute.study.periodic import Period
 console = Console(emoji=False)
 
 CAPTION = (
-    "global: along the way of travel; local: on the joint above; degrees: amplitude; "
-    "lag: degrees of the stride or step from a thigh foremost (of a stride, the left one) to the joint's peak"
+    "global: relative to the direction of travel; local: relative to the parent joint; degrees: amplitude; "
+    "lag: degrees of the stride or step from the moment a thigh is foremost (in a stride, the left one) to the "
+    "joint's peak"
 )
 COLOURS = {Survival.KEPT: "green", Survival.CHANGED: "yellow", Survival.LOST: "red"}
 
@@ -47,18 +48,18 @@ def register(app: typer.Typer) -> None:
 
 
 def study_command(
-    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc); the others are held to the first.")],
-    out: Annotated[Path | None, typer.Option(help="A folder for two plots of each motion, and study.json.")] = None,
+    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc); each is compared with the first.")],
+    out: Annotated[Path | None, typer.Option(help="A folder for study.json and two plots of each motion.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; else guessed.")] = None,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
 ) -> None:
-    """Find what of the upper body goes with the legs, and what of that the other motions keep."""
+    """Find which upper-body motions correlate with the legs, and which of them other motions keep."""
     given = read_roles_file(roles) if roles else {}
     readings = [read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
     names = [reading.clip.name for reading in readings]
     if twice := [name for name, count in Counter(names).items() if count > 1]:
-        raise SettingsError(f"two motions are called {twice[0]!r}", mend="Rename one of the files")
+        raise SettingsError(f"two motions are named {twice[0]!r}", mend="Rename one of the files")
     studies = [study(reading.clip, reading.roles) for reading in readings]
     console.print(findings(studies))
     for line in summary(studies):
@@ -73,7 +74,7 @@ def study_command(
 
 
 def findings(studies: Sequence[Study]) -> Table:
-    """A row for each correlation of the first motion, and in it a column for what became of it in each other."""
+    """Returns a table with a row for each correlation of the first motion, and a column for each other motion."""
     first, *others = studies
     table = Table(caption=CAPTION)
     for column in ("joint", "about"):
@@ -95,7 +96,7 @@ def findings(studies: Sequence[Study]) -> Table:
 
 
 def summary(studies: Sequence[Study]) -> list[str]:
-    """One line per motion."""
+    """Returns a line for each motion."""
     first, *others = studies
     moving = sum(one.verdict is not Verdict.STILL for one in first.correlations)
     strides = first.phase[-1] - first.phase[0]
@@ -109,7 +110,7 @@ def summary(studies: Sequence[Study]) -> list[str]:
 
 
 def report(one: Study, first: Study) -> dict[str, Any]:
-    """A motion's numbers, as they stand in study.json."""
+    """Returns a motion's entry in study.json."""
     return {
         "name": one.name,
         "seconds": round(float(one.seconds[-1]), 4),
@@ -135,7 +136,7 @@ def _numbers(one: Correlation, first: dict[Key, Correlation]) -> dict[str, Any]:
 
 
 def _fate(one: Correlation, other: Study) -> str:
-    """What became of a correlation in another motion, in a word and by how much its lag moved."""
+    """Returns whether another motion keeps a correlation, and by how many degrees its lag changed."""
     fate = survival(one, other)
     if fate is None:
         return "no such joint"

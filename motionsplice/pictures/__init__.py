@@ -1,1 +1,1 @@
-"""Sheets, films and charts. Imported by the commands and by benchmarks."""
+"""Contact sheets, animations and charts."""

@@ -1,4 +1,4 @@
-"""Colours, and painting in metres onto a picture that is later reduced, so that edges come out smooth."""
+"""Colours, and a brush that paints in metres onto an oversampled canvas, which is reduced for smooth edges."""
 
 from __future__ import annotations
 
@@ -16,26 +16,28 @@ OVERSAMPLING = 4
 
 
 def mixed(colour: Colour, white: float) -> Colour:
-    """`colour` with a share `white` (0 to 1) of white."""
+    """Returns `colour` mixed with the fraction `white` (0 to 1) of white."""
     red, green, blue = (round(value + white * (255 - value)) for value in colour)
     return red, green, blue
 
 
 def canvas(width: int, height: int) -> Image.Image:
-    """A white canvas for a picture of that many pixels."""
+    """Returns a white canvas for a picture of `width` x `height` pixels."""
     return Image.new("RGB", (width * OVERSAMPLING, height * OVERSAMPLING), WHITE)
 
 
 def reduced(image: Image.Image) -> Image.Image:
-    """The picture that was painted on a canvas, at its own size."""
+    """Returns the picture on a canvas, reduced to the picture's size."""
     return image.reduce(OVERSAMPLING)
 
 
 @dataclass(frozen=True)
 class Brush:
-    """Paints on `image`, a canvas, in metres to the right of and above `origin` (pixels of the picture).
+    """Paints on a canvas; coordinates are in metres, to the right of and above an origin.
 
-    scale: pixels of the picture per metre.
+    image:  the canvas.
+    origin: the origin in pixels of the picture, from its top left.
+    scale:  pixels of the picture per metre.
     """
 
     image: Image.Image
@@ -43,18 +45,18 @@ class Brush:
     scale: float
 
     def disc(self, centre: Floats, radius: float, colour: Colour, *, flatness: float = 1.0) -> None:
-        """A disc of `radius` metres about `centre` [2], its height `flatness` times its width."""
+        """Paints a disc of `radius` metres around `centre` [2]; its height is `flatness` times its width."""
         x, y = self._pixels(centre)
         rx = radius * self.scale * OVERSAMPLING
         ry = rx * flatness
         self._draw.ellipse((x - rx, y - ry, x + rx, y + ry), fill=colour)
 
     def polygon(self, corners: Floats, colour: Colour) -> None:
-        """A filled polygon with `corners` [n, 2]."""
+        """Paints a filled polygon with `corners` [n, 2]."""
         self._draw.polygon([(round(x), round(y)) for x, y in self._pixels(corners)], fill=colour)
 
     def taper(self, start: Floats, stop: Floats, start_radius: float, stop_radius: float, colour: Colour) -> None:
-        """A bone from `start` [2] to `stop` [2] with round ends, as thick at each as its radius there says."""
+        """Paints a bone from `start` [2] to `stop` [2] with round ends, tapering between the two radii, in metres."""
         along = stop - start
         length = float(np.hypot(*along))
         if length > 1e-9:

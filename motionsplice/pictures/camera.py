@@ -1,4 +1,4 @@
-"""A camera that goes along with a character: what it sees of a motion at given times."""
+"""A camera that follows a character, and motions projected into its view at given times."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ MARK_SPACING = 0.4
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """Where the camera stands at each of n times, seen from the floor under the character.
+    """The orientation of a camera at each of n times, and the floor.
 
     axes:   [n, 3, 3] rows are the directions to the right, up and towards the viewer, in the world.
-    ground: height in metres of the floor, which the feet touch.
+    ground: height of the floor in metres: the lowest point of the feet.
     """
 
     axes: Floats
@@ -36,10 +36,10 @@ class Camera:
 
     @classmethod
     def beside(cls, clip: Clip, roles: Roles, times: Floats, view: str) -> Camera:
-        """The camera that keeps to one side of a character at `times` [n] seconds; `view` is one of VIEWS.
+        """Returns the camera that stays on one side of a character at `times` [n] seconds; `view` is one of VIEWS.
 
-        It turns with the heading of the hips, smoothed over about a second, so that a curve is seen from the
-        side as a straight walk is.
+        It turns with the heading of the hips, smoothed over about a second, so that the side view of a walk along a
+        curve looks like that of a straight walk.
         """
         tracked = clip.resampled(min(TRACKING_RATE, clip.rate))
         positions = joint_positions(tracked)
@@ -59,17 +59,17 @@ class Camera:
         )
 
     def sees(self, points: Floats, middles: Floats) -> Floats:
-        """Points [n, P, 3] in the world, with what is in the middle [n, 3] -> [n, P, 3] right, up and towards."""
+        """Projects world points [n, P, 3] around `middles` [n, 3] -> [n, P, 3] right, up, towards the viewer."""
         return np.asarray((points - middles[:, None]) @ np.swapaxes(self.axes, 1, 2))
 
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """One motion as a camera sees it, in metres; the origin is what the figure has in the middle.
+    """One motion in the view of a camera, in metres: to the right, up and towards the viewer of the figure's middle.
 
-    points: [n, P, 3] the figure's points: to the right, up, and towards the viewer.
-    floor:  [n, M, 3] likewise, marks on the floor that stand still in the world.
-    held:   [n] whether the motion had ended by then, so that its last frame is shown.
+    points: [n, P, 3] the figure's points.
+    floor:  [n, M, 3] marks on the floor, fixed in the world.
+    held:   [n] whether the motion has ended, so that its last frame is held.
     """
 
     figure: Figure
@@ -79,7 +79,7 @@ class Take:
 
     @classmethod
     def of(cls, clip: Clip, figure: Figure, times: Floats, camera: Camera, *, reach: int = 3) -> Take:
-        """What `camera` sees of `clip` at `times` [n] seconds, with floor marks for `reach` steps around."""
+        """Returns `clip` as `camera` sees it at `times` [n] seconds, with floor marks up to `reach` spacings away."""
         roots, rotations = clip.sampled(times * clip.rate)
         steps = MARK_SPACING * np.arange(-reach, reach + 1)
         around = np.stack(np.meshgrid(steps, [0.0], steps), axis=-1).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""A study's two plots: the curves that go with the legs, globally and locally (Heck's thesis, Figures 4.2 and 4.3)."""
+"""Charts of a study: curves correlated with the legs, globally and locally (Heck's thesis, Figures 4.2 and 4.3)."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ from motionsplice.precompute.study.periodic import trend
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Okabe and Ito's palette beside the two of the stick figures, its yellow left out: on white it cannot be seen.
+# Okabe and Ito's palette, with the two colours of the stick figures, without yellow, which is invisible on white.
 GREEN: Colour = (0, 158, 115)
 ORANGE: Colour = (230, 159, 0)
 PURPLE: Colour = (204, 121, 167)
 SKY: Colour = (86, 180, 233)
 PALETTE = (LEFT, ORANGE, GREEN, PURPLE, SKY, RIGHT)
 BAND, LINE, QUIET = "#f1f3f5", "#c9ced4", "#767d86"
-FAINT = 0.55  # of white in a data line
-ROOM = 0.15  # above and below the trends, as a part of their height
+FAINT = 0.55  # fraction of white in a data line
+ROOM = 0.15  # margin above and below the trends, relative to their height
 
 SIZE, DPI = (11.0, 8.6), 100
 TITLES = {
-    View.GLOBAL: "global orientations, as seen along the way of travel",
-    View.LOCAL: "local orientations, as seen from the joint above",
+    View.GLOBAL: "global orientations, relative to the direction of travel",
+    View.LOCAL: "local orientations, relative to the parent joint",
 }
 AXES = {Axis.BEND: "bend (forward +)", Axis.TWIST: "twist (to the left +)", Axis.LEAN: "lean (to the right +)"}
 
 
 def draw_chart(study: Study, view: View, file: Path) -> None:
-    """Writes a PNG with one column per axis of the body and one row per part of it, below the thighs' swing.
+    """Writes a PNG with one column per axis and one row per body part, below a row with the swing of the thighs.
 
-    Data lines are faint, their trends strong; what does not go with the legs is left out. Bands mark when the left
-    thigh is ahead.
+    Data lines are faint, their trends strong; curves that do not correlate with the legs are left out. Bands mark when
+    the left thigh is ahead.
     """
-    from matplotlib.figure import Figure  # takes a second, which the other commands need not wait
+    from matplotlib.figure import Figure  # takes a second to import, which other commands do not need
 
     figure = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
     found = {(one.joint, one.axis): one for one in (item.curve for item in study.found.values()) if one.view is view}
@@ -74,9 +74,9 @@ def draw_chart(study: Study, view: View, file: Path) -> None:
 
 
 def _draw_curves(panel: Axes, study: Study, curves: dict[str, Curve], colours: dict[str, Colour]) -> None:
-    """Data lines and trends, the later the thinner, so that none hides what it lies on."""
+    """Draws data lines and trends; later ones are thinner, so that none hides another."""
     if not curves:
-        panel.text(0.5, 0.5, "nothing goes with the legs", color=QUIET, fontsize=9, ha="center", va="center",
+        panel.text(0.5, 0.5, "nothing correlates with the legs", color=QUIET, fontsize=9, ha="center", va="center",
                    transform=panel.transAxes)  # fmt: skip
         panel.set_yticks([])
         return
@@ -87,12 +87,14 @@ def _draw_curves(panel: Axes, study: Study, curves: dict[str, Curve], colours: d
     for width, (joint, line) in zip(np.linspace(2.4, 1.2, len(trends)), trends.items(), strict=True):
         panel.plot(study.seconds, line, color=shade(colours[joint]), linewidth=width)
     low, high = (float(limit(list(trends.values()))) for limit in (np.min, np.max))
-    panel.set_ylim(low - ROOM * (high - low), high + ROOM * (high - low))  # a spike in the data shall not flatten all
+    panel.set_ylim(
+        low - ROOM * (high - low), high + ROOM * (high - low)
+    )  # by the trends, because a spike in the data would flatten everything else
     panel.axhline(0.0, color=LINE, linewidth=0.8, zorder=1)
 
 
 def _parts(curves: list[Curve]) -> dict[str, dict[str, Colour]]:
-    """The joints of each row, with their colours."""
+    """Returns the joints of each row, with their colours."""
     joints = list(dict.fromkeys(curve.joint for curve in curves))
     arms = {side: [joint for joint in joints if joint.startswith(side)] for side in ("left", "right")}
     head = [joint for joint in joints if joint.startswith(("neck", "head"))]
@@ -106,7 +108,7 @@ def _parts(curves: list[Curve]) -> dict[str, dict[str, Colour]]:
 
 
 def _furnish(panel: Axes, study: Study) -> None:
-    """Bands, and quiet axes."""
+    """Draws the bands and mutes the axes."""
     ahead = np.cos(2.0 * np.pi * study.phase) > 0.0
     panel.fill_between(study.seconds, 0, 1, where=ahead, color=BAND, transform=panel.get_xaxis_transform(), zorder=0)
     panel.set_xlim(0.0, study.seconds[-1])
@@ -118,4 +120,5 @@ def _furnish(panel: Axes, study: Study) -> None:
 
 
 def shade(colour: Colour) -> str:
+    """Returns a colour in hexadecimal notation, as Matplotlib takes it."""
     return "#{:02x}{:02x}{:02x}".format(*colour)

@@ -1,4 +1,4 @@
-"""How hands were aligned, as a picture: costs, bands and paths of both passes, and the curves brought together.
+"""Charts of how hands were aligned: costs, bands and paths of both passes, and the curves after alignment.
 
 Majkowska, Zordan and Faloutsos 2006, figures 2 to 4.
 """
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import SubFigure
 
 DPI = 100
-ROW, WIDTH = 4.6, 13.5  # inches of each alignment
-PIXELS = 700  # of a matrix at most: it is drawn from the cells of its band
+ROW, WIDTH = 4.6, 13.5  # inches, for each alignment
+PIXELS = 700  # at most, along each side of a matrix
 PASSES = ("first pass: phases", "second pass: palms and paces too")
 KIND_COLOURS: Mapping[PhaseKind, str] = {
     "hold": LINE,
@@ -41,13 +41,13 @@ DARK = "#30363d"
 
 
 def draw_alignment(spliced: HandSplice, settings: HandSettings, hand_rate: float, file: Path) -> None:
-    """Writes a PNG with a row for each alignment: both matrices, and of each hand the curves before and after.
+    """Writes a PNG with a row for each alignment: both cost matrices, and each hand's curves before and after.
 
-    hand_rate: frames per second of the clip of hands, which pairs are counted in.
+    hand_rate: frames per second of the hands clip; frame pairs are counted at this rate.
     """
-    from matplotlib.figure import Figure  # takes a second, which the other commands need not wait
+    from matplotlib.figure import Figure  # takes a second to import, which other commands do not need
 
-    heights = [ROW * len(one.body) ** 0.5 for one in spliced.aligned]
+    heights = [ROW * len(aligned.body) ** 0.5 for aligned in spliced.aligned]
     figure = Figure(figsize=(WIDTH, sum(heights)), dpi=DPI)
     rows = figure.subfigures(len(spliced.aligned), 1, height_ratios=heights, squeeze=False)[:, 0]
     rate = spliced.clip.rate
@@ -56,26 +56,26 @@ def draw_alignment(spliced: HandSplice, settings: HandSettings, hand_rate: float
         left.suptitle(f"{' and '.join(aligned.body)}: frames of body and hands", x=0.03, ha="left", fontsize=12)
         panels = left.subplots(1, 2, sharey=True)
         left.subplots_adjust(left=0.09, right=0.99, bottom=0.12, top=0.86, wspace=0.06)
-        for panel, title, one in zip(panels, PASSES, aligned.alignment.passes, strict=True):
-            _draw_pass(panel, title, one, settings.pairs, rate / hand_rate)
+        for panel, title, step in zip(panels, PASSES, aligned.alignment.passes, strict=True):
+            _draw_pass(panel, title, step, settings.pairs, rate / hand_rate)
         panels[0].set_ylabel("frame of the hands, at the body's rate", fontsize=9)
         _draw_curves(right, aligned, rate)
     figure.savefig(file)
 
 
-def _draw_pass(panel: Axes, title: str, one: Pass, pairs: Sequence[FramePair], ratio: float) -> None:
-    """Costs of the cells of a band, darker where they are less, the path, and the pairs that bent both."""
-    band, count, others = one.band, len(one.band.low), int(one.band.high.max()) + 1
+def _draw_pass(panel: Axes, title: str, step: Pass, pairs: Sequence[FramePair], ratio: float) -> None:
+    """Draws the costs of a band's cells (darker is lower), the path, and the given frame pairs."""
+    band, count, others = step.band, len(step.band.low), int(step.band.high.max()) + 1
     panel.set_title(title, fontsize=10, loc="left", color=DARK)
     i = np.linspace(0, count - 1, min(count, PIXELS)).round().astype(np.int64)
     j = np.linspace(0, others - 1, min(others, PIXELS)).round().astype(np.int64)[:, None]
     within = (j >= band.low[i]) & (j <= band.high[i])
-    costs = one.costs[i, np.clip(j - band.low[i], 0, band.width - 1)]
+    costs = step.costs[i, np.clip(j - band.low[i], 0, band.width - 1)]
     least, most = np.percentile(costs[within], [0.5, 99.5])
     extent = (-0.5, count - 0.5, -0.5, others - 0.5)
-    shown = np.where(within, costs, np.nan)
-    panel.imshow(shown, "bone", origin="lower", extent=extent, vmin=least, vmax=most, aspect="auto")
-    panel.plot(*one.path.T, color=shade(ORANGE), linewidth=1.8)
+    masked = np.where(within, costs, np.nan)
+    panel.imshow(masked, "bone", origin="lower", extent=extent, vmin=least, vmax=most, aspect="auto")
+    panel.plot(*step.path.T, color=shade(ORANGE), linewidth=1.8)
     for pair in pairs:
         reach = [ratio * pair.tolerance]
         panel.errorbar([pair.body], [ratio * pair.hands], reach, fmt="o", color=shade(RIGHT), markersize=5, capsize=3)
@@ -86,7 +86,7 @@ def _draw_pass(panel: Axes, title: str, one: Pass, pairs: Sequence[FramePair], r
 
 
 def _draw_curves(figure: SubFigure, aligned: AlignedHands, rate: float) -> None:
-    """Of each hand: the phases of body and hands, how high the wrist is, and how the palm is bent."""
+    """Draws, for each hand, the phases of body and hands, the height of the wrist and the bend of the palm."""
     frames = aligned.alignment.frames
     seconds = np.arange(len(frames)) / rate
     figure.suptitle("body (colour), hands as aligned (black) and as captured (grey)", x=0.02, ha="left", fontsize=12)
@@ -109,7 +109,7 @@ def _draw_curves(figure: SubFigure, aligned: AlignedHands, rate: float) -> None:
 
 
 def _draw_phases(panel: Axes, side: Side, ours: HandMotion, theirs: HandMotion, frames: Floats, rate: float) -> None:
-    """A bar for the body above one for the hands, as aligned."""
+    """Draws a bar of the body's phases above a bar of the aligned hands' phases."""
     for level, motion in ((1.0, ours), (0.0, theirs)):
         for phase in phases(motion, rate):
             ends = np.array([phase.begin, phase.end], np.float64)
@@ -126,13 +126,13 @@ def _draw_phases(panel: Axes, side: Side, ours: HandMotion, theirs: HandMotion, 
 
 
 def _height(motion: HandMotion) -> Floats:
-    """Of the wrist, in its own standard deviations: hands are not as large as bodies."""
+    """Returns the height of the wrist in its own standard deviations, because hands and bodies differ in size."""
     wrist = motion.points[:, [THUMB_SIDE, LITTLE_SIDE], 1].mean(axis=1)
     return np.asarray((wrist - wrist.mean()) / max(float(wrist.std()), 1e-6))
 
 
 def _bend(motion: HandMotion) -> Floats:
-    """Radians between forearm and palm."""
+    """Returns the angle between forearm and palm, radians."""
     forearm, palm = np.moveaxis(bones(motion.points), 1, 0)
     return np.asarray(np.pi - np.arccos(np.clip(np.sum(forearm * palm, axis=1), -1.0, 1.0)))
 

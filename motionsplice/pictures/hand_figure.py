@@ -1,4 +1,4 @@
-"""A hand close up: forearm, palm and fingers, each finger parted from what lies behind it."""
+"""A close-up figure of a hand: forearm, palm and fingers, each finger with a casing against its background."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from motionsplice.pictures.stick_figure import GHOST, LEFT, RIGHT
 # Radii in leg lengths.
 FOREARM, KNUCKLE, TIP = 0.026, 0.0105, 0.0075
 PALM, DOT, CASING = 0.013, 0.003, 0.004
-SHOWN = 0.45  # of the forearm, from the wrist on
-PALE = 0.25  # of white in the palm, so that fingers curled over it are seen
+VISIBLE = 0.45  # fraction of the forearm that is drawn, from the wrist
+PALE = 0.25  # fraction of white in the palm, so that fingers curled over it stand out
 
 
 @dataclass(frozen=True, eq=False)
 class HandFigure:
-    """How one hand of a rig is drawn. Points are its J joints, E end sites, and where the forearm is cut.
+    """How one hand of a rig is drawn. Points are its J joints, E end sites, and the cut through the forearm.
 
-    fingers: from the palm to the tip, points each. unit: metres of a leg, by which all thickness goes.
+    fingers: the points of each finger, from the palm to the tip.
+    unit:    length of a leg in metres, to which all thicknesses are relative.
     """
 
     skeleton: Skeleton
@@ -38,7 +39,7 @@ class HandFigure:
 
     @classmethod
     def of(cls, skeleton: Skeleton, roles: Roles, side: Side) -> HandFigure:
-        """The figure of a rig's hand; without fingers it is forearm and palm."""
+        """Returns the figure of one hand of a rig. A hand without fingers is forearm and palm."""
         elbow, wrist = elbow_of(roles, side), wrist_of(roles, side)
         below = skeleton.subtree(wrist)
         ends = enumerate(skeleton.end_parents.tolist(), skeleton.joint_count)
@@ -47,31 +48,31 @@ class HandFigure:
         }
         fingers = []
         for tip in above.keys() - set(above.values()):
-            way = [tip]
-            while way[-1] != wrist:
-                way.append(above[way[-1]])
-            fingers.append(tuple(way[-2::-1]))
+            path = [tip]
+            while path[-1] != wrist:
+                path.append(above[path[-1]])
+            fingers.append(tuple(path[-2::-1]))
         colour = LEFT if side == "left" else RIGHT
         return cls(skeleton, elbow, wrist, tuple(sorted(fingers)), colour, roles.leg_length(skeleton))
 
     def points(self, root_positions: Floats, rotations: Floats) -> Floats:
-        """World positions [n, J + E + 1, 3] in metres of all points, from a clip's samples [n, 3] and [n, J, 4]."""
+        """Returns the world positions [n, J + E + 1, 3] of all points, in metres, of poses [n, 3] and [n, J, 4]."""
         positions, world = world_transforms(self.skeleton, root_positions, rotations)
-        cut = positions[:, self.wrist] + SHOWN * (positions[:, self.elbow] - positions[:, self.wrist])
+        cut = positions[:, self.wrist] + VISIBLE * (positions[:, self.elbow] - positions[:, self.wrist])
         return np.concatenate([positions, end_positions(self.skeleton, positions, world), cut[:, None]], axis=1)
 
     def middles(self, points: Floats, ground: float) -> Floats:
-        """What a camera keeps in the middle [n, 3]: the wrist."""
+        """Returns the point at the middle of the view [n, 3]: the wrist."""
         return points[:, self.wrist]
 
     def bounds(self, points: Floats) -> Floats:
-        """The least and greatest coordinates [2, k] that the figure covers, from its points [n, P, k] in metres."""
+        """Returns the least and greatest coordinates [2, k] that the figure with points [n, P, k] covers, in metres."""
         drawn = points[:, [self.wrist, -1, *(point for finger in self.fingers for point in finger)]]
         radius = FOREARM * self.unit
         return np.stack([(drawn - radius).min(axis=(0, 1)), (drawn + radius).max(axis=(0, 1))])
 
     def paint(self, brush: Brush, points: Floats, *, fade: float = 0.0) -> None:
-        """Paints a pose, what is far first; points [P, 3] metres to the right, up and towards the viewer."""
+        """Paints a pose from back to front; points [P, 3] metres to the right, up and towards the viewer."""
         flat, depths = points[:, :2], points[:, 2]
         colour, wrist = mixed(self.colour, fade), self.wrist
         parts = sorted(self.fingers, key=lambda finger: depths[list(finger)].mean())
@@ -87,7 +88,7 @@ class HandFigure:
             self._paint_finger(brush, flat, finger, colour)
 
     def paint_ghost(self, brush: Brush, points: Floats) -> None:
-        """Paints a pose [P, 2 or 3] in pale grey all over."""
+        """Paints a pose [P, 2 or 3] entirely in pale grey."""
         flat = points[:, :2]
         brush.taper(flat[-1], flat[self.wrist], 1.2 * FOREARM * self.unit, FOREARM * self.unit, GHOST)
         self._paint_palm(brush, flat, GHOST)
@@ -95,12 +96,12 @@ class HandFigure:
             self._paint_bones(brush, flat, finger, GHOST, 0.0)
 
     def _paint_palm(self, brush: Brush, flat: Floats, colour: Colour) -> None:
-        """All that lies between the wrist and where fingers begin."""
+        """Paints the area between the wrist and the bases of the fingers."""
         bases = [flat[finger[0]] for finger in self.fingers]
         for base in bases:
             brush.taper(flat[self.wrist], base, 1.4 * PALM * self.unit, PALM * self.unit, colour)
-        for one, other in combinations(bases, 2):
-            brush.polygon(np.stack([flat[self.wrist], one, other]), colour)
+        for first, second in combinations(bases, 2):
+            brush.polygon(np.stack([flat[self.wrist], first, second]), colour)
 
     def _paint_finger(self, brush: Brush, flat: Floats, finger: tuple[int, ...], colour: Colour) -> None:
         self._paint_bones(brush, flat, finger, WHITE, CASING)

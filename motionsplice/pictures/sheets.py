@@ -1,4 +1,4 @@
-"""Pictures of motions, to judge a splice by: a contact sheet, and an animation of motions side by side."""
+"""Pictures of motions for comparison: contact sheets, and animations of motions side by side."""
 
 from __future__ import annotations
 
@@ -44,19 +44,30 @@ def contact_sheet(
     ghost: Clip | None = None,
     hand: Side | None = None,
 ) -> Image.Image:
-    """One row of stick figures per motion (label, clip, roles), at the same `columns` times from `start` to `end`.
+    """Draws one row of stick figures per motion, all at the same times.
 
-    Times are in seconds; without `end`, up to the end of the longest motion. A motion that has ended holds its
-    last frame, drawn paler. All figures have one scale, are centred on their roots and are seen from the same
-    side (`view`: "side", "front" or "three-quarter"), which the camera keeps when a motion turns. The left limbs
-    are blue, the right ones vermilion. `ghost`, a motion of the rows' skeleton, is drawn in grey behind every row.
-    `hand`: not whole figures, but this hand of each, close up.
+    All figures have the same scale and are centred on their roots. The camera turns with a motion and so stays on the
+    same side of it. Left limbs are blue, right limbs vermilion. A motion that has ended holds its last frame, drawn
+    paler.
 
-    The picture is 1200 pixels wide, or wider if that many columns need it. Raises SettingsError on no rows, on
-    more than 40 rows or 100 columns, on a start after the end, on an unknown view and on a ghost of another rig.
+    Args:
+        rows: 1 to 40 motions: label, clip and roles.
+        columns: The number of figures in a row, 1 to 100, at evenly spaced times.
+        start: The time of the first figure, in seconds.
+        end: The time of the last figure, in seconds; None for the end of the longest motion.
+        view: "side", "front" or "three-quarter".
+        ghost: A motion with the same joints as the rows', drawn in grey behind every row.
+        hand: "left" or "right" to draw a close-up of this hand instead of whole figures.
+
+    Returns:
+        The picture, 1200 pixels wide, or wider if the columns need it.
+
+    Raises:
+        SettingsError: A value is out of range, `start` is after `end`, the view is unknown, or the ghost's joints
+            differ.
     """
     if not 1 <= columns <= MAX_COLUMNS:
-        raise SettingsError(f"{columns} columns cannot be drawn", mend=f"Choose 1 to {MAX_COLUMNS} columns")
+        raise SettingsError(f"cannot draw {columns} columns", mend=f"Choose 1 to {MAX_COLUMNS} columns")
     start, end = _checked(rows, MAX_ROWS, start, end, view, ghost)
     times = np.linspace(start, end, columns)
     takes = [_takes(row, times, view, ghost, hand) for row in rows]
@@ -110,20 +121,30 @@ def animation(
     ghost: Clip | None = None,
     hand: Side | None = None,
 ) -> bytes:
-    """A looping GIF of the motions side by side at true speed; what it takes is as for `contact_sheet`.
+    """Draws motions side by side, at true speed, as a looping GIF. Marks on the floor are fixed in the world.
 
-    A GIF shows each frame for a whole number of hundredths of a second, so `rate` is rounded to the nearest of
-    50, 33.3, 25, 20 ... frames per second. The marks on the floor stand still in the world. Raises SettingsError
-    as `contact_sheet` does, on more than 8 rows, on a rate outside 1 to 50 and on more than 750 frames.
+    Args:
+        rows: 1 to 8 motions: label, clip and roles.
+        rate: Frames per second, 1 to 50. A GIF's frames last whole hundredths of a second, so the rate is rounded to
+            the nearest of 50, 33.3, 25, 20 ...
+        start: The time of the first frame, in seconds.
+        end: The time of the last frame, in seconds; None for the end of the longest motion.
+        view, ghost, hand: As in `contact_sheet`.
+
+    Returns:
+        The bytes of the GIF.
+
+    Raises:
+        SettingsError: As for `contact_sheet`, or for more than 750 frames.
     """
     if not 1.0 <= rate <= MAX_RATE:
-        raise SettingsError(f"{rate} frames per second cannot be shown", mend=f"Choose a rate from 1 to {MAX_RATE:g}")
+        raise SettingsError(f"cannot play {rate} frames per second", mend=f"Choose a rate from 1 to {MAX_RATE:g}")
     start, end = _checked(rows, MAX_PANELS, start, end, view, ghost)
     delay = round(100.0 / rate)
     steps = (end - start) * 100.0 / delay + 1e-6
     if steps >= MAX_FRAMES:
         raise SettingsError(
-            f"{end - start:g} s are more than the {MAX_FRAMES} frames that an animation may have",
+            f"{end - start:g} s are more than {MAX_FRAMES} frames, the most in one animation",
             mend="Choose a later start, an earlier end or a lower rate",
         )
     count = int(steps) + 1
@@ -165,32 +186,30 @@ def animation(
 def _checked(
     rows: Sequence[Row], most: int, start: float, end: float | None, view: str, ghost: Clip | None
 ) -> tuple[float, float]:
-    """Start and end in seconds, once everything that both pictures take has been checked."""
+    """Checks the arguments that both pictures share. Returns start and end in seconds."""
     if not rows:
-        raise SettingsError("there is no motion to draw", mend="Give at least one row: label, clip, roles")
+        raise SettingsError("no motion to draw", mend="Give at least one row: label, clip, roles")
     if len(rows) > most:
-        raise SettingsError(f"{len(rows)} motions do not fit", mend=f"Draw at most {most} in one picture")
+        raise SettingsError(f"{len(rows)} motions do not fit in one picture", mend=f"Draw at most {most}")
     if view not in VIEWS:
-        raise SettingsError(f"there is no view {view!r}", mend=did_you_mean(view, VIEWS))
+        raise SettingsError(f"unknown view {view!r}", mend=did_you_mean(view, VIEWS))
     end = max(clip.duration for _, clip, _ in rows) if end is None else end
     if not (np.isfinite([start, end]).all() and 0.0 <= start <= end):
-        raise SettingsError(
-            f"there is nothing between {start:g} s and {end:g} s", mend="Choose 0 <= start <= end, in seconds"
-        )
+        raise SettingsError(f"cannot draw from {start:g} s to {end:g} s", mend="Choose 0 <= start <= end, in seconds")
     for label, clip, _ in rows:
         if ghost is not None and ghost.skeleton.names != clip.skeleton.names:
             raise SettingsError(
-                f"the ghost has other joints than {label!r}", mend="Draw it behind motions of its own skeleton"
+                f"the ghost's joints differ from those of {label!r}", mend="Use a ghost with the same skeleton"
             )
     return start, end
 
 
 def _takes(row: Row, times: Floats, view: str, ghost: Clip | None, hand: Side | None) -> tuple[Take, ...]:
-    """What the camera sees of a row's ghost, if any, and of its motion."""
+    """Returns the takes of a row: of the ghost, if any, and of the motion."""
     _, clip, roles = row
     figure = HandFigure.of(clip.skeleton, roles, hand) if hand else StickFigure.of(clip.skeleton, roles)
     camera = Camera.beside(clip, roles, times, view)
-    return tuple(Take.of(one, figure, times, camera) for one in (ghost, clip) if one is not None)
+    return tuple(Take.of(motion, figure, times, camera) for motion in (ghost, clip) if motion is not None)
 
 
 def _bounds(takes: Sequence[Take]) -> tuple[float, float, float, float]:
@@ -209,7 +228,7 @@ def _paint(brush: Brush, row: tuple[Take, ...], number: int) -> None:
 
 
 def _paint_floor(brush: Brush, marks: Floats, reach: float) -> None:
-    """The marks [m, 3] within `reach` metres around a figure, paler the further away."""
+    """Paints the marks [m, 3] within `reach` metres of a figure, paler with distance."""
     for mark, distance in zip(marks, np.linalg.norm(marks, axis=-1), strict=True):
         if distance < reach:
             brush.disc(mark[:2], 0.03, mixed(QUIET, 0.3 + 0.7 * distance / reach), flatness=0.4)
@@ -220,7 +239,7 @@ def _font(size: float) -> Font:
 
 
 def _wrapped(label: str, font: Font, width: float, *, lines: int) -> list[str]:
-    """`label` broken at spaces into at most `lines` lines of at most `width` pixels, cut where it must be."""
+    """Breaks `label` at spaces into at most `lines` lines; lines longer than `width` pixels are cut."""
     wrapped = [""]
     for word in label.split():
         longer = f"{wrapped[-1]} {word}".strip()
@@ -243,7 +262,7 @@ def _cut(line: str, font: Font, width: float) -> str:
 
 
 def _legend(rows: Sequence[Row], ghost: Clip | None, font: Font) -> list[tuple[str, Colour, float, float]]:
-    """The words that name the colours, in them, with their places: right and down, in pixels."""
+    """Returns the words of the legend, their colours, and their offsets to the right and down, in pixels."""
     words = [("left", LEFT, 0.0, 0.0), ("right", RIGHT, font.getlength("left  "), 0.0)]
     if ghost is not None:
         name = next((label for label, clip, _ in rows if clip is ghost), ghost.name)
@@ -252,7 +271,7 @@ def _legend(rows: Sequence[Row], ghost: Clip | None, font: Font) -> list[tuple[s
 
 
 def _palette() -> Image.Image:
-    """Every colour that is drawn, in equal steps to white: all frames share it, and smooth edges lie on it."""
+    """Returns the palette of all frames: every colour in equal steps to white, for smooth edges."""
     shades = [mixed(base, step / SHADES) for base in (TEXT, TRUNK, LEFT, RIGHT, QUIET) for step in range(SHADES)]
     image = Image.new("P", (1, 1))
     image.putpalette([value for colour in [WHITE, *shades, GHOST, TORSO] for value in colour])

@@ -1,4 +1,4 @@
-"""A rig as a stick figure: which bones are drawn, how thick, in which colour, and painting them."""
+"""Stick figures: the bones of a rig that are drawn, their thickness and colour, and how they are painted."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.pictures.brush import WHITE, Brush, Colour, mixed
 
-# Blue and vermilion of Okabe and Ito's palette, which the colour-blind can tell apart.
+# Blue and vermilion of Okabe and Ito's palette, which colour-blind people can distinguish.
 LEFT: Colour = (0, 114, 178)
 RIGHT: Colour = (213, 94, 0)
 TRUNK: Colour = (72, 79, 88)
 TORSO: Colour = (226, 229, 233)
 GHOST: Colour = (190, 195, 202)
 
-# Radii in leg lengths.
+# Radii relative to the length of a leg.
 HEAD, SPINE, GIRDLE = 0.118, 0.032, 0.02
 ARM, HAND, FINGER = (0.04, 0.034, 0.026), 0.018, 0.008
 LEG, FOOT = (0.046, 0.038, 0.028), 0.019
@@ -30,7 +30,7 @@ DOT, NOSE, CASING = 0.013, 0.022, 0.022
 
 
 class Bone(NamedTuple):
-    """Two points, and the radii there in leg lengths, between which the bone tapers."""
+    """A bone between two points, tapering between its radii there, relative to the length of a leg."""
 
     start: int
     stop: int
@@ -39,7 +39,7 @@ class Bone(NamedTuple):
 
 
 class Limb(NamedTuple):
-    """What is painted in one go: bones, and the points that get a joint dot."""
+    """A group of bones that is painted together, and the points that get a joint dot."""
 
     colour: Colour
     bones: tuple[Bone, ...]
@@ -51,10 +51,10 @@ class StickFigure:
     """How one rig is drawn. Points are its J joints, E end sites, the head's centre and the nose, in that order.
 
     limbs:      shoulder and hip girdle, the spine up to the head, then arms and legs.
-    torso:      shoulders and hips, whose quadrilateral is filled so that lean and twist show.
+    torso:      shoulders and hips, the corners of a filled polygon that makes lean and twist visible.
     head:       the joint that carries the head.
     head_shape: [2, 3] metres, the head's centre and the nose in the frame of that joint.
-    unit:       metres of a leg, by which all thickness goes.
+    unit:       length of a leg in metres, to which all thicknesses are relative.
     """
 
     skeleton: Skeleton
@@ -66,13 +66,13 @@ class StickFigure:
 
     @classmethod
     def of(cls, skeleton: Skeleton, roles: Roles) -> StickFigure:
-        """The figure of a rig. Bones that lead to no head, hand or foot (twist, target, face) are left out."""
+        """Returns the figure of a rig, without bones that do not lead to head, hands or feet (twist, target, face)."""
         shoulders, hips = (roles.left_shoulder, roles.right_shoulder), (roles.right_hip, roles.left_hip)
         other_arm = skeleton.chain(roles.right_shoulder)
         fork = next(joint for joint in skeleton.chain(roles.left_shoulder) if joint in other_arm)
         head = next(joint for joint in (roles.head, roles.neck, fork) if joint >= 0)
-        ways = [(fork, shoulder) for shoulder in shoulders] + [(roles.root, hip) for hip in hips]
-        girdles = [bone for way in ways for bone in _chain(skeleton, way, (GIRDLE, GIRDLE))]
+        pairs = [(fork, shoulder) for shoulder in shoulders] + [(roles.root, hip) for hip in hips]
+        girdles = [bone for pair in pairs for bone in _chain(skeleton, pair, (GIRDLE, GIRDLE))]
         spine = _chain(skeleton, (roles.root, head), (SPINE, SPINE))
         spine.append(Bone(head, skeleton.joint_count + len(skeleton.end_parents), SPINE, SPINE))
         left_arm = (roles.left_shoulder, roles.left_elbow, roles.left_wrist)
@@ -92,18 +92,18 @@ class StickFigure:
         return cls(skeleton, tuple(limbs), (*shoulders, *hips), head, head_shape, unit)
 
     def points(self, root_positions: Floats, rotations: Floats) -> Floats:
-        """World positions [n, J + E + 2, 3] in metres of all points, from a clip's samples [n, 3] and [n, J, 4]."""
+        """Returns the world positions [n, J + E + 2, 3] of all points, in metres, of poses [n, 3] and [n, J, 4]."""
         positions, world = world_transforms(self.skeleton, root_positions, rotations)
         ends = end_positions(self.skeleton, positions, world)
         head = positions[:, [self.head]] + quaternion.rotate(world[:, [self.head]], self.head_shape)
         return np.concatenate([positions, ends, head], axis=1)
 
     def middles(self, points: Floats, ground: float) -> Floats:
-        """What a camera keeps in the middle [n, 3]: the floor, so high, under the root."""
+        """Returns the point at the middle of the view [n, 3]: on the floor, at height `ground`, under the root."""
         return np.asarray(points[:, 0] * [1.0, 0.0, 1.0] + [0.0, ground, 0.0])
 
     def bounds(self, points: Floats) -> Floats:
-        """The least and greatest coordinates [2, k] that the figure covers, from its points [n, P, k] in metres."""
+        """Returns the least and greatest coordinates [2, k] that the figure with points [n, P, k] covers, in metres."""
         drawn = sorted({point for limb in self.limbs for bone in limb.bones for point in bone[:2]})
         radii = np.full((len(drawn), 1), max(LEG) * self.unit)
         radii[drawn.index(points.shape[1] - 2)] = HEAD * self.unit
@@ -111,7 +111,7 @@ class StickFigure:
         return np.stack([(reach - radii).min(axis=(0, 1)), (reach + radii).max(axis=(0, 1))])
 
     def paint(self, brush: Brush, points: Floats, *, fade: float = 0.0) -> None:
-        """Paints a pose, far limbs first, each with a white casing that parts it from what lies behind.
+        """Paints a pose from back to front. Arms and legs have a white casing against their background.
 
         points [P, 3] metres to the right, up and towards the viewer; `fade` (0 to 1) mixes in white.
         """
@@ -130,14 +130,14 @@ class StickFigure:
                 brush.disc(flat[point], DOT * self.unit, WHITE)
 
     def paint_ghost(self, brush: Brush, points: Floats) -> None:
-        """Paints a pose [P, 2 or 3] in pale grey all over."""
+        """Paints a pose [P, 2 or 3] entirely in pale grey."""
         flat = points[:, :2]
         for limb in self.limbs:
             self._paint_bones(brush, flat, limb, GHOST)
         brush.disc(flat[-2], HEAD * self.unit, GHOST)
 
     def _paint_head(self, brush: Brush, points: Floats, colour: Colour) -> None:
-        """A disc with a paler nose, which lies upon it where the face is turned to the viewer."""
+        """Paints a disc with a paler nose, which is in front of the disc if the face is turned to the viewer."""
         centre, nose = points[-2], points[-1]
         faces_viewer = bool(nose[2] > centre[2])
         if faces_viewer:
@@ -152,7 +152,7 @@ class StickFigure:
             brush.taper(points[start], points[stop], start_radius * self.unit, stop_radius * self.unit, colour)
 
     def _paint_casing(self, brush: Brush, points: Floats, limb: Limb) -> None:
-        """White around an arm or a leg, but not where it joins the trunk."""
+        """Paints a white casing around an arm or a leg, except where it joins the trunk."""
         joined = limb.bones[0].start
         for start, stop, start_radius, stop_radius in limb.bones:
             first = points[start] + (0.35 * (points[stop] - points[start]) if start == joined else 0.0)
@@ -172,7 +172,7 @@ def _chain(skeleton: Skeleton, joints: tuple[int, ...], radii: tuple[float, ...]
 
 
 def _tips(skeleton: Skeleton, joint: int, radius: float) -> list[Bone]:
-    """The bones and end sites below a wrist or an ankle."""
+    """Returns the bones below a wrist or an ankle, with end sites, all of one radius."""
     below = skeleton.subtree(joint)
     bones = [Bone(int(skeleton.parents[child]), child, radius, radius) for child in below[1:]]
     ends = enumerate(skeleton.end_parents.tolist(), skeleton.joint_count)
@@ -180,10 +180,10 @@ def _tips(skeleton: Skeleton, joint: int, radius: float) -> list[Bone]:
 
 
 def _head_shape(skeleton: Skeleton, roles: Roles, head: int) -> Floats:
-    """The head's centre and the nose [2, 3] in the frame of the joint `head`, in head radii.
+    """Returns the head's centre and the nose [2, 3] in the frame of the joint `head`, relative to the head's radius.
 
-    Local frames agree with the world in the bind pose, so its last bone shows which way is up the neck, and its
-    hips show the front: both hold whichever way the bind pose lies.
+    The bone below the head gives the direction up, the hips in the bind pose the direction to the front. This works for
+    any orientation of the bind pose, in which local frames are aligned with the world.
     """
     up = _direction(skeleton.offsets[head], np.array([0.0, 1.0, 0.0]))
     bind = np.tile(quaternion.IDENTITY, (1, skeleton.joint_count, 1))

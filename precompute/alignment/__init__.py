@@ -1,1 +1,1 @@
-"""When: aligning clips to a baseline's stride, and in pairs. Imports `body`."""
+"""Time alignment: of clips to the baseline's stride, and of two clips to each other."""

@@ -1,4 +1,4 @@
-"""The baseline: one stride of one locomotion, and how every clip is timed by it (thesis 4.3)."""
+"""The baseline, one stride of one locomotion, and the alignment of every clip to it (Heck's thesis, 4.3)."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ from motionsplice.precompute.body.joint_paths import joint_paths
 
 WORKING_RATE = 30.0  # frames per second at which motions are compared
 KNOT_SPACING = 0.1  # seconds
-STIFFNESS = 1.0  # of the phase, against changes of its speed
-STRIDES = (0.5, 1.8)  # shortest and longest stride looked for, seconds
+STIFFNESS = 1.0  # of the phase curve, against changes of its slope
+STRIDES = (0.5, 1.8)  # seconds: the shortest and the longest stride searched for
 LOOP_WINDOW = 5  # frames at the working rate
-WORST_LOOP = 0.15  # how far the stride's ends may be apart, as a part of how far its middle is
-LEAST_SWING = 0.05  # of the leg length, between the two halves of a stride
-MOST_CANDIDATES = 16  # strides that are weighed against all others
-SHORTEST_CLIP = 0.3  # seconds: below it a path round the ring means nothing
+WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
+LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
+MOST_CANDIDATES = 16  # strides that are compared with all others
+SHORTEST_CLIP = 0.3  # seconds: shorter clips have too few frames to align
 
 
 @dataclass(frozen=True, eq=False)
 class Baseline:
-    """One stride as a ring: lower clouds [cells, 3, 3] of a locomotion, evenly spaced in phase.
+    """One stride of a locomotion as a ring of cells, evenly spaced in phase.
 
-    start and end are seconds in the clip; loop is the distance of its ends over that of its halves; leg is the
-    length of its legs, metres. zero is the real-valued cell at which the left foot comes down: whole phases are there.
+    start, end: seconds in the clip. loop: distance of the stride's ends divided by the distance of its halves.
+    leg: leg length, metres. zero: the real-valued cell at which the left foot touches down; there phases are whole
+    numbers. clouds: [cells, 3, 3] lower clouds, metres.
     """
 
     name: str
@@ -49,11 +50,11 @@ class Baseline:
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """When a clip is where in the baseline's stride.
+    """The phase of each frame of a clip in the baseline's stride, and how well the clip fits there.
 
-    phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres;
-    chance: what its mean would be at random phases. swing: how far root and knees are from themselves half a stride
-    later, as a part of the leg.
+    phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
+    chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees from
+    where they are half a stride later, in leg lengths.
     """
 
     phase: Floats
@@ -76,10 +77,10 @@ class Alignment:
 
 
 def find_baseline(clip: Clip, roles: Roles) -> Baseline:
-    """The stride of a clip that closes best on itself.
+    """Returns the stride of a clip whose end is most like its start.
 
-    A stride is a pair of moments whose surroundings are alike while the moment halfway between them is not:
-    so neither standing still nor two strides at once pass for one. Raises BaselineError if there is none.
+    A stride is a pair of moments with similar surroundings, while the moment halfway between them differs. This
+    excludes standing still, and two strides at once. Raises BaselineError if the clip has no stride.
     """
     windows = windowed(_at_working_rate(clip, roles.lower_cloud), LOOP_WINDOW)
     leg = roles.leg_length(clip.skeleton)
@@ -106,17 +107,19 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
 
 
 def no_stride(name: str) -> BaselineError:
+    """Returns the error for a clip without a stride."""
     return BaselineError(
-        f"clip {name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s that ends as it began",
-        mend="Name another clip with --baseline: a plain walk of a few steps is best",
+        f"clip {name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s whose end matches its start",
+        mend="Name another clip with --baseline; a plain walk of a few steps is best",
     )
 
 
 def most_typical(strides: Sequence[Baseline]) -> Baseline:
-    """The stride that all `strides` come nearest to, among the MOST_CANDIDATES that close best.
+    """Returns the stride nearest to all `strides`, among the MOST_CANDIDATES whose ends match best.
 
-    Each stride, taken twice over, is wound round each candidate's ring, so the cost is linear in their number. Summed
-    are distances, not their squares: else one run among walks draws the choice to a stride between all, like neither.
+    Two laps of each stride are wound round each candidate's ring, so the cost is linear in the number of strides. The
+    sum is over distances, not their squares: with squares, one run among walks would favour a stride halfway between
+    walk and run, which is like neither.
     """
 
     twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
@@ -135,15 +138,15 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
 
 
 def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
-    """Winds a clip round the baseline's ring. The clip must be on the baseline's skeleton.
+    """Aligns a clip to the baseline by winding it round the baseline's ring.
 
-    Raises ClipError if the clip is too short to show a gait.
+    The clip must have the baseline's skeleton. Raises ClipError if it is shorter than SHORTEST_CLIP.
     """
     if clip.duration < SHORTEST_CLIP:
         raise ClipError(
-            f"it lasts {clip.duration:.3f} s, too short to see a gait in",
+            f"it lasts {clip.duration:.3f} s, too short to find its gait",
             place=f"clip {clip.name!r}",
-            mend=f"Give at least {SHORTEST_CLIP} s, better two strides or more",
+            mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more",
         )
     clouds = _at_working_rate(clip, roles.lower_cloud)
     distances = planar_distances(level(clouds), level(baseline.clouds))
@@ -162,16 +165,16 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
 
 
 def level(clouds: Floats) -> Floats:
-    """Clouds [n, p, 3] about their own height, so that a step of a stair is compared with a step on the floor.
+    """Returns clouds [n, p, 3] about their mean height, so that steps on a stair compare with steps on the floor.
 
-    The papers shift over the floor only. Up a stair of three steps that leaves the legs 40 cm apart from the
-    baseline's, this 4 cm; on level ground it changes nothing to speak of.
+    The papers shift clouds over the floor only. Up a stair of three steps this leaves the legs 40 cm from the
+    baseline's; levelling leaves 4 cm. On level ground the difference is negligible.
     """
     return clouds - clouds.mean(axis=1, keepdims=True) * np.array([0.0, 1.0, 0.0])
 
 
 def _at_working_rate(clip: Clip, joints: tuple[int, ...]) -> Floats:
-    """Joints [n, p, 3] in the world, at about the working rate, from the first frame to the last."""
+    """Returns world positions [n, p, 3] of p joints at about the working rate, from the first frame to the last."""
     positions = joint_paths(clip, joints)
     count = max(2, round(clip.duration * WORKING_RATE) + 1)
     at = np.linspace(0.0, clip.frame_count - 1, count)
@@ -181,21 +184,21 @@ def _at_working_rate(clip: Clip, joints: tuple[int, ...]) -> Floats:
 
 
 def _ring(clip: Clip, roles: Roles, stride: slice) -> Floats:
-    """The lower clouds [cells, 3, 3] of one stride, its end drawn onto its start by an even drift."""
+    """Returns the lower clouds [cells, 3, 3] of one stride, with an even drift added so that it ends at its start."""
     clouds = facing(_at_working_rate(clip, facing_joints(roles)))[stride]
     along = np.linspace(0.0, 1.0, len(clouds))[:, None, None]
     return np.asarray((clouds - along * (clouds[-1] - clouds[0]))[:-1])
 
 
 def facing_joints(roles: Roles) -> tuple[int, ...]:
-    """The joints that `facing` needs: the lower cloud's and both hips."""
+    """Returns the joints that `facing` needs: the lower cloud, then left and right hip."""
     return (*roles.lower_cloud, roles.left_hip, roles.right_hip)
 
 
 def facing(positions: Floats) -> Floats:
-    """Lower clouds [n, 3, 3] over the floor's origin with the hips along x, so that they can be mixed.
+    """Returns lower clouds [n, 3, 3] moved over the origin and turned until the hips lie along x, ready to average.
 
-    positions [n, 5, 3] in the world are those of the `facing_joints`.
+    `positions` [n, 5, 3] are the world positions of the `facing_joints`, metres.
     """
     turn = quaternion.about([0.0, 1.0, 0.0], -heading(positions[:, 3] - positions[:, 4]))
     clouds = positions[:, :3]

@@ -1,4 +1,4 @@
-"""How a clip's legs move, in a few numbers: its mean lower cloud by phase."""
+"""A summary of how a clip's legs move: its mean lower cloud by phase."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PHASE_BINS = 12
 
 
 def mean_gait(clip: Clip, phase: Floats, roles: Roles) -> Floats:
-    """Mean lower cloud by phase [PHASE_BINS, 3, 3], metres; NaN where the clip, at `phase` [F], never is."""
+    """Returns the mean lower cloud by phase [PHASE_BINS, 3, 3], metres; NaN in bins that no `phase` [F] falls in."""
     clouds = facing(joint_paths(clip, facing_joints(roles)))
     bins = (np.mod(phase, 1.0) * PHASE_BINS).astype(np.int64) % PHASE_BINS
     counts = np.bincount(bins, minlength=PHASE_BINS)

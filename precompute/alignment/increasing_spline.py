@@ -1,9 +1,9 @@
 """A strictly increasing cubic B-spline through a time alignment, in time linear in its length.
 
 Heck et al. 2006, 3.1: "we fit a strictly increasing, endpoint interpolating B-spline to the optimal path". The spline's
-ends are its first and last coefficients; they are fitted like all others, for a path's ends are whole frames.
-A B-spline rises strictly where its coefficients do, so the fit is a least-squares problem whose
-coefficients must each lie a little above the one before: a quadratic programme with banded matrices.
+ends are its first and last coefficients. Here they are fitted like all others, since a path's ends are only whole
+frames. A B-spline with strictly increasing coefficients is strictly increasing. So the fit is a least-squares problem
+in which each coefficient must lie a little above the previous one: a quadratic programme with banded matrices.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from scipy.sparse import csr_array, diags_array
 from motionsplice.motion.quaternion import Floats
 
 DEGREE = 3
-LEAST_SLOPE = 0.25  # of the mean slope: as little as the path through the grid may rise
+LEAST_SLOPE = 0.25  # of the mean slope: the least slope of a path through the grid
 MOST_STEPS = 60
 
 
 def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: float = 0.0) -> BSpline[np.float64]:
-    """The least-squares spline through (x, y) [n] on clamped knots that rises everywhere between its ends.
+    """Returns the least-squares spline through (x, y) [n], on clamped knots, that rises everywhere between its ends.
 
-    x is increasing (not strictly: a path may climb straight up), in frames or seconds; y is in frames or cycles. One
-    knot per `knot_spacing` of x. The slope from end to end must be positive, so x[-1] above x[0] and y[-1] above y[0]:
-    the curve rises by at least LEAST_SLOPE of it everywhere, and the fit starts from the line with this slope.
-    `stiffness` weighs the square of the coefficients' second differences against that of the misfit, so that a spline
-    with close knots neither trembles nor cuts corners (a P-spline, Eilers and Marx 1996).
+    x, in frames or seconds, never falls (it may stay, as where a path climbs straight up); y is in frames or cycles.
+    There is one knot per `knot_spacing` of x. x[-1] must be above x[0] and y[-1] above y[0]: the curve's slope is
+    everywhere at least LEAST_SLOPE times the slope from end to end, and the fit starts from the straight line.
+    `stiffness` weighs the squared second differences of the coefficients against the squared misfit, so that a spline
+    with close knots neither oscillates nor cuts corners (a P-spline, Eilers and Marx 1996).
     """
     x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
     intervals = max(1, round(float(x[-1] - x[0]) / knot_spacing))
@@ -51,21 +51,24 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: f
 
 
 def _greville_steps(knots: Floats, count: int) -> Floats:
-    """Distances between the abscissae of neighbouring coefficients [count - 1]: a line has slope = step ratio."""
+    """Returns the distances [count - 1] between the Greville abscissae of neighbouring coefficients.
+
+    The coefficients of a straight line rise in proportion to these.
+    """
     abscissae = np.mean([knots[first : first + count] for first in range(1, DEGREE + 1)], axis=0)
     return cast(Floats, np.diff(abscissae))
 
 
 def _increasing_least_squares(bands: Floats, right: Floats, inside: Floats, floor: Floats) -> Floats:
-    """min 1/2 c'Hc - r'c with diff(c) >= floor, by a primal-dual interior point from `inside`.
+    """Minimises 1/2 c'Hc - r'c subject to diff(c) >= floor, by a primal-dual interior-point method from `inside`.
 
-    H is given by its bands [4, n] (lower form). Each step solves one banded system, so a step is linear in n, and
-    the number of steps hardly depends on n.
+    H is given by its bands [4, n] (lower form), r by `right` [n]. Each step solves one banded system, so a step is
+    linear in n. The number of steps hardly depends on n.
     """
     c = inside
     scale = float(bands[0].mean())
     bands, right = bands / scale, right / scale
-    bands[0] += 1e-9  # a stretch without samples keeps its coefficients where they are
+    bands[0] += 1e-9  # keeps coefficients of a stretch without samples in place
     slack = np.diff(c) - floor
     unit = float(slack.mean())
     dual = np.full_like(slack, unit)
@@ -95,7 +98,7 @@ def _increasing_least_squares(bands: Floats, right: Floats, inside: Floats, floo
 
 
 def _reach(values: Floats, move: Floats) -> float:
-    """How much of `move` keeps `values` positive, at most all of it."""
+    """Returns the largest part of `move`, at most 1, that keeps `values` positive."""
     shrinking = move < 0.0
     return min(1.0, 0.99 * float(np.min(-values[shrinking] / move[shrinking], initial=np.inf)))
 

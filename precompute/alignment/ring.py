@@ -1,7 +1,7 @@
-"""Aligning a clip to one cycle, as a ring of phase cells: linear in the clip's length.
+"""Alignment of a clip to one cycle, a ring of phase cells, in time linear in the clip's length.
 
-The bank's form of time alignment (Heck's thesis, 4.3: align each motion to a baseline locomotion). The
-baseline is one stride; time may pass any cell of the ring, so a clip of any length winds round it.
+This is the bank's form of time alignment (Heck's thesis, 4.3: align each motion to a baseline locomotion). The
+baseline is one stride. A path may go round the ring any number of times, so clips may have any length.
 """
 
 from __future__ import annotations
@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from motionsplice.motion.quaternion import Floats
 
 MOST_ADVANCE = 4  # cells per frame
-MOST_ZERO_STEPS = 3  # frames in a row that stay in their cell
+MOST_ZERO_STEPS = 3  # frames in a row that stay in one cell
 
 
 def wind(distances: Floats) -> NDArray[np.int64]:
-    """The cheapest way round the ring: for each frame its cell [frames], counted on through every lap.
+    """Returns the cheapest path round the ring: the cell of each frame [frames], counted on through every lap.
 
-    distances [frames, cells] are squared metres to each cell of the ring, at one working rate. Start and end
-    are free; 0 to MOST_ADVANCE cells pass per frame, and a passed cell costs its share.
+    `distances` [frames, cells] are in square metres, from each frame at the working rate to each cell. The path may
+    start and end anywhere. It advances 0 to MOST_ADVANCE cells per frame; a frame that advances several cells costs
+    the mean of their distances.
     """
     passes = np.ascontiguousarray(distances)
     return walk_ring(passes, MOST_ADVANCE, MOST_ZERO_STEPS)
@@ -28,12 +29,12 @@ def wind(distances: Floats) -> NDArray[np.int64]:
 
 @njit(cache=True, nogil=True)
 def walk_ring(distances: Floats, most_advance: int, most_zero: int) -> NDArray[np.int64]:
-    """The dynamic programme behind `wind`, over states (cell, zero steps in a row)."""
+    """Runs the dynamic programme of `wind`, over states (cell, number of zero steps in a row)."""
     frames, cells = distances.shape
     cost = np.full((cells, most_zero + 1), np.inf)
     cost[:, 0] = distances[0]
     following = np.empty_like(cost)
-    advance = np.zeros((frames, cells), np.int8)  # of state (cell, 0): how far it came,
+    advance = np.zeros((frames, cells), np.int8)  # into state (cell, 0): by how many cells,
     zeros = np.zeros((frames, cells), np.int8)  # and after how many zero steps
     for frame in range(1, frames):
         for cell in range(cells):

@@ -1,7 +1,7 @@
 """The papers' pairwise time alignment: a slope-limited path through the distance grid.
 
-Heck et al. 2006, 3.1, with the dynamic programme of Kovar and Gleicher 2003. It is quadratic in the clips'
-length; the bank aligns to a ring instead (`precompute.alignment.ring`), and this is what the ring is judged against.
+Heck et al. 2006, 3.1, with the dynamic programme of Kovar and Gleicher 2003. Its cost is quadratic in the clips'
+length. The bank aligns clips to a ring instead (`precompute.alignment.ring`); this is the reference for the ring.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
 
 MEETING_WINDOW = 5  # frames
-MOST_FLAT_STEPS = 3  # in a row, horizontal or vertical: the path's slope stays within 1/4 and 4
+MOST_FLAT_STEPS = 3  # horizontal or vertical steps in a row: the path's slope stays between 1/4 and 4
 KNOT_SPACING = 0.2  # seconds
-EQUAL = 1e-9  # square metres of mean cost
+EQUAL = 1e-9  # square metres: mean costs that differ by less are equal
 MOST_CELLS = 30_000_000  # of the grid: three minutes by three at 30 Hz, in about 0.7 GB
 
 
 @dataclass(frozen=True, eq=False)
 class TimeWarp:
-    """lambda(t): which frame of the action goes with which frame of the locomotion.
+    """The time alignment lambda(t): locomotion frame -> action frame.
 
     path:       [steps, 2] cells (locomotion frame, action frame) of the uncropped grid.
     curve:      the increasing spline through the path: locomotion frame -> action frame.
-    first:      frames cropped from the action's start.
+    first:      number of frames cropped from the action's start.
     mean_cost:  mean squared distance along the path, square metres.
     """
 
@@ -42,17 +42,17 @@ class TimeWarp:
 
 
 def align_pair(locomotion: Floats, action: Floats, rate: float) -> TimeWarp:
-    """The time alignment curve of two clips' lower clouds [frames, p, 3], both at `rate` frames per second.
+    """Aligns the lower clouds [frames, p, 3] of two clips, both at `rate` frames per second.
 
-    The action is cropped where it first meets the locomotion's first frame; the path then runs from that corner
-    to the top or right edge, whichever cell on them ends the path of least mean. Raises ClipError for a grid of
-    more than MOST_CELLS cells.
+    The action is cropped where it first matches the locomotion's first frame. The path runs from that corner of the
+    grid to the cell on the top or right edge that gives it the least mean cost. Raises ClipError for a grid of more
+    than MOST_CELLS cells.
     """
     first = first_meeting(locomotion, action)
     if len(locomotion) * (len(action) - first) > MOST_CELLS:
         seconds = [frames / rate for frames in (len(locomotion), len(action) - first)]
         raise ClipError(
-            f"clips of {seconds[0]:.0f} s and {seconds[1]:.0f} s are too long to compare each frame with each",
+            f"clips of {seconds[0]:.0f} s and {seconds[1]:.0f} s are too long to compare all pairs of frames",
             mend="Use the bank's splice (--method splice), which takes clips of any length",
         )
     grid = planar_distances(locomotion, action[first:])
@@ -63,10 +63,11 @@ def align_pair(locomotion: Floats, action: Floats, rate: float) -> TimeWarp:
 
 
 def first_meeting(locomotion: Floats, action: Floats) -> int:
-    """The action's first frame that is like the locomotion's first: a local minimum near the least distance of all.
+    """Returns the first frame of the action that matches the locomotion's first frame.
 
-    A single frame with the knees side by side does not show which one is going forward, so a few frames are
-    compared as one cloud, where the papers compare one.
+    It is the first local minimum of the distance that is near the overall minimum. The papers compare single frames.
+    A single frame with the knees side by side does not show which knee moves forward, so here MEETING_WINDOW frames are
+    compared as one cloud.
     """
     start = windowed(locomotion[:MEETING_WINDOW], len(locomotion[:MEETING_WINDOW]))
     row = planar_distances(start, windowed(action, len(locomotion[:MEETING_WINDOW])))[0]
@@ -78,11 +79,12 @@ def first_meeting(locomotion: Floats, action: Floats) -> int:
 
 @njit(cache=True, nogil=True)
 def cheapest_paths(grid: Floats, most_flat: int) -> tuple[Floats, Floats, NDArray[np.int8]]:
-    """Least cost of a path from cell (0, 0) to every cell on the two far edges, by state, and how to trace it back.
+    """Returns the least cost of a path from cell (0, 0) to each cell on the two far edges, and how to trace it back.
 
-    State 0 came diagonally; 1..w came by that many steps along the first axis in a row, w+1..2w along the
-    second. Returns costs (inf where no path leads) on the last row [m, 2w+1] and in the last column [n, 2w+1], and for
-    every cell [n, m, 2w+1] the state before each. Only two rows of cost are held at a time.
+    A state says how a path came to a cell, with w = `most_flat`: state 0 by a diagonal step, states 1..w by that many
+    steps in a row along the first axis, states w+1..2w along the second. Returns the costs by state in the last row
+    [m, 2w+1] and the last column [n, 2w+1], inf for unreachable states, and the previous state of every state of every
+    cell [n, m, 2w+1]. Only two rows of costs are held at a time.
     """
     rows, columns = grid.shape
     states = 2 * most_flat + 1
@@ -108,7 +110,7 @@ def cheapest_paths(grid: Floats, most_flat: int) -> tuple[Floats, Floats, NDArra
                     continue
                 before = above[j] if axis == 0 else cost[j - 1]
                 low = 1 + axis * most_flat
-                turn = 0  # a first flat step may follow a diagonal one or a flat one along the other axis
+                turn = 0  # a first flat step may follow a diagonal step, or a flat step along the other axis
                 other = 1 + (1 - axis) * most_flat
                 for state in range(other, other + most_flat):
                     if before[state] < before[turn]:
@@ -123,12 +125,12 @@ def cheapest_paths(grid: Floats, most_flat: int) -> tuple[Floats, Floats, NDArra
 
 
 def _best_path(last_row: Floats, last_column: Floats, came: NDArray[np.int8]) -> NDArray[np.int64]:
-    """The path [steps, 2] that ends on the top or right edge with the least mean cost per cell."""
+    """Returns the path [steps, 2] to the top or right edge with the least mean cost per cell."""
     rows, columns = len(last_column), len(last_row)
     best_mean, best_path = np.inf, np.zeros((1, 2), np.int64)
     edge = {(rows - 1, j): last_row[j] for j in range(1, columns)}
     edge |= {(i, columns - 1): last_column[i] for i in range(1, rows)}
-    for i, j in sorted(edge, key=sum, reverse=True):  # of equals the longest, for a clip may end in still frames
+    for i, j in sorted(edge, key=sum, reverse=True):  # longest first: a clip may end in still frames
         state = int(np.argmin(edge[i, j]))
         if np.isinf(edge[i, j][state]):
             continue
@@ -141,7 +143,7 @@ def _best_path(last_row: Floats, last_column: Floats, came: NDArray[np.int8]) ->
 
 @njit(cache=True, nogil=True)
 def trace(came: NDArray[np.int8], i: int, j: int, state: int) -> NDArray[np.int64]:
-    """The cheapest path [steps, 2] from (0, 0) to (i, j) that came there in this state."""
+    """Returns the cheapest path [steps, 2] from (0, 0) that arrives at (i, j) in this state."""
     most_flat = (came.shape[2] - 1) // 2
     path = np.empty((i + j + 1, 2), np.int64)
     steps = 0

@@ -1,1 +1,1 @@
-"""What one body shows: joint paths, posture, foot contacts, its rig. Imported by every other room of `precompute`."""
+"""Measurements of one body: joint paths, posture, foot contacts, rig."""

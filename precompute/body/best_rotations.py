@@ -1,4 +1,4 @@
-"""Horn's rotation for every frame of a clip, by the kernel that splices are evaluated with."""
+"""Horn's rotation for every frame of a clip, computed by the kernel of the run-time evaluator."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from motionsplice.runtime.kernels.rotations import horn
 
 
 def best_rotations(targets: Floats, sources: Floats) -> Floats:
-    """The rotations [n, 4] about the origin that lay each of `sources` [n, p, 3] on its target [n, p, 3].
+    """Returns the rotations [n, 4] about the origin that best lay `sources` [n, p, 3] on `targets` [n, p, 3].
 
-    It is what `motion.pointcloud.horn_rotation` gives; so are those that are hardly better than another rotation.
+    The results agree with `motion.pointcloud.horn_rotation`, which also computes the frames whose best rotation is
+    hardly better than the next (a gap below LEAST_GAP).
     """
     correlations = (np.swapaxes(targets, 1, 2) @ sources).reshape(-1, 9)
     bounds = 0.5 * (1.0 + 1e-12) * (np.sum(targets**2, axis=(1, 2)) + np.sum(sources**2, axis=(1, 2)))
@@ -28,7 +29,7 @@ def best_rotations(targets: Floats, sources: Floats) -> Floats:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fit_blocks(correlations: Floats, bounds: Floats, rotations: Floats, gaps: Floats) -> None:
-    """Fills rotations [n, 4] and gaps [n] of correlations [n, 9] with bounds [n]."""
+    """Fills `rotations` [n, 4] and `gaps` [n] from `correlations` [n, 9] and `bounds` [n]."""
     block = np.zeros(arrays.BLOCK_ROWS * arrays.BLOCK)
     for first in range(0, len(bounds), arrays.BLOCK):
         count = min(arrays.BLOCK, len(bounds) - first)

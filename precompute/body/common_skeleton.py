@@ -1,4 +1,4 @@
-"""Bringing clips of differently built people onto the bank's one skeleton."""
+"""Moving clips of differently built performers onto the bank's skeleton."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import LIMBS, Roles
 from motionsplice.motion.skeleton import Skeleton
 
-WIDEST_BIND_ANGLE = np.radians(25.0)  # between the same limb of two rigs in their bind poses
+WIDEST_BIND_ANGLE = np.radians(25.0)  # radians between the same bone of two rigs in their bind poses
 
 
 def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles) -> Clip:
-    """The clip's rotations on `skeleton`, its root's path scaled by the ratio of the legs.
+    """Puts the clip's rotations on `skeleton` and scales its root path by the ratio of the leg lengths.
 
-    Rigs may differ in bone lengths, joint order and names (CMU's two forms do), but not in topology, except that
-    fingers may be missing; and their bind poses must agree, or the same rotations would mean other poses. Raises
-    SkeletonError.
+    The rigs may differ in bone lengths, joint order and joint names (CMU's two releases do). Their topology must be the
+    same, except that fingers may be missing. Their bind poses must agree too: with another bind pose, the same
+    rotations give another pose. Raises SkeletonError.
     """
     if has_fingers(skeleton, skeleton_roles):
         clip, roles = fingered(clip, roles, skeleton, skeleton_roles)
     match = _match(clip.skeleton, skeleton, clip.name)
     for role in (*LIMBS, "pelvis", "spine"):
-        theirs, ours = (np.atleast_1d(getattr(one, role)).tolist() for one in (roles, skeleton_roles))
+        theirs, ours = (np.atleast_1d(getattr(rig, role)).tolist() for rig in (roles, skeleton_roles))
         if [match.index(joint) for joint in theirs] != ours:
             raise SkeletonError(
-                f"its {role} is another joint than the bank's",
+                f"its {role} is not the same joint as the bank's {role}",
                 place=f"clip {clip.name!r}",
-                mend="Give both rigs the same roles with a roles file",
+                mend="Name the joints of both rigs in a roles file and pass it as --roles",
             )
     _check_bind_poses(clip, match, skeleton, skeleton_roles)
     scale = skeleton_roles.leg_length(skeleton) / roles.leg_length(clip.skeleton)
@@ -46,7 +46,7 @@ def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: 
 
 
 def _match(theirs: Skeleton, ours: Skeleton, name: str) -> list[int]:
-    """For each of our joints the one of theirs: by name, else by the shape of the tree and where limbs point."""
+    """Returns their joint for each of ours, matched by name, else by the tree's shape and where its limbs point."""
     if set(theirs.names) == set(ours.names):
         match = [theirs.index(joint) for joint in ours.names]
         parents = [-1 if parent < 0 else match[parent] for parent in ours.parents]
@@ -58,10 +58,10 @@ def _match(theirs: Skeleton, ours: Skeleton, name: str) -> list[int]:
         a, b = theirs.children[match[joint]], ours.children[joint]
         if len(a) != len(b):
             raise SkeletonError(
-                f"its joint {theirs.names[match[joint]]!r} has {len(a)} children where the bank's "
-                f"{ours.names[joint]!r} has {len(b)}: the rigs have different topologies",
+                f"the rigs have different topologies: its joint {theirs.names[match[joint]]!r} has {len(a)} children, "
+                f"the bank's {ours.names[joint]!r} has {len(b)}",
                 place=f"clip {name!r}",
-                mend="Retarget it to the baseline's rig, or build a bank of its own for it",
+                mend="Retarget the clip to the baseline's rig, or build a separate bank for it",
             )
         if b:
             apart = np.linalg.norm(reach_theirs[list(a), None] - reach_ours[None, list(b)], axis=-1)
@@ -71,7 +71,7 @@ def _match(theirs: Skeleton, ours: Skeleton, name: str) -> list[int]:
 
 
 def _reach(skeleton: Skeleton) -> Floats:
-    """Where each joint's whole subtree lies in the bind pose [J, 3], in units of the rig's size."""
+    """Returns the centre of each joint's subtree in the bind pose [J, 3], in units of the rig's size."""
     rest = np.zeros((skeleton.joint_count, 3))
     for joint in range(1, skeleton.joint_count):
         rest[joint] = rest[skeleton.parents[joint]] + skeleton.offsets[joint]
@@ -87,8 +87,8 @@ def _check_bind_poses(clip: Clip, match: list[int], skeleton: Skeleton, roles: R
             apart = np.arccos(np.clip(ours @ theirs / (np.linalg.norm(ours) * np.linalg.norm(theirs)), -1.0, 1.0))
             if apart > WIDEST_BIND_ANGLE:
                 raise SkeletonError(
-                    f"in its bind pose the bone to the {side} {part} points {np.degrees(apart):.0f} degrees away "
-                    "from the bank's, so the same rotations mean other poses",
+                    f"its bind pose differs from the bank's: the bone to the {side} {part} points "
+                    f"{np.degrees(apart):.0f} degrees away",
                     place=f"clip {clip.name!r}",
-                    mend="Export both clips with one bind pose",
+                    mend="Export the clip with the bind pose of the baseline's rig",
                 )

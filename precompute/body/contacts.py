@@ -1,4 +1,4 @@
-"""When the feet stand: by how low and how slow ankles and toes are."""
+"""Foot contacts, found from how low and how slow ankles and toes are."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 
-SLOW = 0.55  # leg lengths a second that a standing joint may move, for what captured feet roll, slide and quiver
-SLOW_OF_FAST = 0.15  # or so much of its own fastest: a run's feet hardly rest
-LOW = 0.09  # of the leg, above where the joint was lowest within STEP
-STEP = 0.5  # seconds: less than a foot takes from stair to stair
-SMOOTHED, SHORTEST = 0.05, 0.06  # seconds: of speeds; of a contact, or a gap in one
+SLOW = 0.55  # leg lengths per second: the fastest a standing joint may move, as captured feet roll, slide and jitter
+SLOW_OF_FAST = 0.15  # or this part of the joint's 95th percentile speed: in a run the feet hardly rest
+LOW = 0.09  # leg lengths that a standing joint may be above its lowest point within STEP
+STEP = 0.5  # seconds: less than a foot takes from one stair to the next
+SMOOTHED, SHORTEST = 0.05, 0.06  # seconds: the window that smooths speeds; the shortest contact, and gap in a contact
 
 
 def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
-    """Which feet stand at each frame [F]: LEFT_FOOT, RIGHT_FOOT, both or 0."""
+    """Returns which feet stand at each frame [F]: the bits LEFT_FOOT and RIGHT_FOOT, or 0."""
     leg, standing = roles.leg_length(clip.skeleton), np.zeros(clip.frame_count, np.uint8)
     for bit, joints in zip((LEFT_FOOT, RIGHT_FOOT), roles.feet, strict=True):
         standing |= bit * _stands(joint_paths(clip, joints), clip.rate, leg).astype(np.uint8)
@@ -28,14 +28,14 @@ def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
 
 
 def left_strike(clip: Clip, roles: Roles, first: float, last: float) -> float | None:
-    """When the left foot comes down between two moments of a clip, seconds; None if it does not."""
+    """Returns when the left foot first touches down between `first` and `last`, seconds; None if it does not."""
     stands = (foot_contacts(clip, roles) & LEFT_FOOT).astype(np.int8)
     downs = (np.flatnonzero(np.diff(stands) > 0) + 0.5) / clip.rate
     return next((float(down) for down in downs if first <= down < last), None)
 
 
 def _stands(paths: Floats, rate: float, leg: float) -> NDArray[np.bool_]:
-    """Whether any joint of a foot [F, n, 3] stands."""
+    """Returns at which frames [F] any joint of a foot stands; `paths` [F, n, 3] in metres, `leg` its length."""
     speed = np.linalg.norm(np.gradient(paths, 1.0 / rate, axis=0), axis=-1)
     speed = uniform_filter1d(speed, _frames(SMOOTHED, rate), axis=0, mode="nearest")
     height = paths[..., 1] - minimum_filter1d(paths[..., 1], _frames(STEP, rate), axis=0, mode="nearest")
@@ -48,5 +48,5 @@ def _stands(paths: Floats, rate: float, leg: float) -> NDArray[np.bool_]:
 
 
 def _frames(seconds: float, rate: float) -> int:
-    """An odd number of frames."""
+    """Returns a duration as an odd number of frames, at least 3."""
     return 2 * max(round(0.5 * seconds * rate), 1) + 1

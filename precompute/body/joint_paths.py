@@ -1,4 +1,4 @@
-"""Where a few joints of a clip are in the world: forward kinematics of those and what they hang on, nothing else."""
+"""World positions and rotations of a few joints: forward kinematics of these joints and their ancestors only."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from motionsplice.motion.quaternion import Floats
 
 
 def joint_paths(clip: Clip, joints: Sequence[int]) -> Floats:
-    """World positions [F, n, 3] of n joints of a clip, metres."""
+    """Returns the world positions [F, n, 3] of n joints of a clip, metres."""
     return joint_transforms(clip, joints)[0]
 
 
 def joint_transforms(clip: Clip, joints: Sequence[int]) -> tuple[Floats, Floats]:
-    """World positions [F, n, 3] in metres and world rotations [F, n, 4] of n joints of a clip.
+    """Returns the world positions [F, n, 3] in metres and world rotations [F, n, 4] of n joints of a clip.
 
-    It is what `motion.kinematics.world_transforms` gives for all joints.
+    The results agree with `motion.kinematics.world_transforms`, which computes all joints.
     """
     needed = np.array(sorted({above for joint in joints for above in clip.skeleton.chain(joint)}))
     places = {int(joint): place for place, joint in enumerate(needed)}
@@ -44,9 +44,9 @@ def follow_joints(
     positions: Floats,
     world: Floats,
 ) -> None:
-    """Fills positions [F, n, 3] and world [F, n, 4] of the joints needed[wanted [n]].
+    """Fills `positions` [F, n, 3] and `world` [F, n, 4] for the joints needed[wanted], with `wanted` [n].
 
-    needed [m] are joints, the root first and parents before children; parents [m] are places in it.
+    `needed` [m] are joints, the root first and parents before children. `parents` [m] and `wanted` are indices into it.
     """
     at, turn = np.empty((len(needed), 3)), np.empty((len(needed), 4))
     for frame in range(len(root_positions)):

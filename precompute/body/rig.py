@@ -1,4 +1,4 @@
-"""A rig: a skeleton, and which joint is which."""
+"""The rig of a body."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from motionsplice.motion.skeleton import Skeleton
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """A skeleton and its roles: a bank's are those of its baseline's file."""
+    """A skeleton and the roles of its joints. A bank has the rig of its baseline's file."""
 
     skeleton: Skeleton
     roles: Roles
 
     def still(self) -> Clip:
-        """One frame of it in its bind pose."""
+        """Returns a clip of one frame in the bind pose."""
         rotations = np.tile(quaternion.IDENTITY, (1, self.skeleton.joint_count, 1))
         return Clip("bind pose", self.skeleton, 1.0, np.zeros((1, 3)), rotations)

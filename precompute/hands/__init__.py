@@ -1,1 +1,1 @@
-"""Aligning hands that were captured apart to bodies, and merging them. Imports `preparation` and below."""
+"""Alignment of separately captured hands to bodies, and merging."""

@@ -1,6 +1,7 @@
-"""Which frame of a separately captured hand goes with which frame of a body: alignment in two passes.
+"""Time alignment of separately captured hands to a body, in two passes.
 
-Majkowska, Zordan and Faloutsos 2006: the phases of the gestures are aligned first, then frames within them.
+Majkowska, Zordan and Faloutsos 2006: the first pass aligns the phases of the gestures, the second the frames within
+them.
 """
 
 from __future__ import annotations
@@ -27,17 +28,17 @@ from motionsplice.precompute.hands.banded_warp import (
 from motionsplice.precompute.hands.costs import Comparison, Costs
 from motionsplice.precompute.hands.points import HandMotion
 
-BANDS = (0.3, 0.1)  # of the body's frames: half the width of each pass's band
-STRANGE = 0.45  # a mismatch above which hands and body do not seem to make the same gestures
-STEADYING = 0.04  # seconds: the standard deviation of the bell that steps of the curve are blended with
-# what they weigh beside a difference of phase in the second pass: a radian between palms, and the difference of paces,
-# which the paper has not: with it the second pass errs by a quarter less on real arms (docs/hands.md)
+BANDS = (0.3, 0.1)  # half the width of each pass's band, as a part of the body's frames
+STRANGE = 0.45  # the mismatch above which hands and body hardly seem to make the same gestures
+STEADYING = 0.04  # seconds: the standard deviation of the Gaussian that smooths steps of the curve
+# Weights in the second pass, relative to a difference of phase: per radian between palms, and of the difference of
+# paces. The paper has no pace cost; it lowers the second pass's error on real arms by a quarter (docs/hands.md).
 PALM_WEIGHT, PACE_WEIGHT = 6.0, 0.6
 
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """One pass: its costs in the cells of a band [F, width], and the cheapest path [steps, 2] through them."""
+    """One pass: its band, the costs of the band's cells [F, width] and the cheapest path through them [steps, 2]."""
 
     costs: Costs
     band: Band
@@ -46,16 +47,21 @@ class Pass:
 
 @dataclass(frozen=True, eq=False)
 class HandAlignment:
-    """frames: [F] which real-valued frame of the hands goes with each frame of the body; it never falls."""
+    """The time alignment of hands to a body.
+
+    frames: [F] the real-valued frame of the hands at each frame of the body; it never decreases.
+    passes: the two passes that found it.
+    """
 
     frames: Floats
     passes: tuple[Pass, Pass]
 
     @property
     def mismatch(self) -> float:
-        """By how much phases of frames that go together differ, as a part of what those of all in the band do.
+        """Mean phase cost along the path divided by the mean over the band.
 
-        0.1 to 0.4 where both performers do the same gestures; above STRANGE they hardly do (docs/hands.md).
+        It is 0 for identical gestures and about 1 for unrelated ones. Two performers of the same gestures measure 0.1
+        to 0.4. Above STRANGE they hardly seem to make the same gestures (docs/hands.md).
         """
         costs, band, path = self.passes[0].costs, self.passes[0].band, self.passes[0].path
         within = np.arange(band.width) <= (band.high - band.low)[:, None]
@@ -74,14 +80,16 @@ def align_hands(
 ) -> HandAlignment:
     """Aligns one hand, or both together, at `rate` frames per second.
 
-    body, hands: the same hands of both clips. pairs: frames that a user wants to go together; the rest follows from the
-    motion. by_trunk: hands are turned as the trunks are, and not as suits their points best. Raises SettingsError for
-    pairs that cannot be, bands that are none, or trunks that are not known; ClipError for clips that are too long or
-    move without bounds.
+    body, hands: the same one or two hands of both clips. pairs: frames that the user wants to meet; the rest follows
+    from the motion. bands: half widths of the two passes' bands, as parts of the body's frames. by_trunk: turn the
+    hands onto the body's by the headings of the trunks, instead of by the best fit of the points.
+
+    Raises SettingsError for impossible pairs, bands outside 0 to 1, or unknown trunk headings; ClipError for clips that
+    are too long or whose points are too far apart to be compared.
     """
     if not all(0.0 < band <= 1.0 for band in bands):
-        problem = f"bands of {bands[0]:g} and {bands[1]:g} of the clip mean nothing"
-        raise SettingsError(problem, mend="Give parts of 1, such as 0.3 and 0.1")
+        problem = f"bands must be above 0 and at most 1, not {bands[0]:g} and {bands[1]:g}"
+        raise SettingsError(problem, mend="Use parts of the clip, such as 0.3 and 0.1")
     counts = len(body[0].points), len(hands[0].points)
     ordered = check_pairs(pairs, *counts)
     compared = [Comparison(one, other, rate, by_trunk=by_trunk) for one, other in zip(body, hands, strict=True)]
@@ -97,15 +105,18 @@ def align_hands(
 
 
 def steadied(frames: Floats, width: float) -> Floats:
-    """A curve [F] blended by a bell of so many frames, which leaves a line, and what rises, as they are."""
+    """Smooths a curve [F] with a Gaussian whose standard deviation is `width` frames.
+
+    A straight line stays as it is, and a rising curve stays rising.
+    """
     beyond = min(int(4.0 * width) + 1, len(frames) - 1)
     longer = np.pad(frames, beyond, mode="reflect", reflect_type="odd")
     return np.asarray(gaussian_filter1d(longer, width)[beyond : beyond + len(frames)])
 
 
 def _pass(band: Band, costs_of: Sequence[Callable[[Band], Costs]]) -> Pass:
-    """The cheapest path by the sum of costs."""
+    """Finds the cheapest path through a band by the sum of the costs. Raises ClipError if a cost is not finite."""
     costs = np.sum([one(band) for one in costs_of], axis=0)
     if not np.isfinite(costs).all():
-        raise ClipError("its hands move too far to be compared", mend="Check its unit of length")
+        raise ClipError("the hands move too far to be compared", mend="Check the unit of length of both clips")
     return Pass(costs, band, cheapest_path(costs, band.low, band.high))

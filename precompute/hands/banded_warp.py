@@ -1,6 +1,6 @@
-"""Dynamic time warping within a band, which a user's pairs of frames may bend.
+"""Dynamic time warping within a band, which the user's frame pairs may bend.
 
-Majkowska, Zordan and Faloutsos 2006, 3. Memory is that of the band: frames x its width.
+Majkowska, Zordan and Faloutsos 2006, 3. It takes the memory of the band: number of frames times width.
 """
 
 from __future__ import annotations
@@ -18,14 +18,22 @@ from motionsplice.motion.errors import ClipError, SettingsError
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
-MOST_CELLS = 60_000_000  # of a band: five minutes against five at 60 Hz with a width of 30 %
+MOST_CELLS = 60_000_000  # of a band: two clips of five minutes at 60 Hz, with a band of 30 %
 PAIR = re.compile(r"(\d{1,9})\s*:\s*(\d{1,9})(?:\s*~\s*(\d{1,9}))?")
 DIAGONAL, ALONG_BODY, ALONG_HANDS = 0, 1, 2
 
 
 @dataclass(frozen=True)
 class FramePair:
-    """Frames of body and hands that go together, give or take `tolerance` frames of the hands."""
+    """A frame of the body and the frame of the hands that belongs to it.
+
+    Frames count from 0, in each clip as it was read.
+
+    Attributes:
+        body: The frame of the body.
+        hands: The frame of the hands.
+        tolerance: By how many frames of the hands the alignment may differ from `hands`.
+    """
 
     body: int
     hands: int
@@ -33,10 +41,20 @@ class FramePair:
 
     @classmethod
     def parse(cls, text: str) -> FramePair:
-        """From "120:95", or "300:288~5" with a tolerance. Raises SettingsError."""
+        """Parses "BODY:HANDS" or "BODY:HANDS~TOLERANCE".
+
+        Args:
+            text: For example "120:95", or "300:288~5" with a tolerance of 5 frames.
+
+        Returns:
+            The pair.
+
+        Raises:
+            SettingsError: The text has another form.
+        """
         found = PAIR.fullmatch(text.strip())
         if found is None:
-            raise SettingsError("it is no pair of frames", place=f"pair {text!r}", mend="Write 120:95 or 300:288~5")
+            raise SettingsError("not a pair of frames", place=f"pair {text!r}", mend="Write it as 120:95 or 300:288~5")
         return cls(*(int(number or 0) for number in found.groups()))
 
     def __str__(self) -> str:
@@ -45,9 +63,9 @@ class FramePair:
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """The frames of the hands, `low` to `high` [n] with both, that each of n frames of the body is compared with.
+    """The frames of the hands, from `low` [n] to `high` [n] inclusive, that each of n frames of the body compares with.
 
-    width: how many these are at most. Costs and steps are kept in rows of that width, from `low` on.
+    width: the largest number of these frames. Costs and steps are stored in rows of this width, starting at `low`.
     """
 
     low: Integers
@@ -59,35 +77,39 @@ class Band:
 
 
 def check_pairs(pairs: Sequence[FramePair], body_frames: int, hand_frames: int) -> list[FramePair]:
-    """The pairs in order. Raises SettingsError, naming the pair, if one lies outside the clips or two are crossed."""
+    """Returns the pairs in order of their frames.
+
+    Raises SettingsError with the pair if a frame lies outside its clip, a tolerance is negative, or two pairs cross.
+    """
     ordered = sorted(pairs, key=lambda pair: (pair.body, pair.hands))
     for pair in ordered:
         for what, frame, count in (("body", pair.body, body_frames), ("hands", pair.hands, hand_frames)):
             if not 0 <= frame < count:
-                problem = f"frame {frame} of the {what} lies outside the clip, whose last is {count - 1}"
+                problem = f"frame {frame} of the {what} lies outside the clip, whose last frame is {count - 1}"
                 raise SettingsError(problem, place=f"pair {pair}", mend="Count frames from 0")
         if pair.tolerance < 0:
-            raise SettingsError("a tolerance is at least 0 frames", place=f"pair {pair}")
+            problem = f"the tolerance is {pair.tolerance} frames"
+            raise SettingsError(problem, place=f"pair {pair}", mend="Use 0 or more")
     for before, after in pairwise(ordered):
         if before.body == after.body or after.hands < before.hands:
-            problem = f"it is crossed by the pair {before}: later frames of the body need later frames of the hands"
+            problem = f"it crosses the pair {before}: a later frame of the body needs a later frame of the hands"
             if before.body == after.body:
                 problem = f"the pair {before} has the same frame of the body"
-            raise SettingsError(problem, place=f"pair {after}", mend="Leave one of them out")
+            raise SettingsError(problem, place=f"pair {after}", mend="Remove one of the two pairs")
     return ordered
 
 
 def straight_band(body_frames: int, hand_frames: int, width: float, pairs: Sequence[FramePair]) -> Band:
-    """The band about the straight lines from pair to pair (equations 3 to 5), whose ends are the clips' ends.
+    """Returns the band about the straight lines from pair to pair, between the ends of the clips (equations 3 to 5).
 
-    width: half the band's, across it, as a part of the body's frames; pairs in order. Raises ClipError for clips whose
-    band would have more than MOST_CELLS.
+    width: half the band's width, measured across it, as a part of the body's frames. pairs: in order. Raises ClipError
+    if the band would have more than MOST_CELLS cells.
     """
     x, y, _ = anchors(body_frames, hand_frames, pairs)
     frame = np.arange(body_frames)
     centre = np.interp(frame, x, y)
     runs, rises = np.maximum(np.diff(x), 1), np.diff(y)
-    reach = width * body_frames * np.hypot(runs, rises) / runs  # of each part between two pairs
+    reach = width * body_frames * np.hypot(runs, rises) / runs  # for each part between two pairs
     part = np.clip(np.searchsorted(x, frame, side="left") - 1, 0, len(runs) - 1)
     return band_around(centre, reach[part], body_frames, hand_frames, pairs)
 
@@ -95,29 +117,35 @@ def straight_band(body_frames: int, hand_frames: int, width: float, pairs: Seque
 def band_around(
     centre: Floats, reach: Floats | float, body_frames: int, hand_frames: int, pairs: Sequence[FramePair]
 ) -> Band:
-    """The band of frames within `reach` of a curve [n], as far as pairs in order allow (equation 5)."""
+    """Returns the band of frames within `reach` of a curve [n], limited by the pairs, which are in order (equation 5).
+
+    Raises ClipError if the band would have more than MOST_CELLS cells.
+    """
     least, most = limits(body_frames, hand_frames, pairs)
-    # up to a pair's own frame the path may climb from where the pair before has left it
+    # at a pair's own frame the path may still climb from the least frame that the pair before allows
     least[1:] = least[:-1].copy()
     low = np.clip(np.ceil(centre - reach), least, most).astype(np.int64)
     high = np.clip(np.floor(centre + reach), least, most).astype(np.int64)
     low, high = np.minimum(low, high), np.maximum(low, high)
     high = np.maximum.accumulate(high)
     low = np.minimum.accumulate(low[::-1])[::-1]
-    # so that a step leads from row to row
+    # widen the band where no step leads from one row to the next
     high[:-1] = np.maximum(high[:-1], np.minimum(low[1:] - 1, most[:-1]))
     low[1:] = np.minimum(low[1:], high[:-1] + 1)
     if (cells := int(body_frames * ((high - low).max() + 1))) > MOST_CELLS:
         raise ClipError(
-            f"clips of {body_frames} and {hand_frames} frames are too long for a band of {cells:,} cells, "
-            f"of which there may be {MOST_CELLS:,}",
-            mend="Give a narrower --band, or shorter clips",
+            f"clips of {body_frames} and {hand_frames} frames need a band of {cells:,} cells, "
+            f"more than the limit of {MOST_CELLS:,}",
+            mend="Use a narrower --band or shorter clips",
         )
     return Band(low, high)
 
 
 def anchors(body_frames: int, hand_frames: int, pairs: Sequence[FramePair]) -> tuple[Floats, Floats, Floats]:
-    """The frames [k] of body and hands of all pairs in order, and their tolerances; ends go with ends unless given."""
+    """Returns body frames, hands frames and tolerances [k] of all pairs in order.
+
+    The clips' first frames are a pair, and their last frames, unless the user's pairs hold these frames of the body.
+    """
     fixed = list(pairs)
     if not fixed or fixed[0].body > 0:
         fixed.insert(0, FramePair(0, 0))
@@ -130,7 +158,10 @@ def anchors(body_frames: int, hand_frames: int, pairs: Sequence[FramePair]) -> t
 
 
 def limits(body_frames: int, hand_frames: int, pairs: Sequence[FramePair]) -> tuple[Floats, Floats]:
-    """The least and the most frame of the hands [n] that pairs allow each frame of the body, both of them rising."""
+    """Returns the least and the greatest frame of the hands [n] that the pairs allow at each frame of the body.
+
+    Neither ever decreases.
+    """
     x, y, t = anchors(body_frames, hand_frames, pairs)
     frame = np.arange(body_frames)
     lowest = np.maximum.accumulate(np.maximum(y - t, 0.0))
@@ -140,10 +171,10 @@ def limits(body_frames: int, hand_frames: int, pairs: Sequence[FramePair]) -> tu
 
 @njit(cache=True, nogil=True)
 def cheapest_path(costs: NDArray[np.float32], low: Integers, high: Integers) -> Integers:
-    """The path [steps, 2] of least cost through a band, from its first row to its last.
+    """Returns the path [steps, 2] of least cost through a band, from its first row to its last.
 
-    costs [n, width]: of each cell of the band. A step goes on by one frame of the body, of the hands or of both, and
-    costs what the cell does to which it leads (equations 1 and 2); of equals the one of both is taken.
+    costs: [n, width] of the band's cells. A step advances the body, the hands or both by one frame, and costs the cell
+    that it leads to (equations 1 and 2). Of equal costs, the step that advances both wins.
     """
     count, width = costs.shape
     came = np.zeros((count, width), np.uint8)
@@ -178,7 +209,7 @@ def cheapest_path(costs: NDArray[np.float32], low: Integers, high: Integers) -> 
 
 
 def medians(path: Integers, count: int) -> Floats:
-    """Of all frames of the hands that a path gives to each of `count` frames of the body, the one in the middle [n]."""
+    """Returns the median frame of the hands [count] among those that a path assigns to each frame of the body."""
     first = np.searchsorted(path[:, 0], np.arange(count), side="left")
     last = np.searchsorted(path[:, 0], np.arange(count), side="right") - 1
     return np.asarray(0.5 * (path[first, 1] + path[last, 1]))

@@ -1,6 +1,6 @@
-"""How unlike a hand is in two frames: in the phase of its gesture, and in how its palm is held.
+"""Costs of matching two frames of a hand: by the phase of the gesture, its pace, and the palm's orientation.
 
-Majkowska, Zordan and Faloutsos 2006, 4, equations 6 to 9, over the cells of a band.
+Majkowska, Zordan and Faloutsos 2006, 4, equations 6 to 9, computed over the cells of a band.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from motionsplice.precompute.hands.phases import Derivatives, derivatives
 from motionsplice.precompute.hands.points import HandMotion, bones
 from motionsplice.runtime.simd.compiled import FASTMATH
 
-WINDOW = 5  # frames that are turned together
+WINDOW = 5  # frames that one turn is fitted to
 Costs = NDArray[np.float32]
 
 
 class Comparison:
-    """One hand of a body and of a hands' clip, to be compared frame by frame at `rate` frames per second.
+    """Compares one hand of a body with the same hand of a hands clip, both at `rate` frames per second.
 
-    In each cell the hands are turned about Y until they lie as the body's: by a window of frames, in closed form
-    (equation 7), or by the headings of the trunks.
+    In each cell the hand of the hands clip is turned about Y onto the body's: by the best fit of a window of frames, in
+    closed form (equation 7), or by the headings of the trunks. Raises SettingsError if these are unknown.
     """
 
     def __init__(self, body: HandMotion, hands: HandMotion, rate: float, *, by_trunk: bool = False) -> None:
@@ -38,7 +38,7 @@ class Comparison:
         self._facing = ours, theirs, np.concatenate([theirs[:, half:], -theirs[:, :half]], axis=1)
 
     def phases(self, band: Band) -> Costs:
-        """Equation 6 in each cell of a band [F, width]: how far the signs of both derivatives of all points differ."""
+        """Returns equation 6 in each cell of a band [F, width]: by how much the signs of both derivatives differ."""
         costs = np.zeros((len(band.low), band.width), np.float32)
         ours, theirs = self._changes
         for change, their_change, zone, their_zone in (
@@ -50,15 +50,18 @@ class Comparison:
         return costs
 
     def paces(self, band: Band) -> Costs:
-        """In each cell of a band [F, width], by how much both derivatives of all points differ, squared, each of them
-        as a part of what it is in its clip: within a phase signs are alike, and so may palms be."""
+        """Returns the squared difference of both derivatives of all points, in each cell of a band [F, width].
+
+        Each derivative is in units of its spread in its clip. This distinguishes frames within one phase, where signs
+        are alike and palms may be.
+        """
         costs = np.zeros((len(band.low), band.width), np.float32)
         ours, theirs = (_paces(found) for found in self._changes)
         _add_differences(ours, theirs, False, *self._facing, band.low, band.high, costs)
         return costs
 
     def palms(self, band: Band) -> Costs:
-        """Equation 9 in each cell of a band [F, width]: radians between both hands, their forearms aligned."""
+        """Returns equation 9 in each cell of a band [F, width]: radians between both hands, with forearms aligned."""
         costs = np.zeros((len(band.low), band.width), np.float32)
         ours, theirs = bones(self._body.points), bones(self._hands.points)
         _add_palm_costs(ours, theirs, *self._facing, band.low, band.high, costs)
@@ -66,13 +69,15 @@ class Comparison:
 
 
 def _headings(motion: HandMotion) -> Floats:
-    """The trunk's heading as a window of one point ahead of it."""
+    """Returns the heading of the trunk as a window of one point ahead of it [F, 2]."""
     if motion.trunk is None:
-        raise SettingsError("which way the trunk faces is not known", mend="Turn the hands as suits their points")
+        mend = "Give its angles, or turn the hands by a window of frames"
+        raise SettingsError("the heading of the trunk is unknown", mend=mend)
     return np.stack([np.sin(motion.trunk), np.cos(motion.trunk)], axis=1)
 
 
 def _windows(points: Floats) -> Floats:
+    """Returns the points of WINDOW frames about each frame, centred, as x and then z coordinates [F, n]."""
     frames = np.arange(len(points))[:, None] + np.arange(WINDOW) - WINDOW // 2
     around = points[np.clip(frames, 0, len(points) - 1)].reshape(len(points), -1, 3)
     centred = around - around.mean(axis=1, keepdims=True)
@@ -80,14 +85,14 @@ def _windows(points: Floats) -> Floats:
 
 
 def _paces(found: Derivatives) -> Floats:
-    """Both derivatives [F, 8, 3] in units of their spread, and of the dead zone in a clip that rests."""
+    """Returns both derivatives [F, 8, 3] in units of their spread, or of the dead zone in a clip at rest."""
     parts = (found.velocity, found.still), (found.acceleration, found.steady)
     return np.concatenate([change / max(float(change.std()), zone) for change, zone in parts], axis=1)
 
 
 @njit(cache=True, nogil=True, fastmath=FASTMATH)
 def _turn(body: Floats, hands: Floats, turned: Floats, i: int, j: int) -> tuple[float, float]:
-    """Cosine and sine of the turn about Y by which hands in frame j lie as the body's in frame i."""
+    """Returns cosine and sine of the turn about Y that lays the hands in frame j onto the body's in frame i."""
     along = across = 0.0
     for k in range(body.shape[1]):
         along += body[i, k] * hands[j, k]
@@ -98,7 +103,7 @@ def _turn(body: Floats, hands: Floats, turned: Floats, i: int, j: int) -> tuple[
 
 @njit(cache=True, nogil=True)
 def _sign(value: float) -> float:
-    """Of a value in units of its dead zone."""
+    """Returns the sign of a value in units of its dead zone: 0 inside it."""
     return 1.0 if value > 1.0 else -1.0 if value < -1.0 else 0.0
 
 
@@ -114,7 +119,10 @@ def _add_differences(
     high: Integers,
     out: Costs,
 ) -> None:
-    """Squared, of vectors [F, n, 3], theirs turned until their hand lies as ours does, or of the signs of that."""
+    """Adds the squared differences of vectors [F, n, 3] to `out`, after turning theirs onto ours.
+
+    signs: compare ours with the signs of theirs, which are then given in units of their dead zone.
+    """
     for i in range(len(low)):
         for j in range(low[i], high[i] + 1):
             cosine, sine = _turn(body, hands, turned, i, j)
@@ -130,7 +138,8 @@ def _add_differences(
 
 
 @njit(cache=True, nogil=True)
-def _seen(cosine: float, sine: float, bone: Floats) -> tuple[float, float, float]:
+def _turned(cosine: float, sine: float, bone: Floats) -> tuple[float, float, float]:
+    """Returns a vector [3] turned about Y."""
     return cosine * bone[0] + sine * bone[2], bone[1], cosine * bone[2] - sine * bone[0]
 
 
@@ -145,12 +154,13 @@ def _add_palm_costs(
     high: Integers,
     out: Costs,
 ) -> None:
+    """Adds the angles between ours and theirs [F, 2, 3] (forearm, hand) to `out`, radians, with forearms aligned."""
     for i in range(len(low)):
         (fx, fy, fz), (px, py, pz) = ours[i, 0], ours[i, 1]
         for j in range(low[i], high[i] + 1):
             cosine, sine = _turn(body, hands, turned, i, j)
-            gx, gy, gz = _seen(cosine, sine, theirs[j, 0])
-            hx, hy, hz = _seen(cosine, sine, theirs[j, 1])
+            gx, gy, gz = _turned(cosine, sine, theirs[j, 0])
+            hx, hy, hz = _turned(cosine, sine, theirs[j, 1])
             # the least turn from g to f takes h to h + v x h + v x (v x h) / (1 + g f), with v = g x f
             vx, vy, vz = gy * fz - gz * fy, gz * fx - gx * fz, gx * fy - gy * fx
             near = max(1.0 + gx * fx + gy * fy + gz * fz, 1e-6)

@@ -1,4 +1,4 @@
-"""The fingers of one clip on the body of another, at the frames that an alignment says go together."""
+"""Merging the fingers of one clip into the body of another, at the frames that an alignment found."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ from motionsplice.motion.roles import Roles
 def merge_hands(
     body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, frames: Mapping[Side, Floats], *, wrist: bool = False
 ) -> tuple[Clip, Roles]:
-    """The body's clip with the fingers of the hands' clip; with `wrist` also its wrists, and the twist of its forearms.
+    """Returns the body's clip with the fingers of the hands clip, and its roles.
 
-    frames: of each hand to take, the real-valued frame [F] of the hands' clip that goes with each of the body's. Rigs
-    may differ outside the hands; a body without fingers is given those of the hands' rig. Raises SkeletonError.
+    frames: for each side to merge, the real-valued frame [F] of the hands clip at each frame of the body. wrist: also
+    take the wrists and the twist of the forearms. The rigs may differ outside the hands. A body without fingers gets
+    those of the hands' rig. Raises SkeletonError if the hands cannot be matched.
     """
     clip, roles = fingered(body, roles, hands.skeleton, hand_roles)
     rotations = clip.rotations.copy()
@@ -34,11 +35,12 @@ def merge_hands(
 def hand_rotations(
     body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, side: Side, frames: Floats, *, wrist: bool
 ) -> dict[int, Floats]:
-    """The rotations [F, 4] of those joints of the body, by joint, that the hands' clip drives. Raises SkeletonError.
+    """Returns the rotations [F, 4] of the body's joints that the hands clip drives, by joint. Raises SkeletonError.
 
-    As seen from the forearm, and with the bind pose of their hand laid on that of ours. The twist of a wrist belongs to
-    the forearm: bones of the wrist hardly twist, and a rig may have either. Of forearms that have bones which twist,
-    ours or theirs, each of ours has an equal share. Bones of their palm that we lack turn the fingers on them.
+    Hands keep their orientation relative to the forearm, with the bind pose of their hand laid on the body's. The twist
+    of a wrist is moved to the forearm: real wrists hardly twist, and rigs store the twist in either. If forearms have
+    twist bones, on either rig, each bone of the body's forearm gets an equal share. Rotations of palm bones that the
+    body does not have are passed on to the fingers below them.
     """
     match = match_fingers(body.skeleton, roles, hands.skeleton, hand_roles, side)
     turn = bind_turn(body.skeleton, roles, hands.skeleton, hand_roles, side)
@@ -63,14 +65,14 @@ def hand_rotations(
 
 
 def _taken(hands: Clip, frames: Floats, turn: Floats, joints: list[int]) -> Floats:
-    """Rotations [F, n, 4] of joints at real-valued frames [F], in our bind pose's axes."""
+    """Returns rotations [F, n, 4] of joints at real-valued frames [F], in the axes of the body's bind pose."""
     before, after, t = quaternion.neighbours(hands.frame_count, frames)
     own = hands.rotations[:, joints]
     return multiply(multiply(turn, quaternion.slerp(own[before], own[after], t[:, None])), conjugate(turn))
 
 
 def twist_about(q: Floats, axis: Floats) -> Floats:
-    """The part of rotations [..., 4] about a unit axis [3]: what is left, q twist^-1, turns about none of it."""
+    """Returns the twist of rotations [..., 4] about a unit axis [3]. The rest, q twist^-1, is a swing without twist."""
     along = q[..., :3] @ axis
     twist = np.concatenate([along[..., None] * axis, q[..., 3:]], axis=-1)
     size = quaternion.length(twist)[..., None]
@@ -78,7 +80,9 @@ def twist_about(q: Floats, axis: Floats) -> Floats:
 
 
 def radians_about(q: Floats, axis: Floats) -> Floats:
-    """How far the twists of rotations [F, ..., 4] about a unit axis [3] turn [F, ...]: at most pi at first, then on
-    without a jump."""
+    """Returns the twist angles [F, ...] of rotations [F, ..., 4] about a unit axis [3], radians.
+
+    The first frame's angle is within -pi to pi; the others follow without jumps.
+    """
     turned = np.unwrap(2.0 * np.arctan2(q[..., :3] @ axis, q[..., 3]), axis=0)
     return np.asarray(turned - 2.0 * np.pi * np.round(turned[:1] / (2.0 * np.pi)))

@@ -1,4 +1,4 @@
-"""What two performances of a gesture are compared by: four points of a hand, as seen from its shoulder."""
+"""The four points of a hand, relative to its shoulder, by which two performances of a gesture are compared."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.joint_paths import joint_transforms
 
-THUMB_SIDE, LITTLE_SIDE, FOREARM, HAND = 0, 1, 2, 3  # the points
-WRIST_WIDTH = 0.12  # of the forearm's length, from the wrist's middle to each side
+THUMB_SIDE, LITTLE_SIDE, FOREARM, HAND = 0, 1, 2, 3  # indices of the points
+WRIST_WIDTH = 0.12  # of the forearm's length, from the middle of the wrist to each side
 TINY = 1e-9  # metres
-KNUCKLES = 0.35  # of the forearm's length beyond the wrist, on a rig whose hand has nothing below it
+KNUCKLES = 0.35  # of the forearm's length beyond the wrist, on a rig with no joint or end site below the wrist
 
 
 @dataclass(frozen=True, eq=False)
 class HandMotion:
     """One hand over F frames.
 
-    points: [F, 4, 3] metres, from the shoulder: both sides of the wrist, forearm and hand. Markers will do as well as
-    what `hand_motion` derives from joints. trunk: [F] radians about Y, which way the trunk faces; None if not known.
-    Raises ClipError if they are not that.
+    points: [F, 4, 3] metres from the shoulder: thumb side and little side of the wrist, forearm, hand. They may be
+    markers, or the points that `hand_motion` derives from joints. trunk: [F] heading of the trunk, radians about Y;
+    None if unknown. Raises ClipError for arrays of other shapes, or numbers that are not finite.
     """
 
     points: Floats
@@ -36,15 +36,15 @@ class HandMotion:
     def __post_init__(self) -> None:
         count = len(self.points)
         if self.points.shape != (count, 4, 3) or (self.trunk is not None and self.trunk.shape != (count,)):
-            raise ClipError("a hand needs four points [F, 4, 3] and one angle of the trunk a frame")
+            raise ClipError("a hand needs four points [F, 4, 3] and one trunk angle [F] per frame")
         if not np.isfinite(self.points).all() or not (self.trunk is None or np.isfinite(self.trunk).all()):
-            raise ClipError("a point of a hand is not a finite number")
+            raise ClipError("a point of a hand, or an angle of the trunk, is not a finite number")
 
 
 def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
-    """The points of a rig's hand, as markers would show them (Majkowska et al. 2006, 3 and 4).
+    """Returns the points of a rig's hand, where markers would be (Majkowska et al. 2006, 3 and 4).
 
-    The sides of the wrist turn with the forearm; the hand's point is where the fingers begin. Raises SkeletonError if
+    The sides of the wrist turn with the forearm. The hand's point is where the fingers begin. Raises SkeletonError if
     the forearm has no length.
     """
     skeleton, wrist = clip.skeleton, wrist_of(roles, side)
@@ -63,8 +63,10 @@ def hand_motion(clip: Clip, roles: Roles, side: Side) -> HandMotion:
 
 
 def _firsts(skeleton: Skeleton, wrist: int) -> list[tuple[int, Floats]]:
-    """The first bones [3] of some length below a wrist, to joints and then to end sites, each with the joint it hangs
-    on: rigs have joints that lie on the wrist itself, and may bend the hand there."""
+    """Returns the first bones [3] of non-zero length below a wrist, to joints and then to end sites.
+
+    Each comes with its parent joint. A rig may have joints at the wrist's own position, and bend the hand there.
+    """
     on_it, found = {wrist}, list[tuple[int, Floats]]()
     for joint in range(wrist + 1, skeleton.joint_count):
         if (parent := int(skeleton.parents[joint])) in on_it:
@@ -77,7 +79,7 @@ def _firsts(skeleton: Skeleton, wrist: int) -> list[tuple[int, Floats]]:
 
 
 def bones(points: Floats) -> Floats:
-    """Unit vectors [F, 2, 3] from the wrist along the forearm, and along the hand (equation 8), of points [F, 4, 3]."""
+    """Returns unit vectors [F, 2, 3] from the wrist along forearm and hand (equation 8), from points [F, 4, 3]."""
     wrist = 0.5 * (points[:, THUMB_SIDE] + points[:, LITTLE_SIDE])
     along = [points[:, FOREARM] - wrist, points[:, HAND] - wrist]
     lengths = [np.maximum(np.linalg.norm(bone, axis=1, keepdims=True), TINY) for bone in along]

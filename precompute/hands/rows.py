@@ -1,4 +1,4 @@
-"""Hands on the body of a clip as a bank holds them: rows beside the clip's own, of all that hands may drive."""
+"""Hands on a body as a bank stores them: rows parallel to the body's own, with all joints that hands can drive."""
 
 from __future__ import annotations
 
@@ -22,8 +22,12 @@ from motionsplice.runtime.format.rows import Layout
 
 @dataclass(frozen=True, eq=False)
 class LaidHands:
-    """Hands on a body: rows [n, columns], as many as its own, and frames [n, 2]: which frame of the hands, which have
-    `rate` a second, the left and the right one show there; by how much they differ, and what to warn of."""
+    """Hands laid on a body.
+
+    name, body: the names of the hands clip and of the body. rate: of the hands clip, frames per second. rows: [n,
+    columns], parallel to the body's n rows. frames: [n, 2] the real-valued frames of the hands clip that left and right
+    hand show in each row. mismatch: `HandSplice.mismatch`. warnings: for the user. source: digest of the hands' file.
+    """
 
     name: str
     body: str
@@ -37,9 +41,9 @@ class LaidHands:
 
 
 def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading, settings: HandSettings) -> LaidHands:
-    """Aligns the hands of a clip that was read to a clip of a bank with this rig, and lays them on its rows.
+    """Aligns the hands of a clip to a prepared clip of a bank with this rig, and lays them on its rows.
 
-    Joints that the hands do not drive keep the clip's own numbers. Raises MotionError.
+    Joints that the hands do not drive keep the body's own numbers. Raises MotionError if hands and body do not fit.
     """
     roots, rotations = layout.motion(prepared.fetch("lower"), prepared.fetch("upper"))
     whole = Clip(prepared.name, rig.skeleton, prepared.rate, roots, rotations)
@@ -55,7 +59,7 @@ def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading
         joints = list(layout.hands.joints)
         laid[count:, joints] = bent_onto(merged.rotations[-2:, joints], merged.sampled(after)[1][:, joints])
         frames = np.concatenate(
-            [frames, np.stack([np.interp(after[2:], np.arange(count), one) for one in frames.T], axis=1)]
+            [frames, np.stack([np.interp(after[2:], np.arange(count), of_side) for of_side in frames.T], axis=1)]
         )
     rows = layout.pack_hands(quaternion.one_hemisphere(laid))
     warnings = (*reading.warnings, *spliced.warnings)
@@ -63,7 +67,7 @@ def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading
 
 
 def _counterparts(prepared: PreparedClip) -> Floats:
-    """The real-valued frames [2 + n] whose motion the clip's last two frames, and then those of its seam, carry on."""
+    """Returns the real-valued counterparts [2 + n] of the clip's last two frames and of its seam's n frames."""
     own = prepared.phase[: prepared.frame_count]
     last = float(np.interp(own[-1] - prepared.strides, own, np.arange(len(own))))
     return last + np.arange(-1.0, len(prepared.phase) - len(own) + 1.0)

@@ -1,13 +1,13 @@
-"""`hands.toml`: which hands the offline job should lay on which bodies, and what a user knows of that.
+"""`hands.toml`: which hands the offline job lays on which bodies, and how.
 
 [[hands]]
 body = "count_steps"             # a clip
-hands = "count_steps_hands"      # a clip of hands, which is then no other clip of the bank
-hand = "right"                   # or "left", "both" (by one alignment) or "each" (by two); both if nothing is said
-wrist = true                     # wrists and the twist of forearms too, not fingers alone
-turn = "trunk"                   # turned as the trunks are, not by a window of frames
-bands = [0.3, 0.1]
-pairs = ["120:95", "300:288~5"]  # frames of body and hands that go together, give or take 5 frames of the hands
+hands = "count_steps_hands"      # a hands clip, which does not become a clip of the bank
+hand = "right"                   # or "left", "both" (one alignment; the default) or "each" (one per hand)
+wrist = true                     # also wrists and the twist of forearms; the default is fingers only
+turn = "trunk"                   # turn hands onto the body's by the trunks; the default is "window"
+bands = [0.3, 0.1]               # half widths of the two passes' bands, as parts of the body's frames
+pairs = ["120:95", "300:288~5"]  # frames of body and hands that belong together; ~5: within 5 frames of the hands
 """
 
 from __future__ import annotations
@@ -30,7 +30,16 @@ Turn = Literal["window", "trunk"]
 
 @dataclass(frozen=True)
 class HandSettings:
-    """How hands are laid on a body. pairs are in frames of both clips as they were read."""
+    """How hands are laid on a body (docs/hands.md).
+
+    Attributes:
+        hand: Which hands: `left`, `right`, `both` (aligned together) or `each` (aligned separately).
+        wrist: Whether the wrists and the twist of the forearms are taken too, not the fingers only.
+        turn: How the hands are turned onto the body's before frames are compared: `window` by the best fit of a few
+            frames, `trunk` by the headings of the trunks.
+        bands: Half widths of the bands of the two passes, as parts of the body's frames, above 0 and at most 1.
+        pairs: Frames of body and hands that belong together, counted in both clips as they were read.
+    """
 
     hand: HandChoice = "both"
     wrist: bool = False
@@ -40,7 +49,7 @@ class HandSettings:
 
     @property
     def groups(self) -> tuple[tuple[Side, ...], ...]:
-        """The hands that are aligned together."""
+        """The sides in groups that are aligned together."""
         if self.hand == "each":
             return tuple((side,) for side in SIDES)
         return (SIDES,) if self.hand == "both" else ((self.hand,),)
@@ -48,7 +57,13 @@ class HandSettings:
 
 @dataclass(frozen=True)
 class HandsOnBody:
-    """Names of a clip of hands and of the body that they are laid on, and how."""
+    """A hands clip, the body that it is laid on, and the settings.
+
+    Attributes:
+        body: The name of the body's clip.
+        hands: The name of the hands clip.
+        settings: How the hands are laid on the body.
+    """
 
     body: str
     hands: str
@@ -56,71 +71,90 @@ class HandsOnBody:
 
     @property
     def label(self) -> str:
+        """The name of the task in messages: "HANDS on BODY"."""
         return f"{self.hands} on {self.body}"
 
     @classmethod
     def parse(cls, text: str) -> HandsOnBody:
-        """From "body:hands". Raises SettingsError."""
+        """Parses "BODY:HANDS", the names of two clips.
+
+        Args:
+            text: For example "count_steps:count_steps_hands".
+
+        Returns:
+            The two names, with the default settings.
+
+        Raises:
+            SettingsError: A name is missing.
+        """
         body, colon, hands = text.partition(":")
         if not (body and colon and hands):
-            raise SettingsError(f"{text!r} names no body and its hands", mend="Write BODY:HANDS, two names of clips")
+            problem = f"{text!r} does not name a body and its hands"
+            raise SettingsError(problem, mend="Write BODY:HANDS, the names of two clips")
         return cls(body, hands)
 
 
 def read_hand_settings(file: Path) -> list[HandsOnBody]:
-    """The entries of a `hands.toml`. Raises SettingsError, naming the entry and the key."""
+    """Reads the entries of a `hands.toml`. Raises SettingsError with the entry and the key."""
     try:
         document = tomllib.loads(file.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"it is not TOML: {error}", file=str(file)) from None
+        raise SettingsError(f"not a TOML file: {error}", file=str(file)) from None
     entries = document.get("hands")
     if set(document) != {"hands"} or not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
-        raise SettingsError("it needs tables called hands", file=str(file), mend="Write [[hands]] before each")
+        problem = "it must hold [[hands]] tables and nothing else"
+        raise SettingsError(problem, file=str(file), mend="Write [[hands]] before each entry")
     found: dict[str, HandsOnBody] = {}
-    for number, entry in enumerate(entries, 1):
-        one = _entry(number, entry, str(file))
-        if one.label in found:
-            before = list(found).index(one.label) + 1
-            problem = f"{one.label} is there already, as hands {before}"
-            mend = 'Leave one of them out; hand = "each" aligns both apart'
+    for number, table in enumerate(entries, 1):
+        entry = _entry(number, table, str(file))
+        if entry.label in found:
+            before = list(found).index(entry.label) + 1
+            problem = f"{entry.label} already exists, as hands {before}"
+            mend = 'Remove one of the two; to align both hands separately, use hand = "each"'
             raise SettingsError(problem, file=str(file), place=f"hands {number}", mend=mend)
-        found[one.label] = one
+        found[entry.label] = entry
     return list(found.values())
 
 
 def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
+    """Checks one table of the file. Raises SettingsError."""
     where = f"hands {number}"
     known = ("body", "hands", "hand", "wrist", "turn", "bands", "pairs")
     for key in entry:
         if key not in known:
             raise SettingsError(f"unknown key {key!r}", file=file, place=where, mend=did_you_mean(key, known))
-    for key, wanted in (("body", "a clip"), ("hands", "a clip of hands")):
+    for key, wanted in (("body", "a clip"), ("hands", "a hands clip")):
         if key not in entry:
-            mend = f'Write {key} = "NAME", the name of {wanted}'
-            raise SettingsError(f"it has no key {key!r}", file=file, place=where, mend=mend)
+            mend = f'Add {key} = "NAME", the name of {wanted}'
+            raise SettingsError(f"the key {key!r} is missing", file=file, place=where, mend=mend)
     bands, pairs = entry.get("bands", list(BANDS)), entry.get("pairs", [])
-    for key, sound, wanted in (
+    for key, valid, wanted in (
         ("body", isinstance(entry.get("body"), str), "the name of a clip"),
-        ("hands", isinstance(entry.get("hands"), str), "the name of a clip of hands"),
+        ("hands", isinstance(entry.get("hands"), str), "the name of a hands clip"),
         ("hand", entry.get("hand", "both") in get_args(HandChoice), f"one of {', '.join(get_args(HandChoice))}"),
         ("wrist", isinstance(entry.get("wrist", False), bool), "true or false"),
         ("turn", entry.get("turn", "window") in get_args(Turn), f"one of {', '.join(get_args(Turn))}"),
-        ("bands", _are_numbers(bands), "two parts of 1"),
-        ("pairs", isinstance(pairs, list) and all(isinstance(one, str) for one in pairs), 'such as ["120:95"]'),
+        ("bands", _are_numbers(bands), "two parts of the clip, such as [0.3, 0.1]"),
+        ("pairs", _are_texts(pairs), 'a list of frame pairs, such as ["120:95"]'),
     ):
-        if not sound:
+        if not valid:
             raise SettingsError(
-                f"{key} = {entry.get(key)!r} means nothing", file=file, place=where, mend=f"{key}: {wanted}"
+                f"{key} = {entry.get(key)!r} is not valid", file=file, place=where, mend=f"{key} must be {wanted}"
             )
     try:
-        read = tuple(FramePair.parse(one) for one in pairs)
+        parsed = tuple(FramePair.parse(pair) for pair in pairs)
     except MotionError as error:
         raise SettingsError(error.problem, file=file, place=f"{where}, {error.place}", mend=error.mend) from None
     settings = HandSettings(
-        entry.get("hand", "both"), entry.get("wrist", False), entry.get("turn", "window"), (bands[0], bands[1]), read
+        entry.get("hand", "both"), entry.get("wrist", False), entry.get("turn", "window"), (bands[0], bands[1]), parsed
     )
     return HandsOnBody(entry["body"], entry["hands"], settings)
 
 
 def _are_numbers(values: object) -> bool:
-    return isinstance(values, list) and len(values) == 2 and all(type(one) in (int, float) for one in values)
+    """Returns whether `values` is a list of two numbers; a bool is not a number."""
+    return isinstance(values, list) and len(values) == 2 and all(type(value) in (int, float) for value in values)
+
+
+def _are_texts(values: object) -> bool:
+    return isinstance(values, list) and all(isinstance(value, str) for value in values)

@@ -1,4 +1,4 @@
-"""Hands onto a body, whole: from two clips, of any rates, to the body with the hands' fingers."""
+"""Splicing separately captured hands onto a body: two clips of any rates in, one clip out."""
 
 from __future__ import annotations
 
@@ -18,12 +18,15 @@ from motionsplice.precompute.hands.merge import merge_hands
 from motionsplice.precompute.hands.points import HandMotion, hand_motion
 from motionsplice.precompute.hands.settings import HandSettings
 
-MOST_FRAMES = 250_000  # of hands at the body's rate: an hour at 60 Hz
+MOST_FRAMES = 250_000  # of the hands clip at the body's rate: an hour at 60 Hz
 
 
 @dataclass(frozen=True, eq=False)
 class AlignedHands:
-    """Hands that were aligned together: of each side how the body's and the hands' move, both at the body's rate."""
+    """Hands that were aligned together.
+
+    body, hands: the motion of each side in both clips, at the body's rate. alignment: of all these sides.
+    """
 
     body: Mapping[Side, HandMotion]
     hands: Mapping[Side, HandMotion]
@@ -32,9 +35,13 @@ class AlignedHands:
 
 @dataclass(frozen=True, eq=False)
 class HandSplice:
-    """A body with the fingers of hands, and its roles.
+    """A body with the fingers of a hands clip.
 
-    frames: of each side, the real-valued frame [F] of the hands' clip that goes with each of the body's.
+    Attributes:
+        clip: The body's F frames at the body's rate, with the hands.
+        roles: The roles of the clip's joints. Its skeleton has fingers even if the body's had none.
+        frames: For each side, the real-valued frame [F] of the hands clip at each frame of the body.
+        aligned: The hands that were aligned together: one entry, or two for `hand = "each"`.
     """
 
     clip: Clip
@@ -44,28 +51,42 @@ class HandSplice:
 
     @property
     def mismatch(self) -> float:
-        """Of those hands that fit worst (`HandAlignment.mismatch`)."""
-        return max(one.alignment.mismatch for one in self.aligned)
+        """The largest `HandAlignment.mismatch` of the aligned hands: 0 if identical, about 1 if unrelated."""
+        return max(group.alignment.mismatch for group in self.aligned)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a user should look at."""
+        """Warnings for the user; empty if the gestures match."""
         if self.mismatch <= STRANGE:
             return ()
-        said = f"its gestures hardly seem to be those of {self.clip.name!r}: phases of frames that go together differ"
-        return (f"{said} {self.mismatch:.2f} times as much as those of any; one hand alone may fit",)
+        problem = f"its gestures do not seem to match those of {self.clip.name!r}: the mismatch is {self.mismatch:.2f}"
+        return (f"{problem} (matching gestures stay below {STRANGE}); try one hand alone",)
 
 
 def splice_hands(body: Clip, roles: Roles, hands: Clip, hand_roles: Roles, settings: HandSettings) -> HandSplice:
-    """Aligns hands to a body and merges them.
+    """Aligns separately captured hands to a body, and merges them into it (Majkowska, Zordan and Faloutsos 2006).
 
-    Raises MotionError if settings or rigs do not fit, or hands have more than MOST_FRAMES.
+    Args:
+        body: The clip of the body, F frames. The result has its rate.
+        roles: Which joint of the body's skeleton is which.
+        hands: The clip that gives the hands. Its rate and skeleton may differ from the body's.
+        hand_roles: Which joint of the hands' skeleton is which.
+        settings: Which hands, and how they are aligned and merged.
+
+    Returns:
+        The body with the hands, and the frames [F] of the hands clip that were used.
+
+    Raises:
+        SettingsError: A frame pair lies outside a clip or crosses another, or the bands are not within 0 to 1.
+        SkeletonError: The rigs' hands do not match.
+        ClipError: At the body's rate the hands have more than MOST_FRAMES frames, or the clips cannot be compared.
     """
     ordered = check_pairs(settings.pairs, body.frame_count, hands.frame_count)
     if (count := hands.duration * body.rate + 1.0) > MOST_FRAMES:
         raise ClipError(
-            f"hands of {hands.duration:g} s are {count:,.0f} frames at the body's {body.rate:g} a second",
-            mend="Check how many frames a second both have",
+            f"the hands last {hands.duration:g} s, {count:,.0f} frames at the body's {body.rate:g} per second; "
+            f"the limit is {MOST_FRAMES:,}",
+            mend="Check the frame rates of both clips",
         )
     paced, ratio = hands.resampled(body.rate), hands.rate / body.rate
     last = paced.frame_count - 1

@@ -1,1 +1,1 @@
-"""From files to a bank: sources, cache, worker processes, the job itself. Imports all rooms but `study`."""
+"""The offline job, from files to a bank: sources, cache, worker processes, the job itself."""

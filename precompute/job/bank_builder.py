@@ -1,4 +1,4 @@
-"""Tables of all clips -> a bank on disk, whole or not at all (docs/bank.md)."""
+"""Writes prepared clips as a bank on disk, whole or not at all (docs/bank.md)."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ from motionsplice.runtime.format.manifest import (
 )
 from motionsplice.runtime.format.rows import Layout
 
-OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # what else lies in the folder is not ours to remove
+OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # other files in the folder are never removed
 OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})\.\d+")
-ABANDONED = 3600.0  # seconds after which no job is still writing a file
-CELLS_PER_FRAME = 4  # of the inverse table: phase passes at least a quarter as fast as on average
+ABANDONED = 3600.0  # seconds after which a partial file is left over from a killed job
+CELLS_PER_FRAME = 4  # of the inverse table: the slope of phase is at least a quarter of its mean
 
 
 def write_bank(
@@ -50,10 +50,10 @@ def write_bank(
     prepared: Sequence[PreparedClip],
     hands: Sequence[LaidHands] = (),
 ) -> str:
-    """Writes a bank of at least one clip, and hands on some of them, to the folder `path` and returns its digest.
+    """Writes a bank of at least one clip, with hands on some of them, to the folder `path` and returns its digest.
 
-    Tables are written and synced first; renaming the manifest makes the new bank current, so a reader sees the
-    old bank or the new one. Tables that only the bank before the last one used are removed.
+    Tables are written and synced first. Renaming the manifest then makes the new bank current, so a reader sees either
+    the old bank or the new one. The old bank's tables stay until the next bank is written; older tables are removed.
     """
     clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(skeleton, roles)
     laid = sorted(hands, key=lambda one: (one.name, one.body))
@@ -82,7 +82,7 @@ def write_bank(
             file.unlink()
     for file in (*path.iterdir(), *folder.iterdir()):
         if OUR_PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > ABANDONED:
-            file.unlink()  # of a job that was killed
+            file.unlink()  # left by a killed job
     return digest
 
 
@@ -95,7 +95,10 @@ def write_manifest(
     tables: Mapping[str, str],
     hands: Sequence[HandsEntry] = (),
 ) -> str:
-    """Makes written tables, digests by name, the bank in the folder `path`; returns the bank's digest."""
+    """Writes the manifest, which makes `tables` (digests by name) the bank in the folder `path`.
+
+    Returns the bank's digest.
+    """
     body = {
         "skeleton": {
             "names": list(skeleton.names),
@@ -118,9 +121,9 @@ def write_manifest(
 
 
 def write_table(folder: Path, kind: type, length: int, parts: Iterable[NDArray[Any]]) -> str:
-    """Writes parts, of `length` in all, end to end as a table, and returns its digest, after which it is named.
+    """Writes `parts`, `length` rows in all, end to end as a table, and returns the table's digest.
 
-    No more than a part is held at once.
+    The table's file is named after the digest. Only one part is held in memory at a time.
     """
     digest, partial = hashlib.blake2b(digest_size=16), folder / f".table.{os.getpid()}"
     with partial.open("wb") as sink:
@@ -142,12 +145,12 @@ def write_table(folder: Path, kind: type, length: int, parts: Iterable[NDArray[A
 def _rows(
     half: str, layout: Layout, clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]
 ) -> Iterator[NDArray[np.float32]]:
-    """Each clip's rows in a table."""
-    for one in clips:
-        rows = one.fetch(half)
-        if one.name in offsets:
+    """Yields each clip's rows of a table, with its torso offsets."""
+    for clip in clips:
+        rows = clip.fetch(half)
+        if clip.name in offsets:
             rows = rows.copy()
-            layout.set_torso_offsets(half, rows, offsets[one.name])
+            layout.set_torso_offsets(half, rows, offsets[clip.name])
         yield rows
 
 
@@ -186,16 +189,16 @@ def _entries(clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]) -> li
 def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:
     entries, row = [], 0
     for one in laid:
-        said = one.settings
+        settings = one.settings
         entries.append(
             HandsEntry(
                 name=one.name,
                 body=one.body,
                 first_row=row,
                 rate=one.rate,
-                hand=said.hand,
-                wrist=said.wrist,
-                pairs=tuple(str(pair) for pair in said.pairs),
+                hand=settings.hand,
+                wrist=settings.wrist,
+                pairs=tuple(str(pair) for pair in settings.pairs),
                 mismatch=one.mismatch,
                 warnings=one.warnings,
                 source=one.source,
@@ -206,7 +209,7 @@ def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:
 
 
 def _torso_offsets(clips: Sequence[PreparedClip]) -> dict[str, Floats]:
-    """The torso offsets [rows, 4] to its neutral of each clip that is not its own."""
+    """Returns torso offsets [rows, 4] by clip name, of the clips that are not their own neutral."""
     strides = {one.name: one.stride for one in clips}
     return {
         one.name: torso_offsets(one.fetch("upright"), one.phase, one.rate, strides[one.neutral])
@@ -216,13 +219,13 @@ def _torso_offsets(clips: Sequence[PreparedClip]) -> dict[str, Floats]:
 
 
 def frame_of_phase(phase: Floats) -> Floats:
-    """The inverse of a strictly increasing phase [F], in frames, on evenly spaced phases [CELLS_PER_FRAME F]."""
+    """Inverts a strictly increasing phase [F]: returns the frames at evenly spaced phases [CELLS_PER_FRAME F]."""
     grid = np.linspace(phase[0], phase[-1], CELLS_PER_FRAME * len(phase))
     return np.interp(grid, phase, np.arange(len(phase), dtype=np.float64))
 
 
 def _tables_in_use(manifest: Path) -> set[str]:
-    """The tables of the bank that is about to be replaced; none if there is no sound one."""
+    """Returns the table digests of the bank about to be replaced; empty if it is missing or damaged."""
     try:
         return set(msgpack.unpackb(msgpack.unpackb(manifest.read_bytes())["body"])["tables"].values())
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
@@ -230,6 +233,7 @@ def _tables_in_use(manifest: Path) -> set[str]:
 
 
 def _write_synced(file: Path, data: bytes) -> None:
+    """Writes a file, whole or not at all."""
     partial = file.with_name(f".{file.name}.{os.getpid()}")
     with partial.open("wb") as sink:
         sink.write(data)
@@ -239,7 +243,7 @@ def _write_synced(file: Path, data: bytes) -> None:
 
 
 def _put(partial: Path, file: Path) -> None:
-    """Gives a file its name, so that it is there even after a power cut."""
+    """Renames a written file, and syncs the folder so that the file survives a power cut."""
     partial.replace(file)
     folder = os.open(file.parent, os.O_RDONLY)
     os.fsync(folder)

@@ -2,8 +2,8 @@
 
 `python -m motionsplice.precompute.job.check FILE MANIFEST_FOLDER SKIP_FRAMES UNIT`
 
-The service asks it of a file that was uploaded: in a process of its own, since a file may be hostile, and parsing holds
-Python's lock. It prints a JSON map: the `problem`, its `place` and `mend`; empty if there is none.
+The service runs this for every uploaded file, in a separate process: the file may be hostile, and parsing holds the
+GIL. It prints a JSON map of `problem`, `place` and `mend`, which is empty if the file is fine.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.runtime.format.manifest import Manifest
 
-MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 12  # of address space: what a process takes, and what a file may
+MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 12  # bytes of address space: for the process, and per byte of the file
 
 
 def check(file: Path, bank: Path, skip_frames: int = 0, unit: str | None = None) -> None:
-    """Reads a file as the offline job would, and lays it on the bank's skeleton. Raises MotionError.
+    """Reads a file as the offline job would, and moves it to the bank's skeleton. Raises MotionError if either fails.
 
-    Whether its legs show a gait is for the job itself to find out.
+    It does not check for a gait; the job itself does.
     """
     if file.suffix == ".asf":
         parse_skeleton(read_bytes(file))
@@ -34,18 +34,19 @@ def check(file: Path, bank: Path, skip_frames: int = 0, unit: str | None = None)
     reading, manifest = read_clip(file, skip_frames=skip_frames, unit=unit), Manifest.read(bank)
     clip = onto_skeleton(reading.clip, reading.roles, manifest.skeleton, manifest.roles)
     if clip.duration < SHORTEST_CLIP:
-        raise ClipError(f"it lasts {clip.duration:.3f} s", mend=f"Give at least {SHORTEST_CLIP} s, better two strides")
+        problem = f"it lasts {clip.duration:.3f} s, too short to find its gait"
+        raise ClipError(problem, mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more")
 
 
 def problem_of(file: Path, bank: Path, skip_frames: int, unit: str | None) -> dict[str, str]:
-    """What is wrong with a file, naming no folder; empty if nothing is."""
+    """Returns the problem with a file, without its folder's name; empty if the file is fine."""
     try:
         check(file, bank, skip_frames, unit)
     except MotionError as error:
         problem = {"problem": error.problem, "place": error.place, "mend": error.mend}
         return {key: text.replace(f"{file.parent}/", "") for key, text in problem.items()}
     except MemoryError:
-        return {"problem": "it takes too much memory to be read", "place": "", "mend": "Cut it into shorter clips"}
+        return {"problem": "reading it takes too much memory", "place": "", "mend": "Cut it into shorter clips"}
     return {}
 
 

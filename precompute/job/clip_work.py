@@ -1,4 +1,4 @@
-"""The work on one clip, which any process can do: what it makes goes into the cache, not back through a pipe."""
+"""The work on one clip. Any process can do it; the result goes into the cache, not back through a pipe."""
 
 from __future__ import annotations
 
@@ -30,13 +30,17 @@ from motionsplice.precompute.job.sources import Source
 from motionsplice.precompute.preparation.prepared import PreparedClip, prepare
 from motionsplice.runtime.format.manifest import content_digest
 
-Kept = TypeVar("Kept", covariant=True)
+Result = TypeVar("Result", covariant=True)
 Task = TypeVar("Task", contravariant=True)
 
 
 @dataclass(frozen=True)
 class Identified:
-    """A source, the bytes that it takes, the digest of its file, and that of all that its reading depends on."""
+    """A source with its digests.
+
+    size: of its file, bytes. file_digest: of its file. reading_key: digest of everything that reading the clip depends
+    on.
+    """
 
     source: Source
     size: int
@@ -47,45 +51,51 @@ class Identified:
 Clips = dict[str, Identified]  # by name, in order of name
 
 
-class Work(Protocol[Task, Kept]):
-    """Work on a clip, or on clips that go together, whose result goes into the cache."""
+class Work(Protocol[Task, Result]):
+    """Work on a clip, or on several clips together, whose result goes into the cache."""
 
     @property
     def cache(self) -> Cache: ...
     def key(self, one: Task, /) -> str: ...
     def run(self, one: Task, /) -> None: ...
-    def load(self, one: Task, /) -> Kept | None: ...
+    def load(self, one: Task, /) -> Result | None: ...
 
 
-def kept(work: Work[Task, Kept], one: Task) -> Kept:
-    """The result of work that was done, and is done again if the entry is damaged. Raises MotionError."""
+def load_or_run(work: Work[Task, Result], one: Task) -> Result:
+    """Loads the result of a task, and runs the task if the cache entry is missing or damaged. Raises MotionError."""
     found = work.load(one)
     if found is None:
         work.run(one)
         found = work.load(one)
     if found is None:
-        raise MotionError("results do not stay as they were written", file=str(work.cache.folder))
+        raise _unreadable(work.cache)
     return found
 
 
+def _unreadable(cache: Cache) -> MotionError:
+    """Returns the error for an entry that cannot be read back right after it was written."""
+    mend = "Check the disk, then delete the folder and start again"
+    return MotionError("the cache cannot be read back after writing", file=str(cache.folder), mend=mend)
+
+
 def identify(source: Source) -> Identified:
-    """Reads a clip's files, but only to digest them. Raises MotionError if they are not there."""
+    """Computes the digests of a clip's files, without parsing them. Raises MotionError if they cannot be read."""
     try:
         contents = [read_bytes(file) for file in files_behind(source.file)]
     except MotionError as error:
         raise error.within(str(source.file)) from None
-    said = (source.settings.skip_frames, source.settings.unit, sorted(source.roles.items()))
+    settings = (source.settings.skip_frames, source.settings.unit, sorted(source.roles.items()))
     digests = [content_digest(data) for data in contents]
-    key = key_of(version_of("motion", "precompute"), source.file.suffix.lower(), digests, said)
+    key = key_of(version_of("motion", "runtime", "precompute"), source.file.suffix.lower(), digests, settings)
     return Identified(source, len(contents[0]), digests[0], key)
 
 
 def read(one: Identified) -> Reading:
-    """Reads a clip. Raises MotionError if it cannot be, or is no longer what was identified."""
+    """Reads a clip. Raises MotionError if it cannot be read, or if its files have changed since `identify`."""
     settings = one.source.settings
     reading = read_clip(one.source.file, skip_frames=settings.skip_frames, unit=settings.unit, roles=one.source.roles)
     if identify(one.source).reading_key != one.reading_key:
-        raise ClipError("it was changed while it was read", file=str(one.source.file), mend="Start again")
+        raise ClipError("it changed while it was read", file=str(one.source.file), mend="Start again")
     return reading
 
 
@@ -99,13 +109,13 @@ class StrideSearch:
         return key_of("stride", one.reading_key)
 
     def choice_key(self, clips: Clips) -> str:
-        """The key of which stride is the most typical of these clips'."""
+        """Returns the key of the choice of the most typical stride among these clips."""
         return key_of("most typical", [(name, self.key(one)) for name, one in clips.items()])
 
     def run(self, one: Identified) -> None:
-        """Raises MotionError if the clip cannot be read; that it has no stride is a result like others.
+        """Stores the clip's stride, or that it has none. Raises MotionError if the clip cannot be read.
 
-        What was read is kept until the bank is built, for it is needed once more.
+        The reading is stored too, until the bank is built: `Preparation` needs it again.
         """
         reading = read(one)
         self.cache.store(one.reading_key, *pack_reading(reading))
@@ -117,7 +127,7 @@ class StrideSearch:
 
     def load(self, one: Identified) -> StrideSearched | None:
         name = one.source.name
-        return self.cache.load(self.key(one), lambda said, arrays: unpack_stride(name, said, arrays))
+        return self.cache.load(self.key(one), lambda fields, arrays: unpack_stride(name, fields, arrays))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +137,7 @@ class Preparation:
     cache: Cache
     rig: Rig
     ring: Baseline
-    rig_and_ring: str  # their digest
+    rig_and_ring: str  # digest of both
 
     @classmethod
     def of(cls, cache: Cache, stride: FoundStride) -> Preparation:
@@ -138,17 +148,17 @@ class Preparation:
         return key_of("prepared", one.reading_key, self.rig_and_ring)
 
     def recipe(self, clips: Clips, hands: Sequence[tuple[str, str]]) -> str:
-        """The digest of all that a bank of these clips, and of hands on them, depends on."""
-        ring, said = self.ring, []
+        """Returns the digest of everything that a bank of these clips, and of hands on them, depends on."""
+        ring, entries = self.ring, []
         for name, one in clips.items():
             settings = one.source.settings
-            said.append((name, self.key(one), settings.kind, settings.neutral, settings.tags, one.file_digest))
-        return key_of("bank", version_of("runtime"), ring.name, ring.start, ring.end, ring.loop, said, hands)
+            entries.append((name, self.key(one), settings.kind, settings.neutral, settings.tags, one.file_digest))
+        return key_of("bank", ring.name, ring.start, ring.end, ring.loop, entries, hands)
 
     def run(self, one: Identified) -> None:
-        """Raises MotionError if the clip cannot be read or does not fit the bank."""
+        """Prepares the clip and stores it. Raises MotionError if it cannot be read or does not fit the bank."""
         name = one.source.name
-        reading = self.cache.load(one.reading_key, lambda said, arrays: unpack_reading(name, said, arrays))
+        reading = self.cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
         if reading is None:
             reading = read(one)
         made = prepare(reading.clip, reading.roles, self.rig.skeleton, self.rig.roles, self.ring)
@@ -158,17 +168,17 @@ class Preparation:
     def load(self, one: Identified) -> PreparedClip | None:
         name, settings = one.source.name, one.source.settings
         fetch = partial(self._fetch, one)
-        found = self.cache.load(self.key(one), lambda said, arrays: unpack_prepared(name, fetch, said, arrays))
+        found = self.cache.load(self.key(one), lambda fields, arrays: unpack_prepared(name, fetch, fields, arrays))
         if found is None:
             return None
         neutral = settings.neutral or ""
         return replace(found, kind=settings.kind, neutral=neutral, tags=settings.tags, source=one.file_digest)
 
     def _fetch(self, one: Identified, name: str) -> NDArray[Any]:
-        """What is large of a result, made again if the entry is damaged. Raises MotionError."""
+        """Returns a large array of a result, made again if the entry is damaged. Raises MotionError."""
         for _ in range(2):
             found = self.cache.load(self.key(one), lambda _, arrays: arrays[name])
             if found is not None:
                 return found
             self.run(one)
-        raise MotionError("results do not stay as they were written", file=str(self.cache.folder))
+        raise _unreadable(self.cache)

@@ -1,4 +1,4 @@
-"""Clips that were read, strides and prepared clips as entries of the cache, and back to the last bit."""
+"""Packs readings, strides and prepared clips as cache entries, and unpacks them, exact to the last bit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Alignment, Baseline
 from motionsplice.precompute.body.rig import Rig
-from motionsplice.precompute.job.cache import Arrays, Said
+from motionsplice.precompute.job.cache import Arrays, Fields
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 
@@ -32,53 +32,56 @@ class FoundStride:
 
 @dataclass(frozen=True, eq=False)
 class StrideSearched:
-    """A clip's rig, and the stride that was found in it, if any was."""
+    """The result of searching a clip for a stride: its rig, and the stride or None."""
 
     rig: Rig
     ring: Baseline | None
 
     def found(self) -> FoundStride | None:
+        """Returns the stride with its rig; None if the clip has no stride."""
         return FoundStride(self.rig, self.ring) if self.ring is not None else None
 
 
-def pack_stride(stride: StrideSearched) -> tuple[Said, Arrays]:
+def pack_stride(stride: StrideSearched) -> tuple[Fields, Arrays]:
+    """Packs everything except the clip's name."""
     ring = stride.ring
-    said = {"rig": pack_rig(stride.rig), "ring": None}
+    fields = {"rig": pack_rig(stride.rig), "ring": None}
     if ring is None:
-        return said, {}
-    return said | {"ring": [ring.start, ring.end, ring.loop, ring.leg, ring.zero]}, {"clouds": ring.clouds}
+        return fields, {}
+    return fields | {"ring": [ring.start, ring.end, ring.loop, ring.leg, ring.zero]}, {"clouds": ring.clouds}
 
 
-def unpack_stride(name: str, said: Said, arrays: Arrays) -> StrideSearched:
-    """The stride of the clip of this name. Raises KeyError, TypeError, ValueError or MotionError if it is none."""
-    rig = _rig(said["rig"])
-    if said["ring"] is None:
+def unpack_stride(name: str, fields: Fields, arrays: Arrays) -> StrideSearched:
+    """Unpacks the stride of the named clip. Raises KeyError, TypeError, ValueError or MotionError for a bad entry."""
+    rig = _rig(fields["rig"])
+    if fields["ring"] is None:
         return StrideSearched(rig, None)
-    start, end, loop, leg, zero = said["ring"]
+    start, end, loop, leg, zero = fields["ring"]
     return StrideSearched(rig, Baseline(name, start, end, loop, leg, zero, arrays["clouds"]))
 
 
-def pack_reading(reading: Reading) -> tuple[Said, Arrays]:
-    """All but the name."""
+def pack_reading(reading: Reading) -> tuple[Fields, Arrays]:
+    """Packs everything except the clip's name."""
     clip = reading.clip
-    said = {
+    fields = {
         "rig": pack_rig(Rig(clip.skeleton, reading.roles)),
         "rate": float(clip.rate),
         "unit": reading.unit,
         "notes": reading.notes,
         "warnings": reading.warnings,
     }
-    return said, {"positions": clip.root_positions, "rotations": clip.rotations}
+    return fields, {"positions": clip.root_positions, "rotations": clip.rotations}
 
 
-def unpack_reading(name: str, said: Said, arrays: Arrays) -> Reading:
-    """The clip of this name as it was read. Raises KeyError, TypeError, ValueError or MotionError if it is none."""
-    rig = _rig(said["rig"])
-    clip = Clip(name, rig.skeleton, said["rate"], arrays["positions"], arrays["rotations"])
-    return Reading(clip, rig.roles, said["unit"], tuple(said["notes"]), tuple(said["warnings"]))
+def unpack_reading(name: str, fields: Fields, arrays: Arrays) -> Reading:
+    """Unpacks the reading of the named clip. Raises KeyError, TypeError, ValueError or MotionError for a bad entry."""
+    rig = _rig(fields["rig"])
+    clip = Clip(name, rig.skeleton, fields["rate"], arrays["positions"], arrays["rotations"])
+    return Reading(clip, rig.roles, fields["unit"], tuple(fields["notes"]), tuple(fields["warnings"]))
 
 
-def pack_rig(rig: Rig) -> Said:
+def pack_rig(rig: Rig) -> Fields:
+    """Packs a skeleton and its roles."""
     skeleton = rig.skeleton
     return {
         "names": skeleton.names,
@@ -90,21 +93,21 @@ def pack_rig(rig: Rig) -> Said:
     }
 
 
-def _rig(said: Any) -> Rig:
+def _rig(fields: Any) -> Rig:
     skeleton = Skeleton(
-        names=tuple(said["names"]),
-        parents=np.array(said["parents"], np.int64),
-        offsets=np.array(said["offsets"], np.float64),
-        end_parents=np.array(said["end_parents"], np.int64),
-        end_offsets=np.array(said["end_offsets"], np.float64).reshape(-1, 3),
+        names=tuple(fields["names"]),
+        parents=np.array(fields["parents"], np.int64),
+        offsets=np.array(fields["offsets"], np.float64),
+        end_parents=np.array(fields["end_parents"], np.int64),
+        end_offsets=np.array(fields["end_offsets"], np.float64).reshape(-1, 3),
     )
-    return Rig(skeleton, Roles(**said["roles"] | {"spine": tuple(said["roles"]["spine"])}))
+    return Rig(skeleton, Roles(**fields["roles"] | {"spine": tuple(fields["roles"]["spine"])}))
 
 
-def pack_prepared(one: PreparedClip) -> tuple[Said, Arrays]:
-    """All but the name and the settings, on which nothing of it depends."""
+def pack_prepared(one: PreparedClip) -> tuple[Fields, Arrays]:
+    """Packs everything except the name and the settings, which do not affect the rest."""
     alignment = one.alignment
-    said = {
+    fields = {
         "rate": one.rate,
         "frame_count": one.frame_count,
         "strides": one.strides,
@@ -123,20 +126,20 @@ def pack_prepared(one: PreparedClip) -> tuple[Said, Arrays]:
         "gait": one.gait,
         "stride": one.stride.coefficients,
     }
-    return said, small | {name: one.fetch(name) for name in LARGE}
+    return fields, small | {name: one.fetch(name) for name in LARGE}
 
 
-def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], said: Said, arrays: Arrays) -> PreparedClip:
-    """The clip by this name, of which `fetch` gets what is large. Raises KeyError, TypeError or ValueError."""
+def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], fields: Fields, arrays: Arrays) -> PreparedClip:
+    """Unpacks the named clip, whose large arrays `fetch` returns. Raises KeyError, TypeError or ValueError."""
     phase, aligned = arrays["phase"], arrays["aligned"]
-    if not 2 <= len(aligned) == said["frame_count"] <= len(phase):
-        raise ValueError("a clip has more frames than rows")
+    if not 2 <= len(aligned) == fields["frame_count"] <= len(phase):
+        raise ValueError("the frame count does not match the arrays")
     return PreparedClip(
         name=name,
-        rate=said["rate"],
-        frame_count=said["frame_count"],
-        strides=said["strides"],
-        alignment=Alignment(aligned, arrays["cost"], said["chance"], said["swing"]),
+        rate=fields["rate"],
+        frame_count=fields["frame_count"],
+        strides=fields["strides"],
+        alignment=Alignment(aligned, arrays["cost"], fields["chance"], fields["swing"]),
         phase=phase,
         posture=arrays["posture"],
         path=arrays["path"],
@@ -144,6 +147,6 @@ def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], said: Said,
         gait=arrays["gait"],
         stride=MeanStride(arrays["stride"]),
         fetch=fetch,
-        notes=tuple(said["notes"]),
-        file_warnings=tuple(said["warnings"]),
+        notes=tuple(fields["notes"]),
+        file_warnings=tuple(fields["warnings"]),
     )

@@ -1,4 +1,4 @@
-"""The work on hands, which any process can do: reading a clip of hands, and laying it on the body of another clip."""
+"""The work on hands: reading a hands clip, and laying it on the body of another clip. Any process can do it."""
 
 from __future__ import annotations
 
@@ -12,34 +12,38 @@ from motionsplice.motion.hand_joints import fingered, has_fingers
 from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.rows import LaidHands, lay_hands
 from motionsplice.precompute.hands.settings import FILE_NAME, HandSettings, HandsOnBody, read_hand_settings
-from motionsplice.precompute.job.cache import Arrays, Cache, Said, key_of
-from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, kept, read
+from motionsplice.precompute.job.cache import Arrays, Cache, Fields, key_of
+from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, load_or_run, read
 from motionsplice.precompute.job.entries import FoundStride, pack_reading, unpack_reading
 from motionsplice.precompute.job.sources import Source
 from motionsplice.runtime.format.rows import Layout
 
 
 def all_hands(given: Sequence[HandsOnBody], sources: Sequence[Source]) -> list[HandsOnBody]:
-    """Those given, and those of each `hands.toml` beside a source, which says more. Raises SettingsError."""
+    """Returns the given hands and those of every `hands.toml` beside a source, in order of body and hands.
+
+    If both name the same body and hands, the settings of the file hold. Raises SettingsError for a bad file, an unknown
+    clip, or a hands clip that is also a body.
+    """
     files = {source.file.parent / FILE_NAME for source in sources}
-    said = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if file.is_file()))
-    found = {(one.body, one.hands): one for one in (*given, *said)}
+    listed = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if file.is_file()))
+    found = {(one.body, one.hands): one for one in (*given, *listed)}
     names = {source.name for source in sources}
     hands = {one.hands for one in found.values()}
     for one in found.values():
         for name, what in ((one.body, "body"), (one.hands, "hands")):
             if name not in names:
-                problem = f"there is no clip {name!r}, the {what} of {one.label}"
+                problem = f"clip {name!r} not found, the {what} of {one.label}"
                 raise SettingsError(problem, mend=did_you_mean(name, names))
         if one.body in hands:
-            problem = f"{one.body!r} is a clip of hands, and cannot be the body of {one.label}"
-            raise SettingsError(problem, mend="Copy the clip under another name")
+            problem = f"{one.body!r} is a hands clip, so it cannot be the body of {one.label}"
+            raise SettingsError(problem, mend="Copy the clip under another name and use the copy as the body")
     return [found[key] for key in sorted(found)]
 
 
 @dataclass(frozen=True)
 class HandsTask:
-    """Hands that are to be laid on a body."""
+    """Hands to lay on a body."""
 
     label: str
     body: Identified
@@ -48,11 +52,12 @@ class HandsTask:
 
     @property
     def size(self) -> int:
+        """The bytes of both files."""
         return self.body.size + self.hands.size
 
 
 def tasks_of(laying: Sequence[HandsOnBody], bodies: Clips, hands: Clips) -> dict[str, HandsTask]:
-    """By what the outcome calls them; without those whose body or hands have failed."""
+    """Returns the tasks by label, without those whose body or hands have failed."""
     return {
         one.label: HandsTask(one.label, bodies[one.body], hands[one.hands], one.settings)
         for one in laying
@@ -62,7 +67,7 @@ def tasks_of(laying: Sequence[HandsOnBody], bodies: Clips, hands: Clips) -> dict
 
 @dataclass(frozen=True)
 class HandsReading:
-    """The reading of a clip of hands, which is kept as long as the bank needs it."""
+    """The reading of a hands clip. Its entry stays in the cache as long as the bank has these hands."""
 
     cache: Cache
 
@@ -70,21 +75,24 @@ class HandsReading:
         return key_of("hands", one.reading_key)
 
     def run(self, one: Identified) -> None:
-        """Raises MotionError if the clip cannot be read."""
+        """Reads the clip and stores it. Raises MotionError if it cannot be read."""
         self.cache.store(self.key(one), *pack_reading(read(one)))
 
     def load(self, one: Identified) -> Reading | None:
         name = one.source.name
-        return self.cache.load(self.key(one), lambda said, arrays: unpack_reading(name, said, arrays))
+        return self.cache.load(self.key(one), lambda fields, arrays: unpack_reading(name, fields, arrays))
 
 
 def with_fingers(stride: FoundStride, readings: HandsReading, hands: Clips) -> FoundStride:
-    """The stride on a rig that has fingers, if any has: those of the first clip of hands, if it has none of its own."""
+    """Returns the stride with fingers on its rig, if any rig has fingers.
+
+    A rig without fingers gets those of the first hands clip that has them.
+    """
     rig = stride.rig
     if has_fingers(rig.skeleton, rig.roles):
         return stride
     for one in hands.values():
-        reading = kept(readings, one)
+        reading = load_or_run(readings, one)
         if has_fingers(reading.clip.skeleton, reading.roles):
             still, roles = fingered(rig.still(), rig.roles, reading.clip.skeleton, reading.roles)
             return replace(stride, rig=Rig(still.skeleton, roles))
@@ -103,30 +111,28 @@ class HandsLaying:
         return self.bodies.cache
 
     def key(self, task: HandsTask) -> str:
-        said = asdict(task.settings)
-        return key_of(
-            "hands on a body", self.bodies.key(task.body), self.readings.key(task.hands), sorted(said.items())
-        )
+        settings = sorted(asdict(task.settings).items())
+        return key_of("hands on a body", self.bodies.key(task.body), self.readings.key(task.hands), settings)
 
     def run(self, task: HandsTask) -> None:
-        """Raises MotionError if the hands do not fit the body."""
-        reading, rig = kept(self.readings, task.hands), self.bodies.rig
+        """Lays the hands and stores the result. Raises MotionError if they do not fit the body."""
+        reading, rig = load_or_run(self.readings, task.hands), self.bodies.rig
         layout = Layout.of(rig.skeleton, rig.roles)
-        laid = lay_hands(kept(self.bodies, task.body), layout, rig, reading, task.settings)
-        said = {"rate": laid.rate, "mismatch": laid.mismatch, "warnings": laid.warnings}
-        self.cache.store(self.key(task), said, {"rows": laid.rows, "frames": laid.frames})
+        laid = lay_hands(load_or_run(self.bodies, task.body), layout, rig, reading, task.settings)
+        fields = {"rate": laid.rate, "mismatch": laid.mismatch, "warnings": laid.warnings}
+        self.cache.store(self.key(task), fields, {"rows": laid.rows, "frames": laid.frames})
 
     def load(self, task: HandsTask) -> LaidHands | None:
-        def unpack(said: Said, arrays: Arrays) -> LaidHands:
+        def unpack(fields: Fields, arrays: Arrays) -> LaidHands:
             return LaidHands(
                 name=task.hands.source.name,
                 body=task.body.source.name,
-                rate=said["rate"],
+                rate=fields["rate"],
                 settings=task.settings,
                 rows=arrays["rows"],
                 frames=arrays["frames"],
-                mismatch=said["mismatch"],
-                warnings=tuple(said["warnings"]),
+                mismatch=fields["mismatch"],
+                warnings=tuple(fields["warnings"]),
                 source=task.hands.file_digest,
             )
 
@@ -134,5 +140,5 @@ class HandsLaying:
 
 
 def recipe_of(laying: HandsLaying, tasks: Mapping[str, HandsTask]) -> list[tuple[str, str]]:
-    """All that a bank depends on because of hands."""
+    """Returns the keys and file digests that a bank depends on because of its hands."""
     return [(laying.key(task), task.hands.file_digest) for task in tasks.values()]

@@ -1,21 +1,29 @@
-"""The offline job: files of clips -> a bank. What was worked out before is not worked out again (docs/offline.md)."""
+"""The offline job: motion files -> a bank. Nothing that has not changed is done again (docs/offline.md)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 from typing import TypeVar
 
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
-from motionsplice.motion.errors import BankError, BaselineError, MotionError, SettingsError, did_you_mean
-from motionsplice.precompute.alignment.baseline import Baseline
+from motionsplice.motion.errors import BankError, BaselineError, MotionError
 from motionsplice.precompute.hands.settings import HandsOnBody
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
 from motionsplice.precompute.job.cache import Cache
-from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, StrideSearch, Work, identify, kept
+from motionsplice.precompute.job.clip_work import (
+    Clips,
+    Identified,
+    Preparation,
+    StrideSearch,
+    Work,
+    identify,
+    load_or_run,
+)
+from motionsplice.precompute.job.entries import FoundStride
 from motionsplice.precompute.job.hand_work import (
     HandsLaying,
     HandsReading,
@@ -25,37 +33,20 @@ from motionsplice.precompute.job.hand_work import (
     tasks_of,
     with_fingers,
 )
+from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
+from motionsplice.precompute.job.outcome import Outcome, Progress
 from motionsplice.precompute.job.sources import find_sources
 from motionsplice.precompute.job.workers import outcomes, workers
-from motionsplice.precompute.preparation.neutral import nearest_gait
-from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.runtime.bank import Bank
 
-Progress = Callable[[str, int, int], None]  # what is being done, how many are done, of how many
-Failures = dict[str, MotionError]
 Task = TypeVar("Task", Identified, HandsTask)
 CACHE = "cache"  # a folder in the bank's
 WORTH_A_PROCESS = 24_000_000  # bytes of clips: fewer are read and aligned in the time in which a process starts
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What the job made: the bank's digest, its baseline and clips, and why the others failed.
-
-    kept: how many of the clips an earlier run had aligned. unchanged: the bank was there already, just so.
-    """
-
-    digest: str
-    baseline: Baseline
-    clips: tuple[str, ...]
-    failed: Mapping[str, MotionError]
-    kept: int
-    unchanged: bool
-
-
 def build_bank(
-    paths: Iterable[Path],
-    out: Path,
+    paths: Iterable[str | PathLike[str]],
+    out: str | PathLike[str],
     *,
     baseline: str | None = None,
     roles: Mapping[str, str | Sequence[str]] | None = None,
@@ -64,118 +55,155 @@ def build_bank(
     jobs: int = 1,
     progress: Progress = lambda stage, done, total: None,
 ) -> Outcome:
-    """Reads clips, aligns each to the baseline and writes the bank `out`.
+    """Reads clips, aligns each to the baseline and writes a bank.
 
-    `paths` are motion files or folders of them; a `clips.toml` beside a file says more about it, and `settings` are for
-    files of which it says nothing. `hands`, and a `hands.toml` beside a file, say which clips are hands, laid on which
-    others; these are no clips of the bank themselves. Without `baseline`, it is the locomotion whose stride is the most
-    typical. `jobs` is how many processes may work at once. Clips that fail are left out and reported. All that is
-    worked out is kept below `out`, so that the next run, or one after this was killed, works only on what is new.
+    A clip that fails is left out and reported. Results are cached below `out`, so the next run, also one after this
+    was killed, works only on what is new.
 
-    Raises MotionError if there is nothing to read, the baseline is unusable, two clips have one name, or hands or their
-    body are not there.
+    Args:
+        paths: Motion files, or folders of them. A `clips.toml` beside a file has its settings, and a `hands.toml` the
+            hands that are laid on bodies.
+        out: Folder of the bank.
+        baseline: Name of the clip whose stride all others are aligned to; None takes the locomotion with the most
+            typical stride.
+        roles: Joints by role, for rigs whose names do not show them.
+        hands: Hands to lay on bodies. A hands clip is not itself a clip of the bank.
+        settings: For clips that no `clips.toml` names.
+        jobs: Processes that may work at once.
+        progress: Called with the stage, how many of its clips are done, and how many there are.
+
+    Returns:
+        What was built, and which clips failed.
+
+    Raises:
+        MotionError: If there is nothing to read, the baseline is unusable, two clips have one name, or hands or their
+            body are missing.
     """
-    clips: Clips = {}
-    failed: Failures = {}
-    sources = find_sources(paths, roles or {}, settings)
-    for source in sources:
-        try:
-            clips[source.name] = identify(source)
-        except MotionError as error:
-            failed[source.name] = error
-    laying = all_hands(hands, sources)
-    worn = {name: clips.pop(name) for name in sorted({one.hands for one in laying}) if name in clips}
-    cache = Cache(out / CACHE)
-    do = partial(_do, failed=failed, jobs=jobs, progress=progress)
-    search = StrideSearch(cache)
-    asked = {name: one for name, one in clips.items() if _may_be_baseline(one, baseline)}
-    do("reading", search, asked)
-    walks = {name: one for name, one in asked.items() if name not in failed}
-    if baseline is None:
-        stride = typical_stride(search, walks, failed)
-    else:
-        stride = named_stride(baseline, search, clips, failed)
-    readings = HandsReading(cache)
-    do("hands", readings, worn)
-    worn = {name: one for name, one in worn.items() if name not in failed}
-    work = Preparation.of(cache, with_fingers(stride, readings, worn))
-    new = do("aligning", work, {name: one for name, one in clips.items() if name not in failed})
-    _fail_without_neutral(clips, failed)
-    if work.ring.name in failed:
-        raise BaselineError(f"the baseline cannot be used: {failed[work.ring.name]}")
-    aligned = {name: one for name, one in clips.items() if name not in failed}
-    laid, tasks = HandsLaying(work, readings), tasks_of(laying, aligned, worn)
-    do("laying", laid, tasks)
-    tasks = {label: task for label, task in tasks.items() if label not in failed}
-    recipe = work.recipe(aligned, recipe_of(laid, tasks))
-    digest = cache.load(recipe, lambda said, _: str(said["bank"]))
-    unchanged = digest is not None and _holds_bank(out, digest)
-    if digest is None or not unchanged:
-        prepared = {name: kept(work, one) for name, one in aligned.items()}
-        _choose_neutrals(prepared, work.ring.name)
-        digest = write_bank(
-            out,
-            work.rig.skeleton,
-            work.rig.roles,
-            work.ring,
-            list(prepared.values()),
-            [kept(laid, task) for task in tasks.values()],
-        )
-        cache.store(recipe, {"bank": digest}, {})
-    used = {one_work.key(one) for one_work in (search, work) for one in clips.values()}
-    used |= {readings.key(one) for one in worn.values()} | {laid.key(task) for task in tasks.values()}
-    cache.keep_only({recipe, search.choice_key(walks), *used})
-    return Outcome(
-        digest, work.ring, tuple(aligned), dict(sorted(failed.items())), len(aligned.keys() - new), unchanged
-    )
+    if isinstance(paths, str | PathLike):
+        paths = [paths]
+    files = [Path(path) for path in paths]
+    return Job(files, Path(out), baseline, roles or {}, hands, settings, jobs, progress).run()
 
 
-def _do(
-    stage: str,
-    work: Work[Task, object],
-    tasks: Mapping[str, Task],
-    *,
-    failed: Failures,
-    jobs: int,
-    progress: Progress,
-) -> set[str]:
-    """Does the work on those tasks of which the cache holds no result, and returns their names."""
-    new = {name: one for name, one in tasks.items() if not work.cache.holds(work.key(one))}
-    names, size = {id(one): name for name, one in new.items()}, sum(one.size for one in new.values())
-    with workers(min(jobs, len(new), size // WORTH_A_PROCESS)) as pool:
-        for done, (one, result) in enumerate(outcomes(pool, work.run, new.values()), 1):
-            if isinstance(result, MotionError):
-                failed[names[id(one)]] = result
-            progress(stage, done, len(new))
-    return set(new)
+@dataclass(eq=False)
+class Job:
+    """One run of the offline job: a method for each stage, in the order in which `run` calls them.
 
+    clips and hand_clips are by name, in order of name; failed has the errors of those that drop out.
+    """
 
-def _may_be_baseline(one: Identified, named: str | None) -> bool:
-    return one.source.settings.kind == "locomotion" if named is None else one.source.name == named
+    paths: Iterable[Path]
+    out: Path
+    baseline: str | None
+    roles: Mapping[str, str | Sequence[str]]
+    hands: Sequence[HandsOnBody]
+    settings: ClipSettings
+    jobs: int
+    progress: Progress
+    clips: Clips = field(default_factory=dict, init=False)
+    hand_clips: Clips = field(default_factory=dict, init=False)
+    failed: dict[str, MotionError] = field(default_factory=dict, init=False)
 
+    def run(self) -> Outcome:
+        """Runs all stages. Raises MotionError."""
+        pairs = self.find_clips()
+        cache = Cache(self.out / CACHE)
+        search, readings = StrideSearch(cache), HandsReading(cache)
+        candidates = self.find_strides(search)
+        stride = self.choose_baseline(search, candidates)
+        self.read_hands(readings)
+        preparation = Preparation.of(cache, with_fingers(stride, readings, self.hand_clips))
+        aligned, new = self.align(preparation)
+        laying = HandsLaying(preparation, readings)
+        tasks = self.lay_hands(laying, tasks_of(pairs, aligned, self.hand_clips))
+        recipe = preparation.recipe(aligned, recipe_of(laying, tasks))
+        digest = cache.load(recipe, lambda fields, _: str(fields["bank"]))
+        unchanged = digest is not None and _holds_bank(self.out, digest)
+        if digest is None or not unchanged:
+            digest = self.write(preparation, aligned, laying, tasks)
+            cache.store(recipe, {"bank": digest}, {})
+        used = {work.key(one) for work in (search, preparation) for one in self.clips.values()}
+        used |= {readings.key(one) for one in self.hand_clips.values()} | {laying.key(task) for task in tasks.values()}
+        cache.keep_only({recipe, search.choice_key(candidates), *used})
+        failed = dict(sorted(self.failed.items()))
+        return Outcome(digest, preparation.ring, tuple(aligned), failed, len(aligned.keys() - new), unchanged)
 
-def _fail_without_neutral(clips: Clips, failed: Failures) -> None:
-    """Clips whose neutral is not there fail, and so do those whose neutral then is not."""
-    neutrals = {name: one.source.settings.neutral for name, one in clips.items() if name not in failed}
-    while astray := {name: neutral for name, neutral in neutrals.items() if neutral and neutral not in neutrals}:
-        for name, neutral in astray.items():
-            problem = f"its neutral {neutral!r} is not in the bank"
-            failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(neutral, neutrals))
-            del neutrals[name]
+    def find_clips(self) -> list[HandsOnBody]:
+        """Finds the files, digests them and separates the hands clips. Returns which hands go on which bodies."""
+        sources = find_sources(self.paths, self.roles, self.settings)
+        for source in sources:
+            try:
+                self.clips[source.name] = identify(source)
+            except MotionError as error:
+                self.failed[source.name] = error
+        pairs = all_hands(self.hands, sources)
+        names = sorted({pair.hands for pair in pairs} & self.clips.keys())
+        self.hand_clips = {name: self.clips.pop(name) for name in names}
+        return pairs
 
+    def find_strides(self, search: StrideSearch) -> Clips:
+        """Searches clips that may be the baseline for a stride. Returns those that could be read."""
+        candidates = {name: one for name, one in self.clips.items() if self._may_be_baseline(one)}
+        self._do("reading", search, candidates)
+        return self._without_failed(candidates)
 
-def _choose_neutrals(prepared: dict[str, PreparedClip], baseline: str) -> None:
-    """As named; else a locomotion is its own, and an action has the locomotion nearest in gait, or the baseline."""
-    locomotions = {name: one for name, one in prepared.items() if one.kind == "locomotion"}
-    candidates = locomotions or {baseline: prepared[baseline]}
-    for name, one in prepared.items():
-        if not one.neutral:
-            neutral = name if one.kind == "locomotion" else nearest_gait(one, candidates)
-            prepared[name] = replace(one, neutral=neutral)
+    def choose_baseline(self, search: StrideSearch, candidates: Clips) -> FoundStride:
+        """Returns the named clip's stride, or the most typical one. Raises BaselineError."""
+        if self.baseline is None:
+            return typical_stride(search, candidates, self.failed)
+        return named_stride(self.baseline, search, self.clips, self.failed)
+
+    def read_hands(self, readings: HandsReading) -> None:
+        """Reads the hands clips, and drops those that fail."""
+        self._do("hands", readings, self.hand_clips)
+        self.hand_clips = self._without_failed(self.hand_clips)
+
+    def align(self, preparation: Preparation) -> tuple[Clips, set[str]]:
+        """Prepares all clips. Returns those that did not fail, and the names of those that no earlier run had done.
+
+        Raises BaselineError if the baseline itself failed.
+        """
+        new = self._do("aligning", preparation, self._without_failed(self.clips))
+        fail_without_neutral(self.clips, self.failed)
+        if preparation.ring.name in self.failed:
+            raise BaselineError(f"the baseline cannot be used: {self.failed[preparation.ring.name]}")
+        return self._without_failed(self.clips), new
+
+    def lay_hands(self, laying: HandsLaying, tasks: Mapping[str, HandsTask]) -> dict[str, HandsTask]:
+        """Lays hands on bodies. Returns the tasks that did not fail."""
+        self._do("laying", laying, tasks)
+        return self._without_failed(tasks)
+
+    def write(
+        self, preparation: Preparation, aligned: Clips, laying: HandsLaying, tasks: Mapping[str, HandsTask]
+    ) -> str:
+        """Writes the bank, and returns its digest."""
+        prepared = [load_or_run(preparation, one) for one in aligned.values()]
+        hands = [load_or_run(laying, task) for task in tasks.values()]
+        rig, ring = preparation.rig, preparation.ring
+        return write_bank(self.out, rig.skeleton, rig.roles, ring, with_neutrals(prepared, ring.name), hands)
+
+    def _do(self, stage: str, work: Work[Task, object], tasks: Mapping[str, Task]) -> set[str]:
+        """Does the work on tasks whose results are not cached, and returns their names."""
+        new = {name: one for name, one in tasks.items() if not work.cache.holds(work.key(one))}
+        names, size = {id(one): name for name, one in new.items()}, sum(one.size for one in new.values())
+        with workers(min(self.jobs, len(new), size // WORTH_A_PROCESS)) as pool:
+            for done, (one, result) in enumerate(outcomes(pool, work.run, new.values()), 1):
+                if isinstance(result, MotionError):
+                    self.failed[names[id(one)]] = result
+                self.progress(stage, done, len(new))
+        return set(new)
+
+    def _without_failed(self, tasks: Mapping[str, Task]) -> dict[str, Task]:
+        return {name: one for name, one in tasks.items() if name not in self.failed}
+
+    def _may_be_baseline(self, one: Identified) -> bool:
+        source = one.source
+        return source.settings.kind == "locomotion" if self.baseline is None else source.name == self.baseline
 
 
 def _holds_bank(path: Path, digest: str) -> bool:
-    """Whether the folder holds the bank of this digest, whole and sound."""
+    """Whether the folder holds the bank of this digest, complete and undamaged."""
     try:
         return Bank.open(path).digest == digest
     except BankError:

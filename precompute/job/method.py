@@ -1,4 +1,4 @@
-"""The version of the method, by which results of another one are not taken for its own."""
+"""The version of the method. It is part of every cache key, so results of another version are not reused."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ LIBRARIES = ("numba", "numpy", "scipy")
 
 @cache
 def version_of(*packages: str) -> str:
-    """The digest of all sources of our packages, and of the versions of the libraries that they call.
+    """Returns the digest of all sources of these packages, and of the versions of the libraries that they call.
 
-    A number to be raised by hand would be forgotten once, and a stale result is in no way to be seen. So any change of
-    a source, even of a comment, costs a rebuild, and none can be forgotten.
+    A version number maintained by hand would be forgotten some day, and a stale result looks like any other. So every
+    change of a source, even of a comment, causes a rebuild.
     """
-    sources = [source for package in packages for source in _sources(files(f"motionsplice.{package}"))]
+    sources = [source for package in packages for source in _sources(files(f"motionsplice.{package}"), package)]
     return key_of(sources, [(name, version(name)) for name in LIBRARIES])
 
 
-def _sources(folder: Traversable) -> list[tuple[str, bytes]]:
+def _sources(folder: Traversable, path: str) -> list[tuple[str, bytes]]:
     found = []
     for entry in sorted(folder.iterdir(), key=lambda one: one.name):
         if entry.is_dir() and entry.name != "__pycache__":
-            found += _sources(entry)
+            found += _sources(entry, f"{path}/{entry.name}")
         elif entry.name.endswith(".py"):
-            found.append((entry.name, entry.read_bytes()))
+            found.append((f"{path}/{entry.name}", entry.read_bytes()))
     return found

@@ -1,4 +1,4 @@
-"""Which clip files the offline job is to read, and what is said of each."""
+"""The clip files that the offline job reads, with their settings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from motionsplice.motion.formats.files import SUFFIXES, clip_files
 
 @dataclass(frozen=True)
 class Source:
-    """One clip file, its settings, and the roles that are given rather than found."""
+    """A clip file, its settings, and the roles that the user gave. The other roles are found from the rig."""
 
     file: Path
     settings: ClipSettings
@@ -27,22 +27,22 @@ class Source:
 def find_sources(
     paths: Iterable[Path], roles: Mapping[str, str | Sequence[str]], default: ClipSettings
 ) -> list[Source]:
-    """The clip files behind `paths` (files, or folders of them), in order of name.
+    """Returns the clip files in `paths` (files, or folders of files), in order of name.
 
-    A clip of which a `clips.toml` beside it says nothing has the `default` settings.
+    Settings are those of the `clips.toml` beside a clip, or `default` if the file does not list the clip.
 
-    Raises ClipError if there are none, or two of one name; SettingsError for a bad `clips.toml`.
+    Raises ClipError if there are no clips, or two of one name; SettingsError for a bad `clips.toml`.
     """
     files: dict[str, Path] = {}
     for path in paths:
         if not path.exists():
-            raise ClipError("there is no such file or folder", file=str(path))
+            raise ClipError("file or folder not found", file=str(path))
         for file in clip_files(path) if path.is_dir() else [path]:
             if files.setdefault(file.stem, file).resolve() != file.resolve():
                 twins = f"{files[file.stem]} and {file}"
-                raise ClipError(f"two clips are called {file.stem!r}: {twins}", mend="Rename one of them")
+                raise ClipError(f"two clips are named {file.stem!r}: {twins}", mend="Rename one of them")
     if not files:
-        raise ClipError("there are no clips here", mend=f"Give files or folders of {', '.join(sorted(SUFFIXES))}")
+        raise ClipError("no clips found", mend=f"Name files or folders of {', '.join(sorted(SUFFIXES))}")
     settings: dict[str, ClipSettings] = {}
     for folder in sorted({file.parent for file in files.values()}):
         if (folder / FILE_NAME).is_file():
@@ -51,9 +51,10 @@ def find_sources(
 
 
 def _settings_of(folder: Path) -> dict[str, ClipSettings]:
+    """Reads a folder's `clips.toml`. Raises SettingsError if it is bad, or lists a clip that is not in the folder."""
     settings, names = read_clip_settings(folder / FILE_NAME), [file.stem for file in clip_files(folder)]
     for name in settings:
         if name not in names:
-            problem = f"there is no clip {name!r} beside it"
+            problem = f"clip {name!r} not found in its folder"
             raise SettingsError(problem, file=str(folder / FILE_NAME), mend=did_you_mean(name, names))
     return settings

@@ -1,4 +1,4 @@
-"""Running one function over many tasks, in as many processes as asked."""
+"""Runs one function over many tasks, in a given number of processes."""
 
 from __future__ import annotations
 
@@ -23,37 +23,37 @@ ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "
 
 @contextmanager
 def workers(count: int) -> Iterator[Executor | None]:
-    """A pool of `count` processes; None for one, which needs no pool."""
+    """Opens a pool of `count` processes; None if `count` is 1 or less, which needs no pool."""
     if count <= 1:
         yield None
         return
-    # Forked children of a process with threads (a progress bar's, BLAS's) may hang, so they are spawned.
+    # Children are spawned: forked from a process with threads (a progress bar's, BLAS's), they may hang.
     with ProcessPoolExecutor(count, get_context("spawn"), end_with_parent) as pool:
         try:
             yield pool
         except BaseException:
-            pool.shutdown(cancel_futures=True)  # else an interrupt would wait for all tasks
+            pool.shutdown(cancel_futures=True)  # or an interrupt would wait for all tasks
             raise
 
 
 def outcomes(
     pool: Executor | None, function: Callable[[Task], Result], tasks: Iterable[Task]
 ) -> Iterator[tuple[Task, Result | MotionError]]:
-    """Each task with what `function` made of it, or the error that it raised as a MotionError, as they are done.
+    """Yields each task with its result, or with its error as a MotionError, in the order in which they finish.
 
-    So one bad task leaves the others alone, even if the error is our own. Raises MotionError if a process died.
+    A task that fails does not stop the others, even if the error is a bug. Raises MotionError if a process died.
     """
     if pool is None:
         for task in tasks:
             yield task, _attempt(function, task)
         return
-    with _nothing_inherited():  # processes start as tasks come in
+    with _nothing_inherited():  # submitting tasks starts the processes
         running = {pool.submit(_attempt, function, task): task for task in tasks}
     try:
-        for one in as_completed(running):
-            yield running[one], one.result()
+        for future in as_completed(running):
+            yield running[future], future.result()
     except BrokenProcessPool:
-        raise MotionError("a worker process died, perhaps for lack of memory", mend="Use fewer --jobs") from None
+        raise MotionError("a worker process died, probably out of memory", mend="Use fewer --jobs") from None
 
 
 def _attempt(function: Callable[[Task], Result], task: Task) -> Result | MotionError:
@@ -62,14 +62,14 @@ def _attempt(function: Callable[[Task], Result], task: Task) -> Result | MotionE
     except MotionError as error:
         return error
     except MemoryError:
-        return MotionError("there is not enough memory for it", mend="Use fewer --jobs, or a shorter clip")
+        return MotionError("not enough memory", mend="Use fewer --jobs, or a shorter clip")
     except Exception as error:
-        problem = f"an unexpected {type(error).__name__}: {error}"
+        problem = f"unexpected {type(error).__name__}: {error}"
         return MotionError(problem, mend="This is a bug in motionsplice: please report it, with the file")
 
 
 def end_with_parent() -> None:
-    """A worker whose parent was killed would wait for its next task forever."""
+    """Ends this worker when its parent ends. Without this, a worker whose parent was killed would wait forever."""
     parent = parent_process()
     assert parent is not None
 
@@ -82,10 +82,10 @@ def end_with_parent() -> None:
 
 @contextmanager
 def _nothing_inherited() -> Iterator[None]:
-    """Processes that are spawned meanwhile import what their tasks need and not the program that asked for them.
+    """Makes processes spawned meanwhile import only what their tasks need, not the program that started them.
 
-    The command line's imports, which draw pictures and serve, would take each of them a second, and a script without
-    `if __name__ == "__main__"` would start itself again. Each has one core, so BLAS has one thread.
+    The imports of the command line (plotting, service) would cost each process a second, and a script without
+    `if __name__ == "__main__"` would run again in each. BLAS gets one thread, since each process has one core.
     """
     program, environment = sys.modules["__main__"], dict(os.environ)
     sys.modules["__main__"] = ModuleType("__main__")

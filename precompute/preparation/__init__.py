@@ -1,1 +1,1 @@
-"""A clip made ready for a bank: aligned, looped, measured. Imports `alignment` and `body`."""
+"""Preparation of a clip for a bank: alignment, loop, measurements."""

@@ -1,4 +1,4 @@
-"""The neutral of an action: the same gait without the action, to which its posture is relative (docs/method.md)."""
+"""The neutral of an action: the same gait without the action. Posture is relative to it (docs/method.md)."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ import numpy as np
 
 from motionsplice.precompute.preparation.prepared import PreparedClip
 
-TEMPO_WEIGHT = 0.1  # metres of difference for a tempo that differs by a factor of e
+TEMPO_WEIGHT = 0.1  # metres that a tempo ratio of e adds to the distance of two gaits
 
 
 def nearest_gait(action: PreparedClip, locomotions: Mapping[str, PreparedClip]) -> str:
-    """The name of the one among `locomotions` whose legs move most like the action's.
+    """Returns the name of the locomotion whose legs move most like the action's.
 
-    Compared are the mean lower clouds by phase, and the tempo.
+    Compares the mean lower clouds by phase, and the tempo. Of equals, the first by name.
     """
     tempo = _tempo(action)
     apart = {}
-    for name, one in locomotions.items():
-        squares = np.sum((one.gait - action.gait) ** 2, axis=-1)
+    for name, locomotion in locomotions.items():
+        squares = np.sum((locomotion.gait - action.gait) ** 2, axis=-1)
         common = squares[np.isfinite(squares)]
         difference = np.sqrt(common.mean()) if len(common) else np.inf
-        apart[name] = float(difference) + TEMPO_WEIGHT * abs(np.log(_tempo(one) / tempo))
+        apart[name] = float(difference) + TEMPO_WEIGHT * abs(np.log(_tempo(locomotion) / tempo))
     return min(apart, key=lambda name: (apart[name], name))
 
 
-def _tempo(one: PreparedClip) -> float:
-    """Cycles per second."""
-    return one.alignment.cycles * one.rate / (one.frame_count - 1)
+def _tempo(clip: PreparedClip) -> float:
+    """Returns the clip's cycles per second."""
+    return clip.alignment.cycles * clip.rate / (clip.frame_count - 1)

@@ -1,4 +1,4 @@
-"""A clip made ready for the bank."""
+"""A clip prepared for the bank."""
 
 from __future__ import annotations
 
@@ -24,20 +24,21 @@ from motionsplice.precompute.preparation.seam import add_seam
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
-FOREIGN_GAIT = 0.65  # of the cost at random phases: above it a clip does not look like locomotion
+FOREIGN_GAIT = 0.65  # of the cost at random phases: a clip with a higher cost does not look like locomotion
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedClip:
-    """A clip as a bank holds it, but for its torso offsets, which depend on another clip.
+    """A clip as a bank holds it, except for its torso offsets, which depend on another clip.
 
-    Its frame_count frames at `rate`, and then those that lead back by `strides`, are at `phase` [rows]; `posture` is
-    [2, 3], `path` [rows, 4] the way it goes, `contacts` [rows] which feet stand, `gait` its mean lower cloud by phase
-    [bins, 3, 3], and `stride` its mean torso. What is large is fetched by name: its rows in each table (`lower`,
-    `upper`), and `upright`, its torso clouds [rows, P, 3].
+    Its rows are its own `frame_count` frames at `rate` frames per second, then the seam, which leads back by `strides`
+    strides (0: no seam).
 
-    kind is `locomotion` or `action`; neutral is the name of the clip that its posture is relative to; notes and
-    file_warnings are what the reading of its file said; source is the digest of that file.
+    phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
+    gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
+    name: the clip's rows in the tables `lower` and `upper`, or `upright`, its torso clouds [rows, P, 3] in metres.
+    kind: `locomotion` or `action`. neutral: name of the clip that its posture is relative to. notes, file_warnings:
+    from reading its file. source: digest of that file.
     """
 
     name: str
@@ -61,27 +62,30 @@ class PreparedClip:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a person should know before using the clip."""
-        said = list(self.file_warnings)
+        """What the user should know before using the clip."""
+        warnings = list(self.file_warnings)
         if self.alignment.swing < LEAST_SWING:
-            said.append("does not look like locomotion: its legs hardly move")
+            warnings.append("does not look like locomotion: its legs hardly move")
         elif not has_gait(self.alignment):
-            far = f"{100.0 * self.alignment.mean_mismatch:.0f} cm off the baseline's"
-            said.append(f"does not look like locomotion: its legs are {far}, hardly nearer than at random phases")
+            centimetres = f"{100.0 * self.alignment.mean_mismatch:.0f} cm"
+            warnings.append(
+                f"does not look like locomotion: its legs are {centimetres} from the baseline's, "
+                "hardly nearer than at random phases"
+            )
         if self.kind == "action" and self.strides == 0:
-            said.append("has no two strides alike enough to go on from its end: as an action it is played once")
-        return tuple(said)
+            warnings.append("cannot loop: no earlier stride is enough like its end, so as an action it plays once")
+        return tuple(warnings)
 
 
 def has_gait(alignment: Alignment) -> bool:
-    """Whether a clip's legs go as the baseline's do, so that its phase means anything."""
+    """Returns whether a clip's legs move like the baseline's. If not, its phase is meaningless."""
     return bool(alignment.swing >= LEAST_SWING and alignment.cost.mean() <= FOREIGN_GAIT * alignment.chance)
 
 
 def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles, baseline: Baseline) -> PreparedClip:
-    """Brings a clip onto the bank's skeleton, aligns it to the baseline and measures its torso.
+    """Moves a clip onto the bank's skeleton, aligns it to the baseline, adds its seam and measures it.
 
-    Raises SkeletonError or ClipError.
+    Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be aligned or measured.
     """
     ours = onto_skeleton(clip, roles, skeleton, skeleton_roles)
     alignment = align(ours, skeleton_roles, baseline)

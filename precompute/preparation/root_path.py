@@ -1,8 +1,8 @@
-"""The way a clip goes: where its root would be without the sway and twist of single steps.
+"""The path of a clip: where its root would be without the sway and twist of single steps.
 
-Place and heading are means over a stride about each frame. What is left of the root, seen from there, is the step
-itself, which can be mixed with another clip's and shown in place. Where a loop ends the step is what it is where the
-loop goes on, so that going back does not show.
+Position and heading of the path are means over one stride about each frame. The root relative to the path is the step
+itself, which can be blended with another clip's step or played in place. Where a loop ends, the step equals the step
+where the loop continues, so that the jump back is not visible.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
 from motionsplice.precompute.preparation.seam import LEVEL
 
-IN_PLACE = 0.5  # of the leg: a clip without a gait that stays within stands
-SOLE = 0.03  # of the leg, from the ground up to the lowest joint of a standing foot
+IN_PLACE = 0.5  # leg lengths: a clip without a gait whose root stays within this distance stands still
+SOLE = 0.03  # leg lengths from the ground up to the lowest joint of a standing foot
 
 
 def root_path(clip: Clip, phase: Floats, strides: int, roles: Roles, gait: bool) -> Floats:
-    """The way [rows, 4] of a clip with its seam: x, height of the ground and z, metres; heading, radians about Y.
+    """Returns the path [rows, 4] of a clip with its seam: x, ground height and z in metres; heading in radians about Y.
 
-    phase [rows] in cycles; after its last row a clip goes on `strides` before (0: nowhere). gait: whether its phase
-    means anything.
+    phase: [rows] cycles. strides: how far back the clip continues after its last row (0: it does not loop). gait:
+    whether its phase is meaningful (`has_gait`).
     """
     hips = joint_paths(clip, (roles.left_hip, roles.right_hip))
     root = np.column_stack([clip.root_positions, np.unwrap(heading(hips[:, 0] - hips[:, 1]))])
@@ -42,31 +42,31 @@ def root_path(clip: Clip, phase: Floats, strides: int, roles: Roles, gait: bool)
     path[:, 1] = _ground(clip, roles, path[:, 1])
     if strides:
         ramp = np.clip(phase - (phase[-1] - 1.0), 0.0, 1.0)
-        path += (ramp**2 * (3.0 - 2.0 * ramp))[:, None] * (_step_kept(_at(path, [back])[0], root, back) - path[-1])
+        path += (ramp**2 * (3.0 - 2.0 * ramp))[:, None] * (_loop_end(_at(path, [back])[0], root, back) - path[-1])
     return path
 
 
 def _at(rows: Floats, at: Floats | list[float]) -> Floats:
-    """Rows [n, 4] at real-valued places [m]."""
+    """Returns `rows` [n, 4] interpolated at real-valued indices [m]."""
     return np.stack([np.interp(at, np.arange(len(rows)), column) for column in rows.T], axis=-1)
 
 
-def _carried(way: Floats, start: Floats) -> Floats:
-    """A way [n, 4] turned and moved over the floor so that it begins at `start`."""
-    turn = start[3] - way[0, 3]
-    apart = way - way[0]
+def _carried(path: Floats, start: Floats) -> Floats:
+    """Returns a path [n, 4] turned about Y and moved so that it begins at `start` [4]."""
+    turn = start[3] - path[0, 3]
+    apart = path - path[0]
     x = np.cos(turn) * apart[:, 0] + np.sin(turn) * apart[:, 2]
     z = np.cos(turn) * apart[:, 2] - np.sin(turn) * apart[:, 0]
     return np.asarray(start + np.stack([x, apart[:, 1], z, apart[:, 3]], axis=-1))
 
 
-def _step_kept(path: Floats, root: Floats, back: float) -> Floats:
-    """Where the path must be at the last row for the root to be there as it is at row `back`, where path [4] is."""
+def _loop_end(path: Floats, root: Floats, back: float) -> Floats:
+    """Returns the end [4] of a path whose last step equals the step at row `back`, where the path is at `path` [4]."""
     return np.asarray(_carried(np.stack([_at(root, [back])[0], path]), root[-1])[1])
 
 
 def _ground(clip: Clip, roles: Roles, height: Floats) -> Floats:
-    """The ground's height [rows] under the root's, smoothed."""
+    """Returns the ground height [rows], metres, from the smoothed height [rows] of the root."""
     leg = roles.leg_length(clip.skeleton)
     if np.ptp(height) < LEVEL * leg:
         return np.zeros_like(height)

@@ -1,8 +1,8 @@
-"""Going on past a clip's end: frames that lead from its last one back to a whole number of strides before.
+"""The seam: frames added after a clip's end that lead back by a whole number of strides, so that the clip loops.
 
-Every clip with a gait can be repeated by whole strides, but no two strides are quite alike. So a few frames are added:
-those that followed the last one's counterpart, bent so that they continue the clip's end in pose and velocity, and
-straightened within the seam. The clip's own frames stay as they are.
+A clip with a gait can repeat whole strides, but no two strides are exactly alike. The last frame's counterpart is the
+frame a whole number of strides before it. The seam copies the frames after the counterpart, and adds an offset that
+continues the clip's end in pose and velocity and fades to zero within the seam. The clip's own frames do not change.
 """
 
 from __future__ import annotations
@@ -20,16 +20,17 @@ from motionsplice.precompute.body.joint_paths import joint_paths
 
 SEAM = 0.3  # seconds
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
-LEVEL = 0.17  # of the leg: what a loop rises by less is not climbed, lest it add up over many loops
-WIDEST_TURN = 1.2  # radians, of any one joint
-ABOUT_AS_GOOD = 1.25  # of the least gap: of such loops the longest is taken
+LEVEL = 0.17  # leg lengths: a smaller rise per loop is taken out, so that it does not add up over many loops
+WIDEST_TURN = 1.2  # radians of any single joint, from the last frame to its counterpart
+ABOUT_AS_GOOD = 1.25  # times the least gap: the longest loop within this is used
 
 
 @dataclass(frozen=True, eq=False)
 class Seamed:
-    """A clip's own frames and then the seam's [rows], their phase [rows], and the strides to go back at its end.
+    """A clip followed by its seam.
 
-    Without a usable loop there is no seam, and strides is 0.
+    clip: its own frames, then the seam's. phase: [rows] cycles. strides: how many strides the end goes back; 0 if no
+    usable loop was found, and then there is no seam.
     """
 
     clip: Clip
@@ -38,7 +39,7 @@ class Seamed:
 
 
 def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
-    """Adds a seam to a clip whose `phase` [F] is known; root motion goes on in the direction of the last frame."""
+    """Adds a seam to a clip at `phase` [F], in cycles. Root motion continues in the direction of the last frame."""
     last, count = clip.frame_count - 1, max(2, round(SEAM * clip.rate))
     strides = np.arange(1, int(phase[-1] - phase[0]) + 1)
     counterparts = np.interp(phase[-1] - strides, phase, np.arange(last + 1))
@@ -61,10 +62,10 @@ def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
 
 
 def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> tuple[Floats, Floats]:
-    """Root positions and rotations of the frames `after` the counterpart, moved to the clip's end and bent onto it."""
+    """Returns root positions and rotations of the frames `after` the counterpart, continuing the clip's end."""
     positions, rotations = clip.sampled(np.concatenate([[counterpart - 1.0, counterpart], after]))
     ends = clip.frames(clip.frame_count - 2, clip.frame_count)
-    turn = quaternion.about([0.0, 1.0, 0.0], _heading(ends, roles) - _heading(_one(clip, counterpart), roles))
+    turn = quaternion.about([0.0, 1.0, 0.0], _heading(ends, roles) - _heading(_frame_at(clip, counterpart), roles))
     rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
     positions = quaternion.rotate(turn, positions - positions[1]) + ends.root_positions[1]
     climbed = ends.root_positions[1, 1] - clip.sampled([counterpart])[0][0, 1]
@@ -76,24 +77,29 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
 
 
 def bent_onto(ends: Floats, rotations: Floats) -> Floats:
-    """Rotations [n, J, 4] that go on from the two in `ends` [2, J, 4]: those after the first two of [2 + n, J, 4]."""
+    """Returns rotations [n, J, 4] that continue the two in `ends` [2, J, 4].
+
+    They are rotations[2:], with an offset that makes rotations[:2] agree with `ends` and then fades out. `rotations` is
+    [2 + n, J, 4].
+    """
     bend = quaternion.log(quaternion.multiply(quaternion.conjugate(rotations[:2]), ends))
     return quaternion.multiply(rotations[2:], quaternion.exp(_settled(bend, len(rotations) - 2)))
 
 
 def _settled(offset: Floats, count: int) -> Floats:
-    """An offset known at two frames in a row [2, ...], let go to zero smoothly over the next `count` frames."""
+    """Fades an offset, known at two successive frames [2, ...], to zero smoothly over the next `count` frames."""
     velocity = offset[1] - offset[0]
     t = (np.arange(1.0, count + 1.0) / count).reshape((-1, *[1] * (offset.ndim - 1)))
     return (2.0 * t**3 - 3.0 * t**2 + 1.0) * offset[1] + (t**3 - 2.0 * t**2 + t) * count * velocity
 
 
-def _one(clip: Clip, frame: float) -> Clip:
+def _frame_at(clip: Clip, frame: float) -> Clip:
+    """Returns a clip of the one frame at a real-valued frame number."""
     positions, rotations = clip.sampled([frame])
     return replace(clip, root_positions=positions, rotations=rotations)
 
 
 def _heading(clip: Clip, roles: Roles) -> float:
-    """The direction of the hips in a clip's last frame, radians about Y."""
+    """Returns the heading of the hips in a clip's last frame, radians about Y."""
     left, right = joint_paths(clip, (roles.left_hip, roles.right_hip))[-1]
     return float(heading(left - right))

@@ -1,8 +1,8 @@
-"""What an action does to its torso beyond its gait, moment by moment: what posture `relative` carries over.
+"""Torso offsets: what an action's torso does beyond its gait, frame by frame. Posture `relative` carries this over.
 
-The papers keep an action's mean posture (Heck et al. 2006, 3.3) and lose all else that its shoulders do on purpose:
-their section 5 names it a limitation. With the same gait captured without the action, the *neutral*, it is known what
-the gait alone does at each phase of the stride; the rest is the action's own (docs/method.md).
+The papers keep an action's mean posture (Heck et al. 2006, 3.3) but lose all other deliberate motion of the shoulders;
+their section 5 names this limitation. The *neutral* is the same gait captured without the action. It shows what the
+gait alone does at each phase of the stride; the rest is the action's own (docs/method.md).
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.body.best_rotations import best_rotations
 
-HARMONICS = 4  # of the stride: what a gait repeats; more would learn one take's own wobble
-SMOOTHING = 0.1  # seconds: what the phases' own unsteadiness adds is faster than shoulders move
-STEADYING = 1e-5  # keeps what a clip of less than a stride leaves open at zero
+HARMONICS = 4  # of the stride: what a gait repeats; more would fit the noise of a single take
+SMOOTHING = 0.1  # seconds: jitter of the phases is faster than shoulders move
+STEADYING = 1e-5  # keeps coefficients that less than a stride does not determine at zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +29,9 @@ class MeanStride:
 
     @classmethod
     def of(cls, clouds: Floats, phase: Floats) -> MeanStride:
-        """Fitted to the torso clouds [F, P, 3] in the posture frame of a clip at `phase` [F], in cycles.
+        """Fits the series to torso clouds [F, P, 3] in the posture frame, metres, at `phase` [F] in cycles.
 
-        Every part of the stride counts alike, however fast it passes.
+        Every part of the stride has the same weight, however fast the clip passes it.
         """
         weight = np.sqrt(np.gradient(phase) / np.mean(np.gradient(phase)))[:, None]
         waves = _waves(phase) * weight
@@ -40,30 +40,30 @@ class MeanStride:
         return cls(found.reshape(-1, *clouds.shape[1:]))
 
     def at(self, phase: Floats) -> Floats:
-        """The cloud [F, P, 3] at `phase` [F]."""
+        """Returns the mean clouds [F, P, 3] at `phase` [F], metres."""
         return np.tensordot(_waves(phase), self.coefficients, axes=1)
 
 
 def torso_offsets(clouds: Floats, phase: Floats, rate: float, neutral: MeanStride) -> Floats:
-    """The turns [F, 4], in the posture frame, from the neutral's torso at the same phase to the clip's own.
+    """Returns the rotations [F, 4], in the posture frame, from the neutral's torso at the same phase to the clip's own.
 
-    clouds [F, P, 3] metres are the clip's in the posture frame; phase [F] in cycles of the neutral's ring; rate in
-    frames per second. Neighbours lie in one hemisphere.
+    clouds: [F, P, 3] the clip's torso clouds in the posture frame, metres. phase: [F] cycles, aligned to the same
+    baseline as the neutral. rate: frames per second. Successive rotations lie in one hemisphere.
     """
     turns = quaternion.one_hemisphere(best_rotations(clouds, neutral.at(phase)))
     return quaternion.normalise(gaussian_filter1d(turns, SMOOTHING * rate, axis=0, mode="nearest"))
 
 
 def shoulder_motion(offsets: Floats) -> float:
-    """Radians, root-mean-square, by which torso offsets [F, 4] move about their mean.
+    """Returns the root-mean-square angle, in radians, of torso offsets [F, 4] from their mean.
 
-    It is what alignment takes from an action unless its posture is `relative`.
+    An action loses this motion of its shoulders unless its posture is `relative`.
     """
     centre = np.linalg.eigh(offsets.T @ offsets)[1][:, -1]
     return float(np.sqrt(np.mean(quaternion.angle(offsets, centre) ** 2)))
 
 
 def _waves(phase: Floats) -> Floats:
-    """1, cosines and sines of the first harmonics [F, 1 + 2 HARMONICS]."""
+    """Returns 1, cosines and sines of the first harmonics [F, 1 + 2 HARMONICS]."""
     angles = 2.0 * np.pi * np.multiply.outer(phase, np.arange(1, HARMONICS + 1))
     return np.concatenate([np.ones((len(phase), 1)), np.cos(angles), np.sin(angles)], axis=1)

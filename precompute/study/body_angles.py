@@ -1,4 +1,4 @@
-"""How the joints of the upper body bend, twist and lean, and how the thighs swing (thesis 4.1, steps 1, 2 and 5)."""
+"""Bend, twist and lean of the upper body's joints, and the swing of the thighs (Heck's thesis, 4.1, steps 1, 2, 5)."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ SPINE_SPAN, NECK_SPAN = "shoulders over hips", "head over shoulders"
 
 
 class View(StrEnum):
-    """What a joint's orientation is seen from: the direction of travel, or the joint that it hangs on."""
+    """The reference of a joint's orientation: the direction of travel (global) or the joint above it (local)."""
 
     GLOBAL = "global"
     LOCAL = "local"
 
 
 class Axis(StrEnum):
-    """The body's axes: bend tips what stands up forward, twist turns to the left, lean tips it to the right."""
+    """The body's axes. Positive bend tips the upright body forward, twist turns it left, lean tips it right."""
 
     BEND = "bend"  # about x, which points to the left
     TWIST = "twist"  # about y, up
@@ -37,7 +37,7 @@ class Axis(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One data line of the study: angles [F] in radians about one axis, from the joint's own mean orientation."""
+    """One curve of the study: a joint's angles [F] about one axis from its own mean orientation, radians."""
 
     view: View
     joint: str
@@ -46,18 +46,19 @@ class Curve:
 
 
 def upper_body_curves(clip: Clip, roles: Roles, phase: Floats) -> tuple[Curve, ...]:
-    """The global and local curves of pelvis, spine, neck, head and arms; phase [F] is the clip's, in strides.
+    """Returns the global and local curves of pelvis, spine, neck, head and arms; `phase` [F] is in strides.
 
-    Joints go by role, and hang on the role above them, so that rigs can be compared; "shoulders over hips" is the
-    whole spine's turn, "head over shoulders" the whole neck's. A curve is the rotation vector from the joint's mean
-    orientation, in axes that face the way of travel, so the rig's local axes have no part in it.
+    Joints are named by role, and their parent is the role above them, so that rigs can be compared. "shoulders over
+    hips" is the rotation of the whole spine, "head over shoulders" of the whole neck. A curve is one component of the
+    rotation vector from the joint's mean orientation, in axes that face the direction of travel. So the rig's local
+    axes do not affect it.
     """
     world = _as_travelling(clip, roles, phase)
     joints = list(_joints(roles))
     vectors = [
         (View.GLOBAL, name, _from_mean(world[:, joint]))
         for joint, _, name in joints
-        if name not in (SPINE_SPAN, NECK_SPAN)  # the last joint's own, seen along the way
+        if name not in (SPINE_SPAN, NECK_SPAN)  # globally: the last spine joint, and the head
     ]
     vectors += [(View.LOCAL, name, _from_above(world, joint, above)) for joint, above, name in joints]
     return tuple(
@@ -68,14 +69,14 @@ def upper_body_curves(clip: Clip, roles: Roles, phase: Floats) -> tuple[Curve, .
 
 
 def thigh_swing(clip: Clip, roles: Roles, phase: Floats) -> Floats:
-    """How far forward of their means the left and the right thigh are with respect to the root [2, F], radians."""
+    """Returns the swing [2, F] of left and right thigh: forward angle from the mean, relative to the root, radians."""
     world = _as_travelling(clip, roles, phase)
     hips = (roles.left_hip, roles.right_hip)
     return np.stack([-_from_above(world, hip, roles.root)[:, 0] for hip in hips])
 
 
 def _joints(roles: Roles) -> Iterator[tuple[int, int, str]]:
-    """Joint, the joint that it is seen from locally, and its name."""
+    """Yields each joint, the joint that its local view is relative to, and its name."""
     above = roles.root
     for number, joint in enumerate((roles.pelvis, *roles.spine)):
         yield joint, above, f"spine {number}" if number else "pelvis"
@@ -98,9 +99,9 @@ def _joints(roles: Roles) -> Iterator[tuple[int, int, str]]:
 
 
 def _as_travelling(clip: Clip, roles: Roles, phase: Floats) -> Floats:
-    """Orientations [F, J, 4] of all joints as seen by one who travels along.
+    """Returns the orientations [F, J, 4] of all joints relative to the direction of travel.
 
-    Travel is where the hips face but for their own sway in each stride, which is the body's and not the way's.
+    The direction of travel is the heading of the hips without their sway in each stride, which belongs to the body.
     """
     positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
     heading = drift(np.unwrap(hips_heading(positions, roles)), phase)
@@ -108,12 +109,15 @@ def _as_travelling(clip: Clip, roles: Roles, phase: Floats) -> Floats:
 
 
 def _from_mean(orientations: Floats) -> Floats:
-    """Rotation vectors [F, 3] in radians from the mean of orientations [F, 4] to each."""
+    """Returns the rotation vectors [F, 3], radians, from the mean of orientations [F, 4] to each of them."""
     turns = Rotation.from_quat(orientations)
     return np.asarray((turns * turns.mean().inv()).as_rotvec())
 
 
 def _from_above(world: Floats, joint: int, above: int) -> Floats:
-    """The same of a joint as seen from the joint `above`, along the body's axes in the mean orientation of that."""
+    """Returns the rotation vectors [F, 3], radians, of a joint relative to the joint `above`, from their mean.
+
+    Their axes are the body's, with the joint `above` in its mean orientation.
+    """
     local = quaternion.multiply(quaternion.conjugate(world[:, above]), world[:, joint])
     return np.asarray(Rotation.from_quat(world[:, above]).mean().apply(_from_mean(local)))

@@ -1,16 +1,17 @@
-"""Which motions of the upper body go with the legs: the correlation study of Heck's thesis, 4.1 (docs/study.md).
+"""The correlation of upper body and legs: the study of Heck's thesis, 4.1 (docs/study.md).
 
-The thesis found by eye which trends are in phase with the hips' swing or opposite to it. Here each curve is cut into
-cycles, and the wave of each is a complex number. Their sum over K cycles, as a part of what it would be if all peaked
-at one point of the cycle, is the curve's *strength* (its cross-correlation with the legs at that period); where the
-sum peaks is its *lag*.
+The thesis judged by eye which trends are in phase with the swing of the hips, or opposite to it. Here each curve is cut
+into cycles, and the wave of each cycle is a complex number. The sum of these over K cycles, divided by its value if all
+waves peaked at the same point of the cycle, is the curve's *strength*: its cross-correlation with the legs at that
+period. Where the sum peaks is the curve's *lag*.
 
-What would chance do? Each cycle is rolled round by a random part of itself, which keeps the curve's shape and breaks
-every tie to the legs, and the strength is measured anew, from taking out the drift on. A few strides are few
-witnesses, so each is cut as finely as the question allows: in strides for what comes once a stride, in steps, twice
-as many, for what comes with each step. Finer cuts would prove more than there is: within half a cycle any slow wave
-keeps step. Two strides still prove little (a wave must come back within some 9 degrees), three or four much. White
-noise passes in 1 of 20 curves, as LEVEL says; noise as slow as a step, which drifts from one to the next, in 1 of 10.
+Significance is tested against chance by shuffling. Each cycle is rolled by a random part of itself, which keeps the
+curve's shape and breaks its relation to the legs. Then the strength is measured again, including the removal of the
+drift. A few strides are few samples, so curves are cut as finely as is valid: into strides for motion that repeats once
+a stride, into steps (twice as many) for motion that repeats with each step. Finer cuts would overstate the evidence:
+within half a cycle any slow wave keeps in step. Two strides prove little (a wave must recur within about 9 degrees),
+three or four prove much. White noise passes in 1 of 20 curves, as LEVEL says. Noise as slow as a step, which drifts
+from one step to the next, passes in 1 of 10.
 """
 
 from __future__ import annotations
@@ -32,15 +33,15 @@ from motionsplice.precompute.study.periodic import SAMPLES, Complexes, CycleWave
 
 SHUFFLES = 2999
 SEED = 0
-LEVEL = 0.05  # of p, and of the share of false discoveries among all
-STILL = np.radians(0.3)  # amplitude below which a curve is noise, whatever its p
-NEAR = np.radians(45.0)  # of a cycle: nearer to the swing, or to its opposite, is in phase with it
+LEVEL = 0.05  # of p, and of the false discovery rate
+STILL = np.radians(0.3)  # a curve of smaller amplitude counts as noise, for any p
+NEAR = np.radians(45.0)  # of a cycle: a lag this near to the swing, or to its opposite, counts as in phase or opposite
 FEWEST_STRIDES = 2
 TINY = np.finfo(np.float64).tiny
 
 
 class Verdict(StrEnum):
-    """How a curve goes with the legs' swing: significantly, by its lag, or not."""
+    """How a curve correlates with the legs' swing: named by its lag if significant, else `none` or `still`."""
 
     IN_PHASE = "in phase"
     OPPOSITE = "opposite"
@@ -50,11 +51,12 @@ class Verdict(StrEnum):
 
     @property
     def correlated(self) -> bool:
+        """Whether the correlation is significant."""
         return self not in (Verdict.NONE, Verdict.STILL)
 
 
 class Survival(StrEnum):
-    """What became of a correlation: it holds within `NEAR`, it holds at another lag, or it is no more than chance."""
+    """The fate of a correlation in another motion: kept (lag within NEAR), changed (another lag) or lost (chance)."""
 
     KEPT = "kept"
     CHANGED = "changed"
@@ -62,7 +64,7 @@ class Survival(StrEnum):
 
 
 class Key(NamedTuple):
-    """What a correlation is called in every motion."""
+    """The name of a correlation, the same in every motion."""
 
     view: View
     period: Period
@@ -72,11 +74,11 @@ class Key(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Correlation:
-    """How a curve goes with the legs at one period.
+    """The correlation of a curve with the legs at one period.
 
-    amplitude: radians, root mean square of the cycles' waves. strength: 0 to 1. lag: radians of the cycle in
-    (-pi, pi] by which it peaks after a thigh is foremost: the left one for the stride's period, either one for the
-    step's. p: the share of shuffled curves that are as strong, 1 for a still one.
+    amplitude: radians, root mean square of the cycles' waves. strength: 0 to 1. lag: radians of the cycle, in
+    (-pi, pi], by which the curve peaks after a thigh is foremost: the left thigh for the stride's period, either thigh
+    for the step's. p: the share of shuffled curves that are as strong; 1 for a still curve.
     """
 
     curve: Curve
@@ -96,8 +98,8 @@ class Correlation:
 class Study:
     """A motion's correlations: every curve at every period.
 
-    seconds: [F]. phase: [F] strides, whole where the left thigh is foremost. thighs: [2, F] radians, the swing of
-    the left and the right thigh.
+    seconds: [F]. phase: [F] strides, a whole number where the left thigh is foremost. thighs: [2, F] radians, the swing
+    of left and right thigh.
     """
 
     name: str
@@ -108,25 +110,25 @@ class Study:
 
     @property
     def found(self) -> dict[Key, Correlation]:
-        """Those that are no chance."""
+        """The significant correlations."""
         return {one.key: one for one in self.correlations if one.verdict.correlated}
 
 
 def study(clip: Clip, roles: Roles) -> Study:
-    """The correlations of a motion's upper body with its legs. The same clip gives the same numbers.
+    """Returns the correlations of a motion's upper body with its legs. The same clip always gives the same numbers.
 
-    Raises BaselineError if it has no stride, and ClipError if it has fewer than two, to the nearest whole one.
+    Raises BaselineError if the clip has no stride, ClipError if it has fewer than two, rounded to whole strides.
     """
     try:
         stride = find_baseline(clip, roles)
     except BaselineError as error:
-        raise BaselineError(error.problem, mend="Give a motion that walks or runs for two strides or more") from None
+        raise BaselineError(error.problem, mend="Use a motion that walks or runs for two strides or more") from None
     phase = align(clip, roles, stride).phase
     if Period.STRIDE.cycles(phase) < FEWEST_STRIDES:
         raise ClipError(
-            f"it has {phase[-1] - phase[0]:.1f} strides, and what comes once proves nothing",
+            f"it has {phase[-1] - phase[0]:.1f} strides, too few to find a correlation",
             place=f"clip {clip.name!r}",
-            mend=f"Give at least {FEWEST_STRIDES} strides, better four or more",
+            mend=f"Use at least {FEWEST_STRIDES} strides, better four or more",
         )
     thighs = thigh_swing(clip, roles, phase)
     waves = CycleWaves.of(phase, Period.STRIDE)
@@ -138,7 +140,10 @@ def study(clip: Clip, roles: Roles) -> Study:
 
 
 def correlate(curves: tuple[Curve, ...], phase: Floats) -> tuple[Correlation, ...]:
-    """How curves go with the legs at each period; phase [F] in strides, whole where the left thigh is foremost."""
+    """Returns the correlations of curves with the legs at each period.
+
+    phase: [F] strides, a whole number where the left thigh is foremost.
+    """
     measured = [
         _measured(curve, phase, waves) for waves in map(partial(CycleWaves.of, phase), Period) for curve in curves
     ]
@@ -151,7 +156,7 @@ def correlate(curves: tuple[Curve, ...], phase: Floats) -> tuple[Correlation, ..
 
 
 def survival(first: Correlation, study: Study) -> Survival | None:
-    """What became of a correlation of one motion in another's study; None if that rig has no such joint."""
+    """Returns the fate of a correlation in the study of another motion; None if that rig does not have the joint."""
     if all(one.key != first.key for one in study.correlations):
         return None
     later = study.found.get(first.key)
@@ -161,16 +166,16 @@ def survival(first: Correlation, study: Study) -> Survival | None:
 
 
 def lag_between(first: Correlation, later: Correlation) -> float:
-    """By how many radians of the cycle a curve peaks later than it did, in (-pi, pi]."""
+    """Returns by how many radians of the cycle `later` peaks after `first`, in (-pi, pi]."""
     return float(np.angle(np.exp(1j * (later.lag - first.lag))))
 
 
 def largest_real(p: Floats) -> float:
-    """The largest of the p-values [n] that are taken for real; 0 if none is.
+    """Returns the largest of the p-values [n] that is significant; 0 if none is.
 
-    At most LEVEL each, and by Benjamini and Hochberg's rule at most a LEVEL's part of all that are taken is chance.
-    The rule supposes that all n could be chance. In a walk few are, so their count is first estimated from the
-    p-values above one half, which are (Storey 2002).
+    A significant p-value is at most LEVEL. By Benjamini and Hochberg's rule, at most a share LEVEL of the significant
+    ones is chance. The rule assumes that all n could be chance. In a walk few are, so the number of chance ones is
+    first estimated from the p-values above one half (Storey 2002).
     """
     if len(p) == 0:
         return 0.0
@@ -181,7 +186,7 @@ def largest_real(p: Floats) -> float:
 
 
 def _measured(curve: Curve, phase: Floats, waves: CycleWaves) -> Correlation:
-    """A curve's correlation, not yet judged by the others'."""
+    """Returns a curve's correlation, with verdict `none` until all p-values are compared, or `still`."""
     rest = waves.rest(curve.angles, phase)
     cycles = waves.read(rest)
     amplitude = float(np.sqrt(np.mean(np.abs(cycles) ** 2)))
@@ -199,12 +204,13 @@ def _measured(curve: Curve, phase: Floats, waves: CycleWaves) -> Correlation:
 
 
 def _strength(cycles: Complexes) -> Floats:
-    """How well the waves of K cycles [..., K] agree, 0 to 1."""
+    """Returns how well the waves of K cycles [..., K] agree, 0 to 1."""
     power = np.sum(np.abs(cycles) ** 2, axis=-1)
     return np.asarray(np.abs(cycles.sum(axis=-1)) / np.sqrt(cycles.shape[-1] * np.maximum(power, TINY)))
 
 
 def _verdict(lag: float) -> Verdict:
+    """Returns the verdict on a significant correlation, from its lag in radians."""
     if abs(lag) <= NEAR:
         return Verdict.IN_PHASE
     return Verdict.OPPOSITE if abs(lag) >= np.pi - NEAR else Verdict.AT_A_LAG

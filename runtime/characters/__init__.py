@@ -1,6 +1,4 @@
-"""What a game does with splices: state, commands, transitions, masks and root motion.
-
-Imported by `character` and `stage`.
+"""The parts of characters: state, commands, transitions, masks, mixing and root motion.
 
 Kernels follow the rules of `runtime.kernels`; a step takes constant time.
 """

@@ -1,4 +1,4 @@
-"""The clocks of actions: with the gaits', or their own."""
+"""The clocks of actions: in step with the gaits, or at their own speed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE
 from motionsplice.runtime.kernels.phase import frame_of, own_step
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
-CATCH_UP = 0.3  # of the locomotion's speed, by which an action out of step is faster or slower until it is in step
+CATCH_UP = 0.3  # share of the locomotion's speed by which an action out of step is faster or slower
 
 
 @inlined
 def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float) -> None:
-    """The phases and frames of all actions: with the gaits, or by their own clock as far as there are none."""
+    """Advances all actions.
+
+    They follow the gaits in step, blended with their own clock by the share of locomotions without a gait.
+    """
     count = int(s[c + col.ACTIONS])
     if count > 0:
         gaits, phase = 0.0, UNKNOWN
@@ -40,14 +43,15 @@ def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: 
 def advance_splice(
     bank: BankArrays, s: Array, slot: int, ahead: float, passed: float, gaits: float, phase: float
 ) -> None:
+    """Advances one spliced action; `passed` are the cycles that the gaits advanced, `gaits` their share."""
     clip, frame, reached = int(s[slot + col.CLIP]), s[slot + col.FRAME], s[slot + col.PHASE]
     own = own_step(bank, clip, frame, reached, ahead)
     if gaits == 0.0 or is_own_clock(s, slot, frame):
         reached += own
     else:
-        astray = reached - phase + passed
-        astray -= np.round(astray)
-        reached += gaits * (passed - min(max(astray, -CATCH_UP * passed), CATCH_UP * passed)) + (1.0 - gaits) * own
+        phase_error = reached - phase + passed
+        phase_error -= np.round(phase_error)
+        reached += gaits * (passed - min(max(phase_error, -CATCH_UP * passed), CATCH_UP * passed)) + (1.0 - gaits) * own
     end, loop = bank.clips[clip, arrays.LAST_PHASE], bank.clips[clip, arrays.LOOP]
     if s[slot + col.LOOP] > 0.0 and loop > 0.0 and reached > end:
         reached -= loop * np.ceil((reached - end) / loop)
@@ -56,7 +60,10 @@ def advance_splice(
 
 @kernel
 def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
-    """Has the newest action faded out in time before it ends, or begun again over itself."""
+    """Fades out the newest action near its end.
+
+    If the action should loop but its clip has no seam, crossfades it into its own start.
+    """
     slot = action_slot(c, count - 1)
     clip, kind = int(s[slot + col.CLIP]), s[slot + col.KIND]
     if kind == col.OWN or s[slot + col.LEAVING] > 0.0 or count == col.MOST_ACTIONS:

@@ -1,4 +1,4 @@
-"""What the kernels of characters need beside a bank's arrays, as flat arrays."""
+"""The flat arrays of characters' kernels, in addition to those of a bank."""
 
 from __future__ import annotations
 
@@ -15,21 +15,26 @@ from motionsplice.runtime.simd.compiled import Array
 
 
 class Ground(NamedTuple):
-    """Of each row of a bank, what the motion of characters over the ground takes: paths [rows, 4], contacts [rows]."""
+    """Root paths [rows, 4] and foot contacts [rows] of a bank, as in its tables `paths` and `contacts`."""
 
     paths: Array
     contacts: Array
 
 
 def ground(bank: Bank) -> Ground:
+    """Returns the root paths and foot contacts of a bank, without copying them."""
     return Ground(constant(bank.tables["paths"]), constant(bank.tables["contacts"]))
 
 
 class Limbs(NamedTuple):
-    """Which joints of an upper half belong to which of its parts, and by which each limb hangs on the trunk.
+    """The parts of an upper body: trunk, arms, head. Each limb hangs on the trunk by its attachment joint.
 
-    part_of_lane [width]; of each part: attachments, the lane of that joint (-1: none), and the way to it from the
-    pelvis's child: lengths, chains [parts, longest] in lanes and columns [parts, longest] in a pose.
+    Attributes:
+        part_of_lane: [width], the part of the joint in each lane of the upper half.
+        attachments: [parts], the lane of each limb's attachment; -1 if the rig has no such limb.
+        lengths: [parts], number of joints in each limb's chain: from the pelvis's child to the attachment.
+        chains: [parts, longest], the lanes of these joints.
+        columns: [parts, longest], the first columns of these joints in a pose.
     """
 
     part_of_lane: Array
@@ -40,20 +45,21 @@ class Limbs(NamedTuple):
 
 
 class Mixing(NamedTuple):
-    """Room for what is mixed of the characters of a block."""
+    """Scratch memory for mixing the characters of a block."""
 
-    requests: Array  # [BLOCK] REQUEST: what each lane splices
-    memory: Array  # [BLOCK, MEMORY_COLUMNS]: what is remembered of it
-    sum: Array  # [4, lanes of a half] float32: rotations
-    lane_weights: Array  # [1, lanes of a half] float32: of what is added to that
-    row: Array  # [2, columns] float32: a row of `lower`, and one of zeros, which no one is on the way to
-    weights: Array  # [1 + actions + 1, parts]
-    shares: Array  # [BLOCK, parts]
-    kept: Array  # [BLOCK, 4 parts]: rotations
-    limbs_turn: Array  # [BLOCK]
+    requests: Array  # [BLOCK] REQUEST: the splice of each lane
+    memory: Array  # [BLOCK, MEMORY_COLUMNS]: the memory of each splice
+    sum: Array  # [4, lanes of a half] float32: weighted sum of rotations
+    lane_weights: Array  # [1, lanes of a half] float32: weights of the next summand
+    row: Array  # [2, columns] float32: a mixed row of `lower`, and zeros as its next row
+    weights: Array  # [1 + actions + 1, parts]: of the locomotions, of each action, and what is left
+    shares: Array  # [BLOCK, parts]: of each action in its pose
+    turns: Array  # [BLOCK, 4 parts]: the action's pelvis, then its attachments relative to the pelvis
+    limbs_turn: Array  # [BLOCK]: whether a character's limbs must be turned
 
 
 def mixing(layout: Layout) -> Mixing:
+    """Returns scratch memory for mixing."""
     width = max(layout.lower.width, layout.upper.width)
     return Mixing(
         requests=np.zeros(BLOCK, REQUEST),
@@ -63,6 +69,6 @@ def mixing(layout: Layout) -> Mixing:
         row=np.zeros((2, layout.lower.columns), np.float32),
         weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
         shares=np.zeros((BLOCK, col.PARTS)),
-        kept=np.zeros((BLOCK, 4 * col.PARTS)),
+        turns=np.zeros((BLOCK, 4 * col.PARTS)),
         limbs_turn=np.zeros(BLOCK, np.int64),
     )

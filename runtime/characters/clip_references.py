@@ -1,10 +1,11 @@
-"""Which clips and hands the rows of characters name, and where in a row."""
+"""The clips and hands that rows of characters refer to: where in a row, checked, listed and renumbered."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 
 States = NDArray[np.float64]
@@ -12,8 +13,8 @@ Numbers = NDArray[np.int64]
 Places = tuple[Numbers, ...]
 
 
-def played_clips(state: States) -> tuple[Places, Numbers]:
-    """Where in rows [n, COLUMNS] there are numbers of clips that are played or wait to be, and these."""
+def clip_references(state: States) -> tuple[Places, Numbers]:
+    """Returns the places in rows [n, COLUMNS] that hold numbers of clips, played or waiting, and these numbers."""
     mixed = col.NEXT_CLIPS + np.arange(col.MOST_MIXED)
     legs = col.FIRST_LOCOMOTION + col.CLIP + col.LOCOMOTION_COLUMNS * np.arange(col.MOST_LOCOMOTIONS)
     layers = col.FIRST_ACTION + col.CLIP + col.ACTION_COLUMNS * np.arange(col.MOST_ACTIONS)
@@ -28,9 +29,9 @@ def played_clips(state: States) -> tuple[Places, Numbers]:
     return at, state[at].astype(np.int64)
 
 
-def worn_hands(state: States) -> tuple[Places, Numbers]:
-    """Where in rows there are numbers of hands that are worn or wait to be, and these."""
-    slots = col.FIRST_HANDS + col.HANDS_COLUMNS * np.arange(col.MOST_HANDS + 1) + col.CLIP  # the last one waits
+def hands_references(state: States) -> tuple[Places, Numbers]:
+    """Returns the places in rows [n, COLUMNS] that hold numbers of hands, worn or waiting, and these numbers."""
+    slots = col.FIRST_HANDS + col.HANDS_COLUMNS * np.arange(col.MOST_HANDS + 1) + col.CLIP  # the last slot waits
     used = state[:, slots] != col.BARE
     used[:, :-1] &= np.arange(col.MOST_HANDS) < state[:, [col.HANDS]]
     used[:, -1] &= state[:, col.HANDS_WAIT] > 0.0
@@ -39,12 +40,12 @@ def worn_hands(state: States) -> tuple[Places, Numbers]:
     return at, state[at].astype(np.int64)
 
 
-def strange_rows(state: States, clips: int, hands: int) -> Numbers:
-    """The rows [n, COLUMNS] that do not fit a bank of so many clips and hands, as those of another bank may not.
+def invalid_rows(state: States, clips: int, hands: int) -> Numbers:
+    """Returns the indices of rows [n, COLUMNS] that do not fit a bank with so many clips and hands.
 
-    What is looked at would lead a kernel out of its tables: how many slots there are, and what they name.
+    Checks only what would make a kernel read outside its tables: counts of slots, and numbers of clips and hands.
     """
-    sound = np.ones(len(state), np.bool_)
+    valid = np.ones(len(state), np.bool_)
     for column, least, most in (
         (col.LOCOMOTIONS, 1, col.MOST_LOCOMOTIONS),
         (col.FIRST_LOCOMOTION + col.HEAD, 1, col.MOST_MIXED),
@@ -52,18 +53,45 @@ def strange_rows(state: States, clips: int, hands: int) -> Numbers:
         (col.HANDS, 0, col.MOST_HANDS),
         (col.NEXT_COUNT, 0, col.MOST_MIXED),
     ):
-        sound &= np.isin(state[:, column], np.arange(least, most + 1))
-    with np.errstate(invalid="ignore"):  # NaN is no number of a clip
-        for (at, numbers), count in ((played_clips(state), clips), (worn_hands(state), hands)):
-            sound[at[0][(numbers < 0) | (numbers >= count)]] = False
-    return np.flatnonzero(~sound)
+        valid &= np.isin(state[:, column], np.arange(least, most + 1))
+    with np.errstate(invalid="ignore"):  # NaN becomes an integer that is out of range
+        for (at, numbers), count in ((clip_references(state), clips), (hands_references(state), hands)):
+            valid[at[0][(numbers < 0) | (numbers >= count)]] = False
+    return np.flatnonzero(~valid)
+
+
+def missing_names(state: States, bank: Bank, other: Bank) -> set[str]:
+    """Returns the names of clips and hands that rows refer to and that the bank `other` does not have."""
+    clips = {bank.clips[number].name for number in np.unique(clip_references(state)[1]).tolist()}
+    hands = {bank.hand_clips[number] for number in np.unique(hands_references(state)[1]).tolist()}
+    return (clips - {clip.name for clip in other.clips}) | (hands - set(other.hand_clips))
+
+
+def renumbered(state: States, bank: Bank, other: Bank) -> States:
+    """Returns a copy of rows with the numbers that their clips and hands have in the bank `other`."""
+    at, played = clip_references(state)
+    numbers = np.zeros(len(bank.clips))
+    for number in np.unique(played).tolist():
+        numbers[number] = other.number(bank.clips[number].name)
+    result = state.copy()
+    result[at] = numbers[played]
+    at, worn = hands_references(state)
+    result[at] = [other.hand_number(bank.hand_clips[number]) for number in worn]
+    return result
 
 
 def newest_mix(s: States) -> tuple[list[int], Numbers]:
-    """The clips of the group that waits in a row, or else of the newest, and where in the row their weights are set."""
+    """Returns the clips of a row's waiting group, else of its newest group, and the columns of their weights."""
     if s[col.NEXT_COUNT]:
         numbers = np.arange(int(s[col.NEXT_COUNT]))
         return s[col.NEXT_CLIPS + numbers].astype(int).tolist(), col.NEXT_WEIGHTS + numbers
     slots = col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS * np.arange(int(s[col.LOCOMOTIONS]))
     newest = slots[np.flatnonzero(s[slots + col.HEAD])[-1] :]
     return s[newest + col.CLIP].astype(int).tolist(), newest + col.GOAL
+
+
+def newest_action(s: States) -> int | None:
+    """Returns the first column of a row's waiting action, else of its newest action; None if it has no action."""
+    if s[col.WHEN]:
+        return col.NEXT_ACTION
+    return col.FIRST_ACTION + (int(s[col.ACTIONS]) - 1) * col.ACTION_COLUMNS if s[col.ACTIONS] else None

@@ -1,4 +1,4 @@
-"""A character's clock: phases, fades, root motion and events, from one frame to the next."""
+"""Advances characters from one frame to the next: phases, fades, root motion and events."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from motionsplice.runtime.characters.transition_kernels import (
     drop_actions,
     drop_hands,
     feet_of,
-    keep_way,
+    in_turned_frame,
+    keep_path,
     leading,
-    seen,
+    path_at,
     share_locomotions,
-    way,
 )
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
@@ -27,32 +27,33 @@ from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.phase import frame_after_last, frame_of, own_step, phase_of
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 
-SMOOTHING = 0.05  # seconds: each of two time constants with which weights follow what they are set to
-AGAIN = 0.3  # seconds of the fade into itself of a clip that has no two strides alike
+SMOOTHING = 0.05  # seconds: weights follow their goals through two low-pass filters with this time constant
+AGAIN = 0.3  # seconds: fade of a clip into its own beginning, if it has no loop
 
 
 @kernel
 def begin(bank: BankArrays, ground: Ground, states: Array, rows: Array) -> None:
-    """Begins what characters [n] wait for, as far as that need not wait."""
+    """Begins what is waiting in `rows` [n], if it can begin at once."""
     for row in rows:
         begin_waiting(bank, ground, states, row * col.COLUMNS, 0.0, ZERO)
 
 
 @kernel
-def settle_in(bank: BankArrays, ground: Ground, s: Array) -> None:
-    """Makes phases and ways those of a bank, for characters that come from another one."""
+def recompute_from_frames(bank: BankArrays, ground: Ground, s: Array) -> None:
+    """Recomputes phases and paths from frames, for characters that were moved to another bank."""
     for c in range(0, len(s), col.COLUMNS):
         for number in range(int(s[c + col.LOCOMOTIONS])):
-            settle_slot(bank, s, locomotion_slot(c, number))
-            keep_way(bank, ground, s, locomotion_slot(c, number))
+            recompute_slot(bank, s, locomotion_slot(c, number))
+            keep_path(bank, ground, s, locomotion_slot(c, number))
         for number in range(int(s[c + col.ACTIONS])):
-            settle_slot(bank, s, action_slot(c, number))
-        if s[c + col.WHEN] > col.NEVER:  # what has begun stays there, and its clip is one of the other bank's
-            settle_slot(bank, s, c + col.NEXT_ACTION)
+            recompute_slot(bank, s, action_slot(c, number))
+        if s[c + col.WHEN] > col.NEVER:  # else the slot is stale, and its clip a number of the old bank
+            recompute_slot(bank, s, c + col.NEXT_ACTION)
 
 
 @kernel
-def settle_slot(bank: BankArrays, s: Array, slot: int) -> None:
+def recompute_slot(bank: BankArrays, s: Array, slot: int) -> None:
+    """Clamps a slot's frame to its clip, and recomputes its phase."""
     clip = int(s[slot + col.CLIP])
     s[slot + col.FRAME] = min(s[slot + col.FRAME], bank.clips[clip, arrays.ROW_COUNT] - 1.0)
     s[slot + col.PHASE] = phase_of(bank, clip, s[slot + col.FRAME])
@@ -60,7 +61,7 @@ def settle_slot(bank: BankArrays, s: Array, slot: int) -> None:
 
 @kernel
 def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
-    """Moves characters on in time; returns all bits of events that happened to any of them."""
+    """Advances all characters; returns the bits of all events that happened to any of them."""
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
     for c in range(0, len(s), col.COLUMNS):
         s[c + col.EVENTS] = 0.0
@@ -76,7 +77,7 @@ def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
 
 @inlined
 def advance_fades(s: Array, c: int, seconds: float, follow: float) -> None:
-    """All fades and weights of a character, `follow` of the way to what they are set to."""
+    """Advances all fades of a character, and its weights by the share `follow` towards their goals."""
     count = int(s[c + col.LOCOMOTIONS])
     if count > 1:
         for number in range(count):
@@ -106,7 +107,7 @@ def advance_fade(s: Array, slot: int, seconds: float, follow: float) -> None:
 
 @inlined
 def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float) -> float:
-    """Phases, frames and root motion; returns how many cycles the gaits went on, 0 if there is none."""
+    """Advances phases, frames and root motion; returns the cycles that the gaits advanced, 0 without a gait."""
     count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
     passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
     x = y = z = turn = 0.0
@@ -137,7 +138,7 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
         dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
         share = s[slot + col.SHARE]
         x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
-    dx, dz = seen(-s[c + col.SIN], s[c + col.COS], x, z)
+    dx, dz = in_turned_frame(-s[c + col.SIN], s[c + col.COS], x, z)
     s[c + col.PLACE] += dx
     s[c + col.PLACE + 1] += y
     s[c + col.PLACE + 2] += dz
@@ -150,7 +151,7 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
 
 @inlined
 def end_of(bank: BankArrays, s: Array, slot: int) -> tuple[float, float]:
-    """The strides by which a slot's clip is led back at its end, 0 where it is held there; and the last frame."""
+    """Returns the strides by which a slot's clip jumps back at its end, 0 if it is held, and its last frame."""
     clip = int(s[slot + col.CLIP])
     if s[slot + col.LOOP] == 0.0 or bank.clips[clip, arrays.LOOP] == 0.0:
         return 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
@@ -159,11 +160,11 @@ def end_of(bank: BankArrays, s: Array, slot: int) -> tuple[float, float]:
 
 @inlined
 def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
-    """Cycles that all gaits go on by together, so that on average they are played as fast as they were captured, but
-    for those that are held at their end.
+    """Returns the cycles that all gaits advance together, so that on average they play as fast as captured.
 
-    It is their times a cycle that are mixed, as in Kovar and Gleicher's registration curves (2003, section 4): a clip
-    whose phase hardly moves for a moment is then not hurried through it by the others.
+    Clips that are held at their end do not count. The seconds per cycle are averaged, not the cycles per second, as in
+    Kovar and Gleicher's registration curves (2003, section 4): so a clip whose phase hardly moves for a moment is not
+    rushed through this moment by the others.
     """
     gaits = times = 0.0
     for number in range(count):
@@ -178,7 +179,7 @@ def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) ->
 
 @kernel
 def end_locomotion(s: Array, c: int, number: int, before: float, after: float, last: float, rate: float) -> None:
-    """What becomes of a clip that does not go on by itself: it is held, or its group begins again over itself."""
+    """Handles the end of a clip without a seam: holds the last frame, or crossfades the group into its start."""
     slot = locomotion_slot(c, number)
     if s[slot + col.LOOP] == 0.0:
         if before < last and after >= last:
@@ -201,29 +202,31 @@ def end_locomotion(s: Array, c: int, number: int, before: float, after: float, l
 def travelled(
     bank: BankArrays, ground: Ground, s: Array, slot: int, rounds: float
 ) -> tuple[float, float, float, float]:
-    """The way from the frame whose way a slot keeps to its new frame, `rounds` of its loop later, as seen from where it
-    began; keeps the new one."""
-    x0, y0, z0, h0 = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2], s[slot + col.WAY + 3]
-    sin, cos = s[slot + col.WAY_SIN], s[slot + col.WAY_COS]
+    """Returns the root motion x, y, z and turn from the path kept in a slot to its new frame, `rounds` loops later.
+
+    It is relative to the old place and heading. Keeps the new path in the slot.
+    """
+    x0, y0, z0, h0 = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2], s[slot + col.PATH + 3]
+    sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
     x = y = z = turn = 0.0
     if rounds > 0.0:
         clip = int(s[slot + col.CLIP])
-        x1, y1, z1, h1 = way(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
-        x, z = seen(sin, cos, x1 - x0, z1 - z0)
+        x1, y1, z1, h1 = path_at(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
+        x, z = in_turned_frame(sin, cos, x1 - x0, z1 - z0)
         y, turn = y1 - y0, h1 - h0
-        x0, y0, z0, h0 = way(bank, ground, clip, frame_after_last(bank, clip))
+        x0, y0, z0, h0 = path_at(bank, ground, clip, frame_after_last(bank, clip))
         for _ in range(int(rounds) - 1):
-            dx, dz = seen(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
+            dx, dz = in_turned_frame(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
             x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
         sin, cos = math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn))
-    keep_way(bank, ground, s, slot)
-    dx, dz = seen(sin, cos, s[slot + col.WAY] - x0, s[slot + col.WAY + 2] - z0)
-    return x + dx, y + s[slot + col.WAY + 1] - y0, z + dz, turn + s[slot + col.WAY + 3] - h0
+    keep_path(bank, ground, s, slot)
+    dx, dz = in_turned_frame(sin, cos, s[slot + col.PATH] - x0, s[slot + col.PATH + 2] - z0)
+    return x + dx, y + s[slot + col.PATH + 1] - y0, z + dz, turn + s[slot + col.PATH + 3] - h0
 
 
 @inlined
 def step(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float) -> int:
-    """Tells of strides and of feet that come down and go up, by the locomotion that gives most; returns the downs."""
+    """Sets the events of strides and feet, by the locomotion with the largest share; returns bits of feet set down."""
     slot = leading(s, c)
     phase, now = s[slot + col.PHASE], feet_of(bank, ground, s, slot)
     before, events = int(s[c + col.STANDING]), int(s[c + col.EVENTS])

@@ -1,49 +1,81 @@
-"""What commands to characters say, checked, as numbers of a row."""
+"""Checks the arguments of commands to characters, and turns them into the numbers that wait in a row."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs
-from motionsplice.runtime.requests import known
+from motionsplice.runtime.requests import known, time_fault
+
+BLEND = 0.3  # seconds, default duration of a fade
 
 Locomotion = str | Mapping[str, float]
 
 
+def waiting_group(
+    bank: Bank, locomotion: Locomotion, time: float, blend: float, curve: str, loop: bool
+) -> NDArray[np.float64]:
+    """Returns the columns NEXT_COUNT to HANDS of a row: a group of locomotions that waits to begin.
+
+    Raises UnknownClipError, TimeRangeError or SettingsError.
+    """
+    weights = shares_of(bank, locomotion)
+    for clip in weights:
+        if (fault := time_fault("time", time, bank.clips[clip])) is not None:
+            raise fault
+    group = np.zeros(col.HANDS - col.NEXT_COUNT)
+    group[:5] = len(weights), time, not_negative("blend", blend), known(col.CURVES, "curve", curve), loop
+    for number, (clip, weight) in enumerate(weights.items()):
+        group[col.NEXT_CLIPS - col.NEXT_COUNT + number] = clip
+        group[col.NEXT_WEIGHTS - col.NEXT_COUNT + number] = weight
+    return group
+
+
+def waiting_hands(bank: Bank, hands: str | None, blend: float, curve: str, weight: float) -> NDArray[np.float64]:
+    """Returns hands as a slot [HANDS_COLUMNS] that waits to begin. Raises UnknownClipError or SettingsError."""
+    slot = np.zeros(col.HANDS_COLUMNS)
+    slot[col.CLIP] = col.BARE if hands is None else bank.hand_number(hands)
+    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(weight)
+    slot[col.LASTING], slot[col.CURVE] = not_negative("blend", blend), known(col.CURVES, "curve", curve)
+    return slot
+
+
 def shares_of(bank: Bank, locomotion: Locomotion) -> dict[int, float]:
-    """Weights that come to 1 by clip number. Raises UnknownClipError or SettingsError."""
+    """Returns weights by clip number, scaled to a sum of 1. Raises UnknownClipError or SettingsError."""
     given = {locomotion: 1.0} if isinstance(locomotion, str) else dict(locomotion)
     total = sum(given.values())
     if not 1 <= len(given) <= col.MOST_MIXED:
         raise SettingsError(f"{len(given)} locomotions cannot be mixed", mend=f"Name 1 to {col.MOST_MIXED}")
     if not (min(given.values()) >= 0.0 and 0.0 < total < np.inf):
-        raise SettingsError("weights should be at least 0, and one of them more")
+        raise SettingsError("the weights of locomotions must be 0 or more, finite, and not all 0")
     return {bank.number(name): weight / total for name, weight in given.items()}
 
 
 def mask_of(limbs: Limbs, name: str) -> int:
-    """The bits of a mask by name. Raises SettingsError if there is none, or the rig lacks its limbs."""
+    """Returns the bits of a mask. Raises SettingsError if it is unknown or the rig has no such limbs."""
     mask = known(col.MASKS, "mask", name)
     parts = [part for part in range(1, col.PARTS) if mask >> part & 1]
     if mask != col.UPPER_BODY and not limbs.lengths[parts].all():
-        raise SettingsError(f"this rig has no {name}", mend="Name the joints of its limbs as roles")
+        problem = f"mask {name!r} does not fit this rig: its roles do not name these limbs"
+        raise SettingsError(problem, mend="Name the joints of the limbs as roles, and build the bank again")
     return mask
 
 
-def part_of_1(weight: float) -> float:
-    """A weight. Raises SettingsError if it is none."""
+def weight_in_range(weight: float) -> float:
+    """Returns the weight. Raises SettingsError if it is NaN or outside 0 to 1."""
     if not 0.0 <= weight <= 1.0:
-        raise SettingsError(f"weight {weight} does not lie between 0 and 1")
+        raise SettingsError(f"weight {weight} lies outside 0 to 1")
     return weight
 
 
-def at_least_0(label: str, value: float) -> float:
-    """A number of seconds or the like. Raises SettingsError if it is below 0 or no number."""
+def not_negative(label: str, value: float) -> float:
+    """Returns the value. Raises SettingsError if it is negative, infinite or NaN."""
     if not 0.0 <= value < np.inf:
-        raise SettingsError(f"{label} {value} should be a number from 0 on")
+        raise SettingsError(f"{label} {value} must be a finite number, 0 or more")
     return value

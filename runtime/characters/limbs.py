@@ -12,32 +12,32 @@ from motionsplice.runtime.format.rows import FIRST_JOINT, Layout
 
 
 def limbs_of(skeleton: Skeleton, roles: Roles, layout: Layout) -> Limbs:
-    """Each limb from where it parts from the spine on: arms with their collar bones, the head with its neck."""
+    """Returns the limbs, each from where it leaves the spine: arms with collar bones, the head with the neck."""
     part_of_lane = np.zeros(layout.upper.width, np.int64)
-    ways = {part: way_to(skeleton, roles, tip) for part, tip in tips(roles).items()}
-    longest = max((len(way) for way in ways.values()), default=0)
+    chain_of = {part: chain_to_limb(skeleton, roles, tip) for part, tip in tips(roles).items()}
+    longest = max((len(chain) for chain in chain_of.values()), default=0)
     attachments, lengths = np.full(PARTS, -1, np.int64), np.zeros(PARTS, np.int64)
     chains, columns = np.zeros((PARTS, max(longest, 1)), np.int64), np.zeros((PARTS, max(longest, 1)), np.uint64)
     lanes = {joint: FIRST_JOINT + number for number, joint in enumerate(layout.upper.joints)}
-    for part, way in ways.items():
+    for part, chain in chain_of.items():
         number = part.bit_length() - 1
-        if way:
-            for joint in skeleton.subtree(way[-1]):
+        if chain:
+            for joint in skeleton.subtree(chain[-1]):
                 part_of_lane[lanes[joint]] = number
-            attachments[number], lengths[number] = lanes[way[-1]], len(way)
-            chains[number, : len(way)] = [lanes[joint] for joint in way]
-            columns[number, : len(way)] = [4 * joint for joint in way]
+            attachments[number], lengths[number] = lanes[chain[-1]], len(chain)
+            chains[number, : len(chain)] = [lanes[joint] for joint in chain]
+            columns[number, : len(chain)] = [4 * joint for joint in chain]
     return Limbs(part_of_lane, attachments, lengths, chains, columns)
 
 
 def tips(roles: Roles) -> dict[int, int]:
-    """A joint of each limb."""
+    """Returns a joint of each limb."""
     tip = roles.neck if roles.neck >= 0 else roles.head
     return {LEFT_ARM: roles.left_shoulder, RIGHT_ARM: roles.right_shoulder, HEAD_AND_NECK: tip}
 
 
-def way_to(skeleton: Skeleton, roles: Roles, tip: int) -> list[int]:
-    """The joints from the pelvis's child to where a limb parts from the spine; none if the rig is not so built."""
+def chain_to_limb(skeleton: Skeleton, roles: Roles, tip: int) -> list[int]:
+    """Returns the joints from the pelvis's child to the first joint of a limb; empty if the rig is built otherwise."""
     arms = (roles.left_shoulder, roles.right_shoulder)
     chest = common_ancestor(skeleton.parents, arms)
     chain = skeleton.chain(tip)[::-1] if tip >= 0 else []

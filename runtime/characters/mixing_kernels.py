@@ -1,7 +1,7 @@
-"""Mixing by weight: rotations in lanes, and clouds.
+"""Mixes rotations in lanes, and clouds, by weight.
 
-What is mixed is added to a sum, one source after
-the other, each with a weight for every lane; rotations by the shorter way round, so that only their direction counts.
+Sources are added to a sum one after the other, with a weight for each lane. Rotations are added along the shorter arc;
+the sum is normalised at the end.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ FOUR = np.uint64(4)  # numbers of a rotation
 
 
 @inlined
-def weigh_lanes(weights: Array, width: Index, weight: Real) -> None:
-    """The same weight for all lanes."""
+def set_lane_weights(weights: Array, width: Index, weight: Real) -> None:
+    """Sets the same weight for all lanes."""
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
         store(weights, 0, lane, spread(weight))
 
 
 @inlined
 def add_lanes(lanes: Array, first: Index, width: Index, mixing: Mixing, new: bool) -> None:
-    """Adds rotations, each with a weight of its own, to the sum, by the shorter way round."""
+    """Adds weighted rotations to the sum, along the shorter arc; starts the sum if `new`."""
     weights, total = mixing.lane_weights, mixing.sum
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
         x, y, z, w = separate(lanes, first + FOUR * lane)
@@ -48,7 +48,7 @@ def add_lanes(lanes: Array, first: Index, width: Index, mixing: Mixing, new: boo
 
 @inlined
 def normalise_lanes(total: Array, first: Index, width: Index, out: Array) -> None:
-    """The rotations of a sum into lanes."""
+    """Normalises a sum of rotations into lanes."""
     one, least = spread(np.float32(1.0)), spread(np.float32(1e-30))
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
         x, y, z, w = load(total, 0, lane), load(total, 1, lane), load(total, 2, lane), load(total, 3, lane)
@@ -58,7 +58,7 @@ def normalise_lanes(total: Array, first: Index, width: Index, out: Array) -> Non
 
 @inlined
 def add_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, total: Array, new: bool) -> None:
-    """Adds the cloud of a row of `lower`, and its size, to a row of the same form."""
+    """Adds the weighted cloud and size of a row of `lower` to `total`, a row of the same layout; starts it if `new`."""
     size = weight * between_rows(bank.lower, row, np.uint64(SIZE), t)
     total[0, SIZE] = size if new else total[0, SIZE] + size
     for column in range(

@@ -1,8 +1,7 @@
-"""The poses of characters: what their slots give, mixed.
+"""Evaluates the poses of characters by mixing their slots.
 
-Lower bodies are mixed first, so that each action
-is laid on the lower body that is shown; then upper bodies, part by part. Of one locomotion and one action, neither of
-them fading, nothing is mixed.
+Lower bodies are mixed first, so that each action is spliced onto the mixed lower body. Upper bodies are mixed next,
+part by part. One locomotion and one action without a fade take a path without mixing.
 """
 
 from __future__ import annotations
@@ -11,9 +10,9 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
-from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, weigh_lanes
+from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
-from motionsplice.runtime.characters.transition_kernels import seen
+from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.characters.turning_kernels import turn_limbs, turn_pelvis
 from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
@@ -69,13 +68,13 @@ def evaluate_characters(
 
 @inlined
 def lanes_of(s: Array, c: int) -> int:
-    """Lanes of a block that a character takes: one for each action, and one without."""
+    """Returns the number of lanes of a block that a character needs: one for each action, at least one."""
     return max(int(s[c + col.ACTIONS]), 1)
 
 
 @inlined
 def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
-    """Has the processor fetch the rows of all slots."""
+    """Prefetches the rows of all slots of a character."""
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
         clip = int(s[slot + col.CLIP])
@@ -94,7 +93,7 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
 
 @inlined
 def fetch_worn(bank: BankArrays, s: Array, c: int, clip: int, row: Index) -> None:
-    """The same of all hands that are worn, on a clip."""
+    """Prefetches the rows of all hands that a character wears on a clip."""
     for number in range(int(s[c + col.HANDS])):
         fetch_hands(bank, int(s[hands_slot(c, number) + col.CLIP]), clip, row)
 
@@ -112,7 +111,7 @@ def mix_lower(
     roots: Array,
     rotations: Array,
 ) -> None:
-    """Samples the lower half of all locomotions into lanes, mixed, and writes root and joints into the pose."""
+    """Mixes the lower halves of all locomotions into lanes, and writes root and joints into the pose."""
     rig = bank.rig
     count, width, planes = int(s[c + col.LOCOMOTIONS]), rig[arrays.LOWER_WIDTH], rig[arrays.FIRST_PLANE]
     first_joint = np.uint64(4 * FIRST_JOINT)
@@ -121,21 +120,21 @@ def mix_lower(
         slot = locomotion_slot(c, number)
         clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
         row, t = row_of(bank, clip, frame)
-        px, py, pz = s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2]
+        px, py, pz = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2]
         t32 = np.float32(t)
         sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
         dx = between_rows(bank.lower, row, np.uint64(ROOT), t32) - px
         dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t32) - pz
         share = s[slot + col.SHARE] if count > 1 else 1.0
-        sin, cos = s[slot + col.WAY_SIN], s[slot + col.WAY_COS]
-        dx, dz = seen(sin, cos, dx, dz)
+        sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
+        dx, dz = in_turned_frame(sin, cos, dx, dz)
         x, z = x + share * dx, z + share * dz
         y += share * (between_rows(bank.lower, row, np.uint64(ROOT + 1), t32) - py)
         turn_about_y(lanes, first_joint, -sin, cos)
         if count == 1:
             block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
         else:
-            weigh_lanes(mixing.lane_weights, width, np.float32(share))
+            set_lane_weights(mixing.lane_weights, width, np.float32(share))
             add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
             add_cloud(bank, row, t32, np.float32(share), mixing.row, number == 0)
     if count > 1:
@@ -144,7 +143,7 @@ def mix_lower(
     if s[c + col.IN_PLACE] == 0.0:
         sin, cos = s[c + col.SIN], s[c + col.COS]
         turn_about_y(lanes, first_joint, sin, cos)
-        x, z = seen(-sin, cos, x, z)
+        x, z = in_turned_frame(-sin, cos, x, z)
         x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
     copy_lower(rig, lanes, rotations, character)
@@ -153,7 +152,7 @@ def mix_lower(
 
 @inlined
 def turn_about_y(lanes: Array, at: Index, sin: float, cos: float) -> None:
-    """A rotation in lanes, turned about Y by twice the angle of sin and cos."""
+    """Turns a rotation in lanes about Y by twice the angle of sin and cos."""
     x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
     lanes[at], lanes[at + ONE] = cos * x + sin * z, cos * y + sin * w
     lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE] = cos * z - sin * x, cos * w - sin * y

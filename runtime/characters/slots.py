@@ -1,6 +1,6 @@
-"""Where in the row of a character its slots begin, and how far a slot is faded in.
+"""Offsets of a character's slots, and the fade of a slot.
 
-`s` is the flat state of all characters, and `c` is where the row of one of them begins.
+In all kernels of characters, `s` is the flat state of all characters and `c` the offset of a character's row in it.
 """
 
 from __future__ import annotations
@@ -11,25 +11,25 @@ from motionsplice.runtime.simd.compiled import Array, inlined
 
 @inlined
 def locomotion_slot(c: int, number: int) -> int:
-    """Where slot `number` of the locomotions begins."""
+    """Returns the offset of locomotion slot `number`."""
     return c + col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS
 
 
 @inlined
 def action_slot(c: int, number: int) -> int:
-    """Where slot `number` of the actions begins."""
+    """Returns the offset of action slot `number`."""
     return c + col.FIRST_ACTION + number * col.ACTION_COLUMNS
 
 
 @inlined
 def hands_slot(c: int, number: int) -> int:
-    """Where slot `number` of the hands begins."""
+    """Returns the offset of hands slot `number`."""
     return c + col.FIRST_HANDS + number * col.HANDS_COLUMNS
 
 
 @inlined
 def fade_of(s: Array, slot: int) -> float:
-    """How far a slot is faded in, from 0 to 1."""
+    """Returns how far a slot is faded in, 0 to 1."""
     elapsed, lasting, curve = s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE]
     if elapsed >= lasting:
         return 1.0

@@ -1,8 +1,8 @@
-"""A character as a row of numbers: where it is, what it plays, and what comes next.
+"""The columns of a character's row: where it is, what it plays, and what is waiting.
 
-Rows are float64 and hold nothing but numbers, so a character is saved, copied and restored with its row. What it plays
-are three stacks of slots, each slot faded in over those below it: locomotions, in groups that are mixed by weight,
-actions over them, and hands over either. One of each may wait until it can begin.
+A row is float64 numbers and nothing else, so a character is saved, copied and restored with its row. A character plays
+three stacks of slots: locomotions, in groups that are mixed by weight; actions over them; hands over both. Each slot is
+faded in over the slots below it. One group, one action and one hands slot may wait until they can begin.
 """
 
 from __future__ import annotations
@@ -12,42 +12,43 @@ from typing import Literal
 
 from motionsplice.runtime.kernels.arrays import MEMORY_COLUMNS
 
-MOST_MIXED = 4  # locomotions of a group
-MOST_LOCOMOTIONS = 2 * MOST_MIXED  # slots: a group, and another that it is faded into
+MOST_MIXED = 4  # locomotions in a group
+MOST_LOCOMOTIONS = 2 * MOST_MIXED  # slots: a group, and another that it is blended into
 MOST_ACTIONS = 4  # slots
 MOST_HANDS = 2  # slots
 
-# where it stands (metres, radians about Y), and what the last step added to that, seen from there
+# position and heading (metres, radians about Y); root motion of the last step, relative to the previous place
 PLACE, HEADING, DELTA = 0, 3, 4
 SPEED, IN_PLACE, LOCOMOTIONS, ACTIONS = 8, 9, 10, 11
-STANDING, EVENTS, BEGAN, ENDED = 12, 13, 14, 15  # feet; bits; clips that the events are about
-SIN, COS = 16, 17  # of half the heading
+# bits of standing feet, bits of events, clips of the latest ACTION_BEGAN and ACTION_ENDED
+STANDING, EVENTS, BEGAN, ENDED = range(12, 16)
+SIN, COS = 16, 17  # sine and cosine of half the heading
 
-# a slot of locomotion, from FIRST_LOCOMOTION on
+# a locomotion slot; the slots begin at FIRST_LOCOMOTION
 CLIP, PHASE, FRAME, WEIGHT, LAGGING, GOAL, ELAPSED, LASTING, CURVE, HEAD, LOOP, SHARE = range(12)
-WAY, WAY_SIN, WAY_COS = 12, 16, 17  # where the clip's path is at the frame; of half its heading
+PATH, PATH_SIN, PATH_COS = 12, 16, 17  # the clip's root path at the frame; sine and cosine of half its heading
 LOCOMOTION_COLUMNS = 18
 FIRST_LOCOMOTION = 18
-# a slot of action: the same up to CURVE, LOOP and SHARE; HEAD is its kind
+# an action slot: CLIP to CURVE, LOOP and SHARE as above; HEAD is its kind
 KIND, MASK, POSTURE, FADING_OUT, OWN_FROM, OWN_TO, LEAVING, REMEMBERED = HEAD, 12, 13, 14, 15, 16, 17, 18
 ACTION_COLUMNS = REMEMBERED + MEMORY_COLUMNS
 FIRST_ACTION = FIRST_LOCOMOTION + MOST_LOCOMOTIONS * LOCOMOTION_COLUMNS
-# what waits: an action as a slot, and when it begins; a group, its clips and weights, and the rest as of a slot
+# waiting: an action as a slot, and when it begins; a group: its size, settings as in a slot, clips and weights
 NEXT_ACTION = FIRST_ACTION + MOST_ACTIONS * ACTION_COLUMNS
 WHEN = NEXT_ACTION + ACTION_COLUMNS
 NEXT_COUNT, NEXT_TIME, NEXT_LASTING, NEXT_CURVE, NEXT_LOOP = range(WHEN + 1, WHEN + 6)
 NEXT_CLIPS = WHEN + 6
 NEXT_WEIGHTS = NEXT_CLIPS + MOST_MIXED
-# hands: how many slots, and these, of which CLIP is a number of hands or BARE, the rest as of a slot; and what waits
+# hands: number of slots; slots, CLIP to CURVE as above, but CLIP is a hands clip or BARE; the waiting slot
 HANDS = NEXT_WEIGHTS + MOST_MIXED
 FIRST_HANDS, HANDS_COLUMNS = HANDS + 1, CURVE + 1
 NEXT_HANDS = FIRST_HANDS + MOST_HANDS * HANDS_COLUMNS
 HANDS_WAIT = NEXT_HANDS + HANDS_COLUMNS
 COLUMNS = HANDS_WAIT + 1
 
-BARE = -1  # no hands but the body's own
+BARE = -1  # the clip's own hands
 
-OWN = 0  # the kind of an action that is the locomotion's own upper body; others are as methods are numbered
+OWN = 0  # kind of an action slot: the locomotion's own upper body; other kinds are NAIVE and SPLICE
 NEVER, NOW, IN_PHASE, ON_LEFT, ON_RIGHT, ON_FOOT = range(6)
 LINEAR, SMOOTH, EASE_IN, EASE_OUT = range(4)
 TRUNK, LEFT_ARM, RIGHT_ARM, HEAD_AND_NECK = 1, 2, 4, 8  # parts of an upper body
@@ -81,3 +82,11 @@ EVENT_NAMES: Mapping[int, str] = {
     ACTION_BEGAN: "action_began",
     ACTION_ENDED: "action_ended",
 }
+"""Names of the event bits that `Characters.advance` and `Characters.events` report.
+
+- `left_down`, `left_up`, `right_down`, `right_up`: a foot touches down or lifts off.
+- `stride`: the phase passes a whole number.
+- `locomotion_ended`: a locomotion without a loop has reached its last frame.
+- `action_began`: an action begins.
+- `action_ended`: an action without a loop has faded out.
+"""

@@ -1,7 +1,7 @@
-"""What a character goes over into: slots that begin in step, are faded in over those below them, and are dropped.
+"""Transitions: a new slot begins in step and fades in over older slots; covered slots are dropped.
 
-What is commanded waits in the row until its
-moment has come, be that at once, so that all transitions are begun by `begin_waiting`.
+Every command waits in the row until its moment has come, even if it can begin at once, so `begin_waiting` begins all
+transitions.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from motionsplice.runtime.kernels.phase import frame_of, phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 
-UNKNOWN = np.inf  # a phase that nothing says
+UNKNOWN = np.inf  # the phase of a character that plays nothing with a phase
 
 
 @inlined
-def seen(sin: float, cos: float, x: float, z: float) -> tuple[float, float]:
-    """A vector as seen after a turn about Y by twice the angle of sin and cos."""
+def in_turned_frame(sin: float, cos: float, x: float, z: float) -> tuple[float, float]:
+    """Returns a vector's x and z in a frame that is turned about Y by twice the angle of sin and cos."""
     cosine, sine = cos * cos - sin * sin, 2.0 * cos * sin
     return cosine * x - sine * z, cosine * z + sine * x
 
 
 @inlined
-def way(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[float, float, float, float]:
-    """A clip's path at a frame."""
+def path_at(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[float, float, float, float]:
+    """Returns a clip's root path at a frame: x, ground height, z and heading."""
     row, t = row_of(bank, clip, frame)
     x, y, z, h = ground.paths[row, 0], ground.paths[row, 1], ground.paths[row, 2], ground.paths[row, 3]
     after = row + ONE
@@ -46,16 +46,16 @@ def way(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[floa
 
 
 @inlined
-def keep_way(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
-    """Keeps in a slot where its clip's path is at its frame."""
-    x, y, z, h = way(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
-    s[slot + col.WAY], s[slot + col.WAY + 1], s[slot + col.WAY + 2], s[slot + col.WAY + 3] = x, y, z, h
-    s[slot + col.WAY_SIN], s[slot + col.WAY_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
+def keep_path(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
+    """Stores a clip's root path at its frame in its slot."""
+    x, y, z, h = path_at(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+    s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2], s[slot + col.PATH + 3] = x, y, z, h
+    s[slot + col.PATH_SIN], s[slot + col.PATH_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
 
 
 @kernel
 def reference(bank: BankArrays, s: Array, c: int) -> float:
-    """The phase that what begins has to be in step with: the newest gait's, or else the newest spliced action's."""
+    """Returns the phase that new slots must be in step with: the newest gait's, else the newest spliced action's."""
     for number in range(int(s[c + col.LOCOMOTIONS]) - 1, -1, -1):
         slot = locomotion_slot(c, number)
         if bank.clips[int(s[slot + col.CLIP]), arrays.GAIT] > 0.0:
@@ -69,7 +69,7 @@ def reference(bank: BankArrays, s: Array, c: int) -> float:
 
 @kernel
 def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
-    """The first phase of a clip from `start` on that is a whole number of cycles from `phase`; `start` if none is."""
+    """Returns a clip's first phase from `start` on that differs from `phase` by whole cycles, else `start`."""
     if phase == UNKNOWN:
         return start
     found = phase + np.ceil(start - phase - IN_STEP)
@@ -80,8 +80,10 @@ def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
 
 @kernel
 def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float, downs: int) -> None:
-    """Begins what waits, if its moment has come and there is room: the phase has just advanced by `passed` cycles, and
-    the feet whose bits are in `downs` have come down."""
+    """Begins what is waiting, if its moment has come and a slot is free.
+
+    `passed` are the cycles that the phase has just advanced, `downs` the bits of feet that have just touched down.
+    """
     if s[c + col.NEXT_COUNT] > 0.0:
         if s[c + col.NEXT_LASTING] <= 0.0:
             begin_locomotion(bank, ground, s, c, ZERO)
@@ -95,7 +97,7 @@ def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: fl
 
 @kernel
 def begin_hands(s: Array, c: int) -> None:
-    """Begins the hands that wait, in a slot above all others."""
+    """Begins the waiting hands, in a slot above all others."""
     slot = hands_slot(c, int(s[c + col.HANDS]))
     for column in range(col.HANDS_COLUMNS):
         s[slot + column] = s[c + col.NEXT_HANDS + column]
@@ -106,7 +108,7 @@ def begin_hands(s: Array, c: int) -> None:
 
 @kernel
 def drop_hands(s: Array, c: int) -> None:
-    """Drops hands that those above them have covered, and what covers them once no hands are worn."""
+    """Drops hands that are covered by the top slot, and the top slot too if it is BARE."""
     top = hands_slot(c, int(s[c + col.HANDS]) - 1)
     if s[top + col.ELAPSED] >= s[top + col.LASTING]:
         for column in range(col.HANDS_COLUMNS):
@@ -116,7 +118,7 @@ def drop_hands(s: Array, c: int) -> None:
 
 @kernel
 def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: int) -> None:
-    """Begins the group that waits, in the slots from `first` on."""
+    """Begins the waiting group, in the slots from `first` on."""
     count, phase = int(s[c + col.NEXT_COUNT]), reference(bank, s, c)
     for number in range(count):
         slot, clip = locomotion_slot(c, first + number), int(s[c + col.NEXT_CLIPS + number])
@@ -124,24 +126,24 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
         gait = bank.clips[clip, arrays.GAIT] > 0.0
         begun = in_step(bank, clip, start, phase) if gait else start
         if gait and phase == UNKNOWN:
-            phase = begun  # those of a group are in step with its first gait, if there is nothing else
+            phase = begun  # without another reference, the group is in step with its first gait
         s[slot + col.CLIP], s[slot + col.PHASE], s[slot + col.FRAME] = clip, begun, frame_of(bank, clip, begun)
         weight = s[c + col.NEXT_WEIGHTS + number]
         s[slot + col.WEIGHT], s[slot + col.LAGGING], s[slot + col.GOAL] = weight, weight, weight
         s[slot + col.ELAPSED], s[slot + col.LASTING] = 0.0, s[c + col.NEXT_LASTING]
         s[slot + col.CURVE], s[slot + col.LOOP] = s[c + col.NEXT_CURVE], s[c + col.NEXT_LOOP]
         s[slot + col.HEAD] = count if number == 0 else 0.0
-        keep_way(bank, ground, s, slot)
+        keep_path(bank, ground, s, slot)
     is_new = s[c + col.LOCOMOTIONS] == 0.0
     s[c + col.LOCOMOTIONS], s[c + col.NEXT_COUNT] = first + count, 0.0
     share_locomotions(s, c)
-    if is_new:  # what stands from the beginning does not come down
+    if is_new:  # feet that stand from the beginning do not touch down
         s[c + col.STANDING] = feet_of(bank, ground, s, leading(s, c))
 
 
 @inlined
 def leading(s: Array, c: int) -> int:
-    """The slot of the locomotion that gives most."""
+    """Returns the slot of the locomotion with the largest share."""
     most = locomotion_slot(c, 0)
     for number in range(1, int(s[c + col.LOCOMOTIONS])):
         if s[locomotion_slot(c, number) + col.SHARE] > s[most + col.SHARE]:
@@ -151,14 +153,14 @@ def leading(s: Array, c: int) -> int:
 
 @inlined
 def feet_of(bank: BankArrays, ground: Ground, s: Array, slot: int) -> int:
-    """The bits of the feet that stand in what a slot shows."""
+    """Returns the bits of the feet that stand at a slot's frame."""
     row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
     return int(ground.contacts[row])
 
 
 @kernel
 def is_time(bank: BankArrays, s: Array, c: int, passed: float, downs: int) -> bool:
-    """Whether the action that waits is to begin."""
+    """Whether the moment of the waiting action has come."""
     when, phase = s[c + col.WHEN], reference(bank, s, c)
     if when == col.NOW or phase == UNKNOWN:
         return True
@@ -171,7 +173,7 @@ def is_time(bank: BankArrays, s: Array, c: int, passed: float, downs: int) -> bo
 
 @kernel
 def begin_action(bank: BankArrays, s: Array, c: int) -> None:
-    """Begins the action that waits, in a slot above all others."""
+    """Begins the waiting action, in a slot above all others."""
     slot, waiting = action_slot(c, int(s[c + col.ACTIONS])), c + col.NEXT_ACTION
     for column in range(col.ACTION_COLUMNS):
         s[slot + column] = s[waiting + column]
@@ -192,13 +194,13 @@ def begin_action(bank: BankArrays, s: Array, c: int) -> None:
 
 @inlined
 def is_own_clock(s: Array, slot: int, frame: float) -> bool:
-    """Whether an action goes by its own clock at a frame."""
+    """Whether an action plays by its own clock at a frame."""
     return s[slot + col.OWN_FROM] <= frame < s[slot + col.OWN_TO]
 
 
 @kernel
 def share_locomotions(s: Array, c: int) -> None:
-    """How much each locomotion gives, after those that groups above them have covered are dropped."""
+    """Computes the share of each locomotion, and drops locomotions that groups above them cover."""
     count, rest = int(s[c + col.LOCOMOTIONS]), 1.0
     first = count
     while first > 0 and rest > 0.0:
@@ -211,15 +213,15 @@ def share_locomotions(s: Array, c: int) -> None:
                 s[slot + col.SHARE] = rest * fade * s[slot + col.WEIGHT]
             rest *= 1.0 - fade
     if first > 0:
-        kept = (count - first) * col.LOCOMOTION_COLUMNS
-        for column in range(kept):
+        size = (count - first) * col.LOCOMOTION_COLUMNS
+        for column in range(size):
             s[c + col.FIRST_LOCOMOTION + column] = s[locomotion_slot(c, first) + column]
         s[c + col.LOCOMOTIONS] = count - first
 
 
 @kernel
 def drop_actions(s: Array, c: int) -> None:
-    """Drops actions that those above them have covered, and tells of those that had come to their end."""
+    """Drops actions that are covered by actions above them, and sets ACTION_ENDED for those that were ending."""
     count, covered = int(s[c + col.ACTIONS]), 0
     for number in range(count - 1, -1, -1):
         slot = action_slot(c, number)
@@ -238,7 +240,7 @@ def drop_actions(s: Array, c: int) -> None:
 
 @kernel
 def leave_action(s: Array, c: int, slot: int, lasting: float) -> None:
-    """Has the newest action, which comes to its end, faded out by the locomotion's own upper body above it."""
+    """Begins to fade out the newest action: the locomotion's own upper body fades in above it."""
     s[slot + col.LEAVING] = 1.0
     own = slot + col.ACTION_COLUMNS
     for column in range(col.ACTION_COLUMNS):

@@ -1,4 +1,4 @@
-"""Turning what a pose has of several actions: its pelvis, and limbs that an action owns without the trunk."""
+"""Turns the pelvis of a pose with several actions, and limbs that an action owns without the trunk."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
 def turn_pelvis(
     bank: BankArrays, s: Array, c: int, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
 ) -> None:
-    """The pelvis of a pose, which is the locomotion's, by the shares of the actions; and what they remember."""
+    """Mixes the pelvis of a pose, so far the locomotion's, by the shares of actions; stores their memories."""
     column, count, own = bank.rig[arrays.PELVIS_COLUMN], int(s[c + col.ACTIONS]), 1.0
     for number in range(count):
         own -= mixing.shares[k + number, 0]
@@ -37,7 +37,7 @@ def turn_pelvis(
             bx, by = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
             bz, bw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
         else:
-            bx, by, bz, bw = mixing.kept[lane, 0], mixing.kept[lane, 1], mixing.kept[lane, 2], mixing.kept[lane, 3]
+            bx, by, bz, bw = mixing.turns[lane, 0], mixing.turns[lane, 1], mixing.turns[lane, 2], mixing.turns[lane, 3]
         if kind != col.OWN and share > 0.0:
             signed = share if x * bx + y * by + z * bz + w * bw >= 0.0 else -share
             x, y, z, w = x + signed * bx, y + signed * by, z + signed * bz, w + signed * bw
@@ -48,7 +48,7 @@ def turn_pelvis(
 
 @inlined
 def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
-    """Gives a slot back what the evaluator remembers of its splice."""
+    """Stores the evaluator's memory of a splice in its slot."""
     for column in range(arrays.MEAN_POSTURE):
         s[slot + col.REMEMBERED + column] = mixing.memory[lane, column]
     if mixing.requests[lane]["posture"] == RUNNING:
@@ -58,7 +58,7 @@ def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
 
 @kernel
 def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
-    """How each limb's attachment is turned against the pelvis in an action's own upper half."""
+    """Stores the rotation of each limb's attachment relative to the pelvis, from an action's own upper half."""
     for part in range(1, col.PARTS):
         x, y, z, w = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(1.0)
         for number in range(limbs.lengths[part]):
@@ -67,7 +67,7 @@ def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: in
                 x, y, z, w, lanes[at], lanes[at + np.uint64(1)], lanes[at + np.uint64(2)], lanes[at + np.uint64(3)]
             )
         to = 4 * part
-        mixing.kept[k, to], mixing.kept[k, to + 1], mixing.kept[k, to + 2], mixing.kept[k, to + 3] = x, y, z, w
+        mixing.turns[k, to], mixing.turns[k, to + 1], mixing.turns[k, to + 2], mixing.turns[k, to + 3] = x, y, z, w
 
 
 @kernel
@@ -82,11 +82,14 @@ def turn_limbs(
     character: int,
     rotations: Array,
 ) -> None:
-    """Turns the attachments of limbs that an action owns without the trunk, so that they are to the pelvis as they
-    would be if it owned all: Heck's three steps at another joint (their section 5)."""
+    """Turns the attachments of limbs that an action owns without the trunk.
+
+    Afterwards their orientation relative to the pelvis is the same as if the action owned the whole upper body: the
+    three steps of Heck et al. at another joint (their section 5).
+    """
     pelvis = bank.rig[arrays.PELVIS_COLUMN]
     for part in range(1, col.PARTS):
-        length, rest = limbs.lengths[part], 1.0  # the share of what is in the pose already
+        length, rest = limbs.lengths[part], 1.0  # the share of the pose so far
         for number in range(int(s[c + col.ACTIONS])):
             rest -= mixing.shares[k + number, part] if is_apart(s, action_slot(c, number)) else 0.0
         rest = max(rest, 0.0)
@@ -106,10 +109,10 @@ def turn_limbs(
                     py,
                     pz,
                     pw,
-                    mixing.kept[lane, at],
-                    mixing.kept[lane, at + 1],
-                    mixing.kept[lane, at + 2],
-                    mixing.kept[lane, at + 3],
+                    mixing.turns[lane, at],
+                    mixing.turns[lane, at + 1],
+                    mixing.turns[lane, at + 2],
+                    mixing.turns[lane, at + 3],
                 )
                 x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
                 column = limbs.columns[part, length - 1]
@@ -130,12 +133,13 @@ def turn_limbs(
 
 @inlined
 def is_apart(s: Array, slot: int) -> bool:
-    """Whether an action owns limbs, but not the trunk that they hang on."""
+    """Whether an action owns limbs but not the trunk."""
     return s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
 
 
 @inlined
 def quaternion_at(rotations: Array, character: int, column: Index) -> tuple[float, float, float, float]:
+    """Returns a rotation of a pose."""
     return (
         rotations[character, column],
         rotations[character, column + np.uint64(1)],

@@ -1,6 +1,6 @@
-"""The upper bodies of characters: those of locomotions and of actions, mixed part by part.
+"""Mixes the upper bodies of locomotions and actions, part by part.
 
-Of one action that is not faded nothing is mixed.
+A single action without a fade takes a path without mixing.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
-from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, weigh_lanes
+from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, fade_of, locomotion_slot
 from motionsplice.runtime.characters.turning_kernels import is_apart, keep_limbs
 from motionsplice.runtime.characters.worn_kernels import wear_hands
@@ -37,8 +37,10 @@ def mix_upper(
     character: int,
     rotations: Array,
 ) -> None:
-    """Samples the upper half of all that gives some of it into lanes, mixed, and writes its joints into the pose;
-    prepares the splices of actions, each in a lane of the block."""
+    """Mixes the upper halves of locomotions and actions into lanes, and writes their joints into the pose.
+
+    Prepares the splice of each action in a lane of the block.
+    """
     rig, count = bank.rig, int(s[c + col.ACTIONS])
     above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
     mixing.requests[k]["method"], mixing.limbs_turn[k] = 0, 0
@@ -71,7 +73,7 @@ def is_plain(s: Array, c: int) -> bool:
 
 @inlined
 def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing) -> None:
-    """The locomotions' own upper half into lanes."""
+    """Mixes the locomotions' own upper halves into lanes."""
     rig, count = bank.rig, int(s[c + col.LOCOMOTIONS])
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     for number in range(count):
@@ -82,7 +84,7 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
         if s[c + col.HANDS] > 0.0:
             wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
         if count > 1:
-            weigh_lanes(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
+            set_lane_weights(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
             add_lanes(lanes, above, width, mixing, number == 0)
     if count > 1:
         normalise_lanes(mixing.sum, above, width, lanes)
@@ -90,6 +92,7 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
 
 @inlined
 def row_of_action(bank: BankArrays, s: Array, slot: int) -> tuple[np.uint64, float]:
+    """Returns the row before an action's frame, and the share of the next row."""
     clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
     first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
     if s[slot + col.KIND] == NAIVE:
@@ -102,7 +105,7 @@ def row_of_action(bank: BankArrays, s: Array, slot: int) -> tuple[np.uint64, flo
 def sample_action(
     bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing
 ) -> None:
-    """An action's upper half into lanes, and what its splice needs into lane k of the block."""
+    """Samples an action's upper half into lanes, and prepares its splice in lane k of the block."""
     rig, slot = bank.rig, action_slot(c, number)
     above, first = np.uint64(4) * rig[arrays.LOWER_WIDTH], k - number
     row, t = row_of_action(bank, s, slot)
@@ -131,12 +134,12 @@ def sample_action(
     elif kind == NAIVE:
         for i in range(4):
             block[(SPLICED + i) * BLOCK + k] = 0.0
-            mixing.kept[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
+            mixing.turns[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
 
 
 @kernel
 def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> None:
-    """The posture that locomotions have stored, mixed, for an action that is turned from there."""
+    """Mixes the locomotions' stored postures into the memory of an action with posture `absolute`."""
     mixing.requests[k]["posture"] = GIVEN
     for i in range(6):
         mixing.memory[k, arrays.MEAN_POSTURE + i] = 0.0
@@ -151,16 +154,16 @@ def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> 
 def mix_actions(
     bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, k: int, lanes: Array, block: Array, mixing: Mixing
 ) -> None:
-    """The upper halves of locomotions and actions into lanes, each part by the shares of those that own it."""
+    """Mixes the upper halves of locomotions and actions into lanes, each part by its shares."""
     rig = bank.rig
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
-    weigh_actions(s, c, count, mixing.weights)
+    share_parts(s, c, count, mixing.weights)
     new = True
     for part in range(col.PARTS):
         new &= mixing.weights[part] == 0.0
     if not new:
         sample_own(bank, s, c, lanes, mixing)
-        weigh_parts(limbs, width, mixing, 0, False)
+        set_part_weights(limbs, width, mixing, 0, False)
         add_lanes(lanes, above, width, mixing, True)
     for number in range(count):
         slot = action_slot(c, number)
@@ -171,16 +174,18 @@ def mix_actions(
             if apart:
                 keep_limbs(bank, limbs, lanes, above, k + number, mixing)
                 mixing.limbs_turn[k] = 1
-            weigh_parts(limbs, width, mixing, number + 1, apart)
+            set_part_weights(limbs, width, mixing, number + 1, apart)
             add_lanes(lanes, above, width, mixing, new)
             new = False
     normalise_lanes(mixing.sum, above, width, lanes)
 
 
 @inlined
-def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
-    """What share of each part [PARTS] the locomotions' own upper body has, then each action; from the top down, so that
-    the row after them holds what is left for those below."""
+def share_parts(s: Array, c: int, count: int, weights: Array) -> None:
+    """Computes the shares [PARTS] of the locomotions' own upper body, then of each action.
+
+    Goes from the top slot down; the last row of `weights` holds what is left for the slots below.
+    """
     left = col.PARTS * (count + 1)
     for part in range(col.PARTS):
         weights[part], weights[left + part] = 0.0, 1.0
@@ -198,14 +203,16 @@ def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
 
 
 @inlined
-def weigh_parts(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: bool) -> None:
-    """The weight of its part for each lane of an upper half; but none, if limbs are turned apart, for the joints by
-    which they hang on the trunk."""
+def set_part_weights(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: bool) -> None:
+    """Sets the weight of each lane of an upper half to the share of its part.
+
+    If the source owns limbs `apart` from the trunk, their attachments get weight 0: `turn_limbs` sets them.
+    """
     begin, whole = col.PARTS * source, not apart
     for part in range(1, col.PARTS):
         whole &= mixing.weights[begin + part] == mixing.weights[begin]
     if whole:
-        weigh_lanes(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
+        set_lane_weights(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
         return
     for lane in range(width):
         mixing.lane_weights[0, lane] = np.float32(mixing.weights[begin + limbs.part_of_lane[lane]])

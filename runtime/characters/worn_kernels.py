@@ -1,4 +1,4 @@
-"""The hands that a character wears, over the upper half of a clip that it plays."""
+"""Lays the hands that a character wears over the upper half of a clip."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kern
 
 @kernel
 def wear_hands(bank: BankArrays, s: Array, c: int, clip: int, row: Index, t: Real, lanes: Array, above: Index) -> None:
-    """Lays the hands that a character wears over the upper half of a clip that it plays, between row and the next.
+    """Lays the hands that a character wears over the upper half of a clip, `t` of the way from row to the next.
 
-    Each are mixed with the clip's own by their weight, and faded in over those below them. Hands that do not lie on the
-    clip, and none, are the clip's own.
+    Each slot is mixed with the clip's own hands by its weight, and faded in over the slots below it. BARE slots, and
+    hands that are not aligned to the clip, stand for the clip's own hands.
     """
     count = int(s[c + col.HANDS])
     for number in range(count):
-        fade, given = shown(bank, s, hands_slot(c, number), clip)
+        fade, given = fade_and_weight(bank, s, hands_slot(c, number), clip)
         weight = fade * given
         for over in range(number + 1, count):
-            fade, covering = shown(bank, s, hands_slot(c, over), clip)
-            # what is laid over them leaves 1 - fade * covering of them, where 1 - fade should be left
+            fade, covering = fade_and_weight(bank, s, hands_slot(c, over), clip)
+            # laying the upper slot leaves 1 - fade * covering of this slot, where 1 - fade should be left
             weight *= (1.0 - fade) / (1.0 - fade * covering) if fade < 1.0 else 0.0
         if weight > 0.0:
             lay_hands(bank, int(s[hands_slot(c, number) + col.CLIP]), clip, row, t, np.float32(weight), lanes, above)
 
 
 @inlined
-def shown(bank: BankArrays, s: Array, slot: int, clip: int) -> tuple[float, float]:
-    """How far hands are faded in, and how much of them is then shown on a clip."""
+def fade_and_weight(bank: BankArrays, s: Array, slot: int, clip: int) -> tuple[float, float]:
+    """Returns the fade of a hands slot, and its weight on a clip: 0 if it is BARE or not aligned to the clip."""
     worn = int(s[slot + col.CLIP])
     lies = worn != col.BARE and bank.hand_rows[worn, clip] >= 0
     fade = fade_of(s, slot)

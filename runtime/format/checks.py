@@ -1,4 +1,4 @@
-"""Whether the tables of a bank fit its manifest, and hold what they should."""
+"""Checks that the tables of a bank match its manifest and hold valid numbers."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from motionsplice.runtime.format.rows import Layout
 
 Tables = Mapping[str, NDArray[Any]]
 
-MOST_AT_ONCE = 2**22  # numbers that are checked in one go
+MOST_AT_ONCE = 2**22  # numbers checked at a time, which bounds memory
 
 
 def check_fit(manifest: Manifest, tables: Tables, file: str) -> None:
-    """That manifest and tables fit each other, so that no kernel can be led out of a table. Reads no table.
+    """Checks that manifest and tables match, so that no kernel reads outside a table. Reads no table's contents.
 
     Raises BankError.
     """
@@ -42,25 +42,25 @@ def check_fit(manifest: Manifest, tables: Tables, file: str) -> None:
 
 
 def check_contents(manifest: Manifest, tables: Tables, files: Mapping[str, Path]) -> None:
-    """That every table has its digest and holds sound numbers. Reads all. Raises BankError, naming the file."""
+    """Checks the digest and the numbers of every table. Reads all tables. Raises BankError, naming the file."""
     for name, file in files.items():
         if file_digest(file) != manifest.tables[name]:
-            problem = f"table {name!r} was cut short or altered: its digest does not fit"
+            problem = f"table {name!r} was cut short or altered: its digest does not match"
             raise BankError(problem, file=str(file), mend=REBUILD)
         if problem := _fault(name, tables[name], manifest):
             raise BankError(f"table {name!r} {problem}", file=str(file), mend=REBUILD)
 
 
 def _misfit(manifest: Manifest, tables: Tables) -> str:
-    """What does not fit, as a sentence; empty if all does."""
+    """Returns what does not match, as a sentence; empty if everything does."""
     roles, clips, joints = manifest.roles, manifest.clips, manifest.skeleton.joint_count
     named = [getattr(roles, field.name) for field in fields(roles) if field.name != "spine"]
     if min([*named, *roles.spine]) < -1 or max([*named, *roles.spine]) >= joints or roles.pelvis < 1:
-        return "a role names a joint that is not there"
+        return "a role refers to a joint that does not exist"
     if not clips or len({clip.name for clip in clips}) != len(clips):
-        return "it has no clips, or two of one name"
+        return "the bank has no clips, or two clips of the same name"
     if manifest.baseline.clip not in {clip.name for clip in clips}:
-        return "its baseline is a clip that is not there"
+        return "the baseline is a clip that does not exist"
     layout = Layout.of(manifest.skeleton, roles)
     rows_of = {clip.name: clip.row_count for clip in clips}
     if misfit := _misfit_of_hands(manifest, rows_of):
@@ -72,41 +72,41 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
     for name, (kind, shape) in TABLES.items():
         table, wanted = tables[name], tuple(sizes.get(str(axis), axis) for axis in shape)
         if table.dtype != kind or table.shape != wanted or not table.flags.c_contiguous:
-            return f"table {name!r} is {table.dtype}{table.shape}, not {np.dtype(kind)}{wanted}"
+            return f"table {name!r}: expected {np.dtype(kind)}{wanted}, found {table.dtype}{table.shape}"
     row = cell = 0
     for clip in clips:
         follows = clip.first_row == row and clip.first_cell == cell
         sized = 2 <= clip.frame_count <= clip.row_count and clip.cell_count >= 2 and 0.0 < clip.rate < 1e6
         if not (follows and sized and 0 <= clip.loop < clip.last_phase - clip.first_phase < 1e9):
-            return f"clip {clip.name!r} does not fit the tables"
+            return f"the entry of clip {clip.name!r} does not match the tables"
         row, cell = row + clip.row_count, cell + clip.cell_count
     return ""
 
 
 def _misfit_of_hands(manifest: Manifest, rows_of: Mapping[str, int]) -> str:
-    row, seen = 0, set[tuple[str, str]]()
+    row, pairs = 0, set[tuple[str, str]]()
     for one in manifest.hands:
-        if one.body not in rows_of or one.first_row != row or (one.name, one.body) in seen:
-            return f"hands {one.name!r} on {one.body!r} do not fit the tables"
-        row, seen = row + rows_of[one.body], seen | {(one.name, one.body)}
+        if one.body not in rows_of or one.first_row != row or (one.name, one.body) in pairs:
+            return f"the entry of hands {one.name!r} on {one.body!r} does not match the tables"
+        row, pairs = row + rows_of[one.body], pairs | {(one.name, one.body)}
     return ""
 
 
 def _fault(name: str, table: NDArray[Any], manifest: Manifest) -> str:
-    """What is wrong with a table's numbers, after its name; empty if nothing is."""
+    """Returns what is wrong with a table's numbers, as a predicate of its name; empty if nothing is."""
     flat, clips = table.reshape(-1), manifest.clips
     if name == "neutral":
-        return "" if table.min() >= 0 and table.max() < len(clips) else "names a clip that is not there"
+        return "" if table.min() >= 0 and table.max() < len(clips) else "refers to a clip that does not exist"
     if name == "contacts" and table.max() > (LEFT_FOOT | RIGHT_FOOT):
-        return "names a foot that is not there"
+        return "has bits of feet that do not exist"
     if not all(np.isfinite(flat[at : at + MOST_AT_ONCE]).all() for at in range(0, len(flat), MOST_AT_ONCE)):
         return "holds numbers that are not finite"
     if name == "phase_of_frame":
         ends = [(table[clip.first_row], table[clip.first_row + clip.row_count - 1]) for clip in clips]
         if np.abs(table).max() > 1e9 or ends != [(clip.first_phase, clip.last_phase) for clip in clips]:
-            return "does not fit the clips"
+            return "does not match the phases of the clips"
         rising = np.diff(table) > 0.0
-        rising[[clip.first_row - 1 for clip in clips[1:]]] = True  # from one clip to the next it may fall
+        rising[[clip.first_row - 1 for clip in clips[1:]]] = True  # it may fall from one clip to the next
         if not rising.all():
-            return "does not rise within a clip"
+            return "does not increase within a clip"
     return ""

@@ -1,4 +1,4 @@
-"""Feet and what they stand on, as banks, characters and their events tell of it."""
+"""Foot contacts: bits of the table `contacts`, and times at which feet are on the ground."""
 
 from __future__ import annotations
 
@@ -12,7 +12,13 @@ FEET = {"left": LEFT_FOOT, "right": RIGHT_FOOT}
 
 
 class Contact(NamedTuple):
-    """A foot (`left` or `right`) that stands from `down` to `up`, seconds into its clip."""
+    """A period during which a foot is on the ground.
+
+    Attributes:
+        foot: `left` or `right`.
+        down: Seconds into the clip at which the foot touches down.
+        up: Seconds into the clip at which it lifts off.
+    """
 
     foot: str
     down: float
@@ -20,12 +26,12 @@ class Contact(NamedTuple):
 
 
 def contacts_of(standing: NDArray[np.uint8], rate: float) -> list[Contact]:
-    """The contacts of a clip, given which feet stand at each frame [F], in order of time."""
+    """Returns the contacts of a clip in order of time, from the bits of standing feet at each frame [F]."""
     found, around = [], np.zeros(len(standing) + 2, np.uint8)
     around[1:-1] = standing
     for foot, bit in FEET.items():
         stands = around & bit
-        edges = np.flatnonzero(stands[1:] != stands[:-1])  # down, one after the last frame, down, and so on
+        edges = np.flatnonzero(stands[1:] != stands[:-1])  # first frame down, first frame up, and so on
         downs, ups = (edges[::2] / rate).tolist(), ((edges[1::2] - 1) / rate).tolist()
         found += [Contact(foot, down, up) for down, up in zip(downs, ups, strict=True)]
     return sorted(found, key=lambda one: (one.down, one.foot))

@@ -1,4 +1,4 @@
-"""The manifest of a bank: what is in it, read from bytes that may be anything (docs/bank.md)."""
+"""The manifest of a bank, read from untrusted bytes (docs/bank.md)."""
 
 from __future__ import annotations
 
@@ -40,13 +40,30 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
 
 @dataclass(frozen=True)
 class ClipEntry:
-    """One clip of a bank: where its rows lie in the tables, and what its alignment was like.
+    """One clip of a bank: its rows in the tables, and the quality of its alignment.
 
-    Its frame_count frames at `rate` per second are rows from first_row; after them come those of the seam, row_count in
-    all, which lead back by `loop` whole strides (0: it cannot be repeated). Its inverse table is cell_count cells from
-    first_cell. phase runs from first_phase to last_phase over all rows, in cycles of the baseline, of which its own
-    frames take `cycles`; without `gait` that means little. mean_mismatch and worst_mismatch are metres; shoulder_motion
-    is how far its torso moves beyond its neutral's gait, radians.
+    Attributes:
+        name: Name of the clip.
+        kind: `locomotion` or `action`.
+        tags: Words of the user's choice.
+        rate: Frames per second.
+        first_row: Its first row in the tables.
+        frame_count: Number of its own frames, which come first.
+        row_count: Number of all its rows: its own frames, then the frames of its seam, which lead back to an earlier
+            stride.
+        first_cell: Its first cell in `frame_of_phase`.
+        cell_count: Number of its cells.
+        first_phase: Phase of its first row, cycles of the baseline.
+        last_phase: Phase of its last row, cycles of the baseline.
+        cycles: Cycles that its own frames take.
+        loop: Whole strides by which the seam leads back; 0 if the clip cannot loop.
+        gait: Whether its legs move like the baseline's. Without a gait, its phase means little.
+        mean_mismatch: Mean distance of the alignment, metres.
+        worst_mismatch: Largest distance of the alignment, metres.
+        shoulder_motion: How far its torso moves beyond the gait of its neutral, radians.
+        warnings: Problems found by the offline job.
+        notes: Remarks of the offline job.
+        source: Digest of the file.
     """
 
     name: str
@@ -78,9 +95,15 @@ class ClipEntry:
 
 @dataclass(frozen=True)
 class BaselineEntry:
-    """The stride that a bank is aligned to: from start to end of a clip, seconds, in `cells` cells.
+    """The stride that a bank is aligned to.
 
-    loop is how far its ends are apart, as a part of how far its halves are.
+    Attributes:
+        clip: Name of the clip.
+        start: Seconds into the clip at which the stride starts.
+        end: Seconds into the clip at which it ends.
+        loop: Distance between the poses at the stride's ends, divided by the distance between poses half a stride
+            apart.
+        cells: Number of cells of its ring.
     """
 
     clip: str
@@ -92,11 +115,20 @@ class BaselineEntry:
 
 @dataclass(frozen=True)
 class HandsEntry:
-    """A clip of hands on the body of a clip: where its rows lie, as many as the clip's.
+    """A hands clip aligned to a clip of the bank.
 
-    rate is the hands' own; hand is `left`, `right`, `both` (by one alignment) or `each` (by two); wrist, whether wrists
-    and the twist of forearms are the hands' too; pairs are those that a user gave; mismatch is by how much phases of
-    gestures differ, as a part of what any do; source is the digest of their file.
+    Attributes:
+        name: Name of the hands clip.
+        body: Name of the clip that it is aligned to.
+        first_row: Its first row in the tables of hands; it has as many rows as the body.
+        rate: Frames per second of the hands clip.
+        hand: `left`, `right`, `both` (both hands by one alignment) or `each` (each hand by its own).
+        wrist: Whether wrists and the twist of forearms come from the hands clip too, not fingers alone.
+        pairs: Frame pairs that the user gave, as text.
+        mismatch: Mean phase cost along the path divided by the mean over the band: 0 for identical gestures, about 1
+            for unrelated ones.
+        warnings: Problems found by the offline job.
+        source: Digest of the file.
     """
 
     name: str
@@ -115,7 +147,7 @@ Mark = tuple[int, int, int]
 
 
 def mark_of(file: Path) -> Mark | None:
-    """A number that changes whenever a file is written anew; None if it is not there."""
+    """Returns inode, modification time and size, which change when a file is rewritten; None if it is missing."""
     try:
         found = file.stat()
     except OSError:
@@ -125,7 +157,7 @@ def mark_of(file: Path) -> Mark | None:
 
 @dataclass(frozen=True)
 class Manifest:
-    """All that a bank says of itself; tables are the digests of its tables by name, data the manifest file's bytes."""
+    """The parsed manifest: `data` are the bytes of its file, `tables` the digests of tables by name."""
 
     data: bytes
     digest: str
@@ -138,7 +170,7 @@ class Manifest:
 
     @classmethod
     def read(cls, folder: Path) -> Manifest:
-        """The manifest of the bank in a folder. Raises BankError, naming the file and the mend."""
+        """Reads the manifest of the bank in a folder. Raises BankError, naming the file."""
         file = folder / MANIFEST
         try:
             data = _read(folder)
@@ -146,7 +178,7 @@ class Manifest:
             tables = {name: str(body["tables"][name]) for name in TABLES}
             return cls(data, digest, *_contents(body), tables)
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError, msgpack.UnpackException) as error:
-            problem = f"its manifest lacks or misstates something ({type(error).__name__}: {error})"
+            problem = f"the manifest has a missing or invalid field ({type(error).__name__}: {error})"
             raise BankError(problem, file=str(file), mend=REBUILD) from None
         except BankError as error:
             raise error.within(str(file)) from None
@@ -158,12 +190,12 @@ Entry = TypeVar("Entry", ClipEntry, BaselineEntry, HandsEntry, Roles)
 
 
 def content_digest(data: bytes) -> str:
-    """The digest by which a bank names and verifies its files."""
+    """Returns the BLAKE2b digest (16 bytes, hex) by which a bank names and verifies its files."""
     return hashlib.blake2b(data, digest_size=16).hexdigest()
 
 
 def file_digest(file: Path) -> str:
-    """The same of a file, without the whole of it in memory."""
+    """Returns `content_digest` of a file without reading all of it into memory."""
     with file.open("rb") as data:
         return hashlib.file_digest(data, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 
@@ -171,10 +203,10 @@ def file_digest(file: Path) -> str:
 def _read(folder: Path) -> bytes:
     file = folder / MANIFEST
     if not file.is_file():
-        problem = "there is no bank here" if folder.is_dir() else "there is no such folder"
+        problem = "this folder is not a bank" if folder.is_dir() else "folder not found"
         raise BankError(problem, file=str(folder), mend="Build one with `motionsplice precompute CLIPS... --out BANK`")
     if file.stat().st_size > LARGEST_MANIFEST:
-        raise BankError("the manifest is too large to be one", file=str(file), mend=REBUILD)
+        raise BankError(f"the manifest is larger than {LARGEST_MANIFEST} bytes", file=str(file), mend=REBUILD)
     return file.read_bytes()
 
 
@@ -183,12 +215,12 @@ def _body(data: bytes, file: str) -> tuple[str, dict[str, Any]]:
         outer = msgpack.unpackb(data)
         digest, packed, form, version = outer["digest"], outer["body"], outer["format"], outer["version"]
     except (ValueError, KeyError, TypeError, msgpack.UnpackException):
-        raise BankError("the manifest is cut short or not a manifest", file=file, mend=REBUILD) from None
+        raise BankError("the manifest is cut short or damaged", file=file, mend=REBUILD) from None
     if form != FORMAT or version != VERSION:
-        problem = f"this is version {version!r} of {form!r}, and version {VERSION} of {FORMAT!r} is needed"
+        problem = f"expected version {VERSION} of {FORMAT!r}, found version {version!r} of {form!r}"
         raise BankError(problem, file=file, mend=REBUILD)
     if not isinstance(packed, bytes) or content_digest(packed) != digest:
-        raise BankError("the manifest was altered: its digest does not fit", file=file, mend=REBUILD)
+        raise BankError("the manifest was altered: its digest does not match", file=file, mend=REBUILD)
     body = msgpack.unpackb(packed)
     if not isinstance(body, dict):
         raise BankError("the manifest is not a map", file=file, mend=REBUILD)
@@ -201,7 +233,7 @@ def _contents(
     rig = body["skeleton"]
     names = tuple(rig["names"])
     if not _fits(names, tuple, str):
-        raise BankError("the manifest names a joint by what is not text", mend=REBUILD)
+        raise BankError("the manifest has a joint name that is not text", mend=REBUILD)
     skeleton = Skeleton(
         names=names,
         parents=np.array(rig["parents"], np.int64),
@@ -213,26 +245,26 @@ def _contents(
     return skeleton, roles, baseline, _entries(ClipEntry, body["clips"]), _entries(HandsEntry, body["hands"])
 
 
-def _entries(kind: type[Entry], said: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:
-    """Maps of the manifest as `kind`, a dataclass. Raises BankError, naming the field, if a type is another."""
+def _entries(kind: type[Entry], records: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:
+    """Returns maps of the manifest as dataclasses `kind`. Raises BankError, naming the field, for a wrong type."""
     types: dict[str, tuple[type, type | None]] = {}
     for name, hint in get_type_hints(kind).items():
         of = get_args(hint)
         types[name] = (get_origin(hint) or hint, of[0] if of else None)
     entries = []
-    for one in said:
-        values: dict[str, Any] = {key: tuple(value) if type(value) is list else value for key, value in one.items()}
+    for record in records:
+        values: dict[str, Any] = {key: tuple(value) if type(value) is list else value for key, value in record.items()}
         entry = kind(**values)
         for name, (wanted, item) in types.items():
             if not _fits(value := getattr(entry, name), wanted, item):
-                problem = f"the manifest gives {name} = {value!r:.40}, which is no {kind.__annotations__[name]}"
+                problem = f"the manifest has {name} = {value!r:.40}, expected {kind.__annotations__[name]}"
                 raise BankError(problem, mend=REBUILD)
         entries.append(entry)
     return tuple(entries)
 
 
 def _fits(value: object, wanted: type, item: type | None = None) -> bool:
-    """Whether a value is of a type, and a tuple's of the item's: a bool is no int, and no float is infinite or NaN."""
+    """Whether a value, or each item of a tuple, has exactly this type; floats must be finite, a bool is not an int."""
     if item is not None:
         return type(value) is tuple and all(type(one) is item for one in value)
     return type(value) is wanted and (wanted is not float or math.isfinite(value))  # type: ignore[arg-type]

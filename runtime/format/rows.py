@@ -1,7 +1,8 @@
-"""The rows of a bank: all that one frame of a clip gives to a splice, side by side in memory.
+"""The rows of a bank: everything that a splice needs of one frame of a clip, contiguous in memory.
 
-A splice reads the lower half of one clip and the upper half of another, so each half has a table. A row is root
-position, upper cloud and rotations, the latter two component by component over whole vectors (docs/bank.md).
+A splice reads the lower half of one clip and the upper half of another, so each half has a table. A row holds the root
+position, the upper cloud and the rotations. Cloud and rotations are stored as planes: all x, all y and so on, each
+padded to whole vectors (docs/bank.md).
 """
 
 from __future__ import annotations
@@ -23,14 +24,16 @@ Float32s = NDArray[np.float32]
 
 ROOT, SIZE, CLOUD = 0, 3, 4  # first columns
 PELVIS, POSTURE_FRAME, TORSO_OFFSET, FIRST_JOINT = 0, 1, 2, 3  # lanes
-LINE = 16  # floats of a cache line
+LINE = 16  # floats in a cache line
 
 
 class TorsoRows(NamedTuple):
     """How the upper body sits on the root in n frames (docs/bank.md).
 
-    clouds [n, points, 3]: metres, in the pelvis's frame. frames [n, 4]: the posture frame as seen from the pelvis's
-    parent. offsets [n, 4]: the turn, in the posture frame, from the neutral's torso at this phase to the clip's own.
+    Attributes:
+        clouds: [n, points, 3] metres, the upper cloud in the pelvis's frame.
+        frames: [n, 4] xyzw, the posture frame relative to the pelvis's parent.
+        offsets: [n, 4] xyzw, the turn, in the posture frame, from the neutral's torso at this phase to the clip's own.
     """
 
     clouds: Floats
@@ -40,7 +43,7 @@ class TorsoRows(NamedTuple):
 
 @dataclass(frozen=True)
 class Half:
-    """A table of rotations: its joints, in their lanes from first_joint on, and the column where lanes begin."""
+    """The columns of a table of rotations: its joints, the lane of the first one, the column of the first plane."""
 
     joints: tuple[int, ...]
     first_plane: int
@@ -48,25 +51,31 @@ class Half:
 
     @property
     def width(self) -> int:
-        """Lanes of a component."""
+        """Number of lanes of a plane."""
         return _whole(self.first_joint + len(self.joints), LANES)
 
     @property
     def columns(self) -> int:
-        """Floats of a row."""
+        """Number of floats in a row."""
         return _whole(self.first_plane + 4 * self.width, LINE)
 
     def lanes(self, rows: NDArray[np.float32]) -> Float32s:
-        """The rotations [n, width, 4] in rows [n, columns], in the same memory."""
+        """Returns the rotations [n, width, 4] in rows [n, columns], as a view."""
         planes = rows[:, self.first_plane : self.first_plane + 4 * self.width]
         return np.moveaxis(planes.reshape(len(rows), 4, self.width), 1, 2)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Both halves of a rig, whose upper clouds have `points` points. The pelvis has a lane of its own in each half.
+    """The columns of all tables of rotations.
 
-    hands are the part of the upper half that a clip of hands may drive: all from the elbows on, if there are fingers.
+    Attributes:
+        lower: The joints that are not below the pelvis, which has a lane of its own.
+        upper: The joints below the pelvis, which has a lane of its own.
+        hands: The part of the upper half that a hands clip can drive: all joints from the elbows on if the rig has
+            fingers, else none.
+        pelvis: The pelvis joint.
+        points: Number of points of the upper cloud.
     """
 
     lower: Half
@@ -87,16 +96,16 @@ class Layout:
 
     @property
     def cloud_width(self) -> int:
-        """Lanes of a component of the cloud."""
+        """Number of lanes of a plane of the cloud."""
         return _whole(self.points, LANES)
 
     @property
     def halves(self) -> dict[str, Half]:
-        """The two halves by the names of their tables."""
+        """The two halves by name of table."""
         return {"lower": self.lower, "upper": self.upper}
 
     def pack(self, roots: Floats, rotations: Floats, torso: TorsoRows) -> dict[str, Float32s]:
-        """Rows [n, columns] of both tables, for n frames: roots [n, 3] metres, rotations [n, J, 4] and their torsos."""
+        """Returns rows [n, columns] of both tables for n frames: roots [n, 3] metres, rotations [n, J, 4], torsos."""
         packed = {}
         for name, half in self.halves.items():
             rows = np.zeros((len(roots), half.columns), np.float32)
@@ -116,7 +125,7 @@ class Layout:
         self.halves[half].lanes(rows)[:, TORSO_OFFSET] = offsets
 
     def pack_hands(self, rotations: Floats) -> Float32s:
-        """Rows [n, columns] of the table of hands, for rotations [n, J, 4]."""
+        """Returns the rows [n, columns] of the table `hands` for rotations [n, J, 4]."""
         rows = np.zeros((len(rotations), self.hands.columns), np.float32)
         lanes = self.hands.lanes(rows)
         lanes[:] = quaternion.IDENTITY
@@ -124,7 +133,7 @@ class Layout:
         return rows
 
     def motion(self, lower: Float32s, upper: Float32s) -> tuple[Floats, Floats]:
-        """Root positions [n, 3] and rotations [n, J, 4] from the same frames' rows in both tables."""
+        """Returns root positions [n, 3] and rotations [n, J, 4] from the rows of n frames in both tables."""
         rotations = np.empty((len(lower), len(self.lower.joints) + len(self.upper.joints) + 1, 4))
         for half, rows in ((self.lower, lower), (self.upper, upper)):
             rotations[:, half.joints] = half.lanes(rows)[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)]
@@ -132,16 +141,16 @@ class Layout:
         return lower[:, ROOT : ROOT + 3].astype(np.float64), rotations
 
     def torso(self, lower: Float32s) -> TorsoRows:
-        """What rows of the lower table hold of the torso."""
+        """Returns the torso data in rows of the table `lower`."""
         lanes = self.lower.lanes(lower).astype(np.float64)
         return TorsoRows(self._clouds(lower).astype(np.float64), lanes[:, POSTURE_FRAME], lanes[:, TORSO_OFFSET])
 
     def _clouds(self, rows: Float32s) -> Float32s:
-        """The clouds [n, points, 3] in rows of either table, in the same memory."""
+        """Returns the clouds [n, points, 3] in rows of either table, as a view."""
         planes = rows[:, CLOUD : CLOUD + 3 * self.cloud_width].reshape(len(rows), 3, self.cloud_width)
         return np.moveaxis(planes, 1, 2)[:, : self.points]
 
 
 def _whole(count: int, of: int) -> int:
-    """`count` rounded up to a multiple."""
+    """Returns `count` rounded up to a multiple of `of`."""
     return -(-count // of) * of

@@ -1,5 +1,5 @@
-"""One splice of one frame, compiled. Imported by the evaluator and by `characters`, of which nothing here knows.
+"""Compiled kernels: one splice of one frame.
 
-Kernels check nothing, allocate nothing and hold no GIL: `Requests` and commands are checked at the door. Each kernel
-has a slow, readable twin in `tests/`.
+Kernels check nothing, allocate nothing and release the GIL. Their inputs are checked before: requests by the evaluator,
+commands by `Characters`. Each kernel has a slow, readable twin in `tests/`.
 """

@@ -1,4 +1,4 @@
-"""A bank, and what is asked of it, as the flat arrays that kernels work on: few, for each costs a call 0.1 us."""
+"""The flat arrays that kernels work on. They are few, because each array argument makes a call slower."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.rows import FIRST_JOINT
 from motionsplice.runtime.simd.compiled import Array
 
-BLOCK = 16  # characters that are worked on together, and lanes of what is computed across them
-LATE = 1e-6  # seconds after a clip's end that count as its end
+BLOCK = 16  # characters computed together, one lane each
+LATE = 1e-6  # seconds: times this much after a clip's end count as its end
 
 # columns of BankArrays.clips
 FIRST_ROW, FRAME_COUNT, ROW_COUNT, RATE, FIRST_CELL, CELL_COUNT = 0, 1, 2, 3, 4, 5
@@ -20,21 +20,28 @@ FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, GAIT, CLIP_COLUMNS = 6,
 # entries of BankArrays.rig
 FIRST_PLANE, LOWER_WIDTH, UPPER_WIDTH, CLOUD_WIDTH, POINTS, PELVIS_COLUMN, LOWER_COUNT = 0, 1, 2, 3, 4, 5, 6
 HANDS_WIDTH, COLUMNS = 7, 8
-# columns of what is remembered of a character
+# columns of a memory
 LAST_TURN, MEAN_POSTURE, MEMORY_COLUMNS = 0, 4, 10
-# rows of Scratch.block, each BLOCK lanes: where a character is, a correlation, its bound and its gap, and quaternions
+# rows of Scratch.block, BLOCK lanes each: rows and shares between them, phase, a correlation, its bound and its gap;
+# from ALIGNED on quaternions, four rows each
 ROW_L, SHARE_L, ROW_U, SHARE_U, PHASE, CORRELATION, BOUND, GAP = 0, 1, 2, 3, 4, 5, 14, 15
 ALIGNED, SPLICED, FRAME, OWN, THEIRS, TURN, BLOCK_ROWS = 16, 20, 24, 28, 32, 36, 40
 
 
 class BankArrays(NamedTuple):
-    """A bank as the kernels see it.
+    """A bank as flat arrays.
 
-    lower, upper: [rows, columns] its tables; phases [rows] and frames [cells]: its phase_of_frame and frame_of_phase.
-    clips: [C, CLIP_COLUMNS] float64; POSTURE begins the six numbers of a posture.
-    rig:   uint64; from COLUMNS on, where in a pose each joint of the lower half goes, then each of the upper half.
-    hands: [rows of hands, columns] its table; hand_rows: [H, C] int64, the row of it with which hands begin on a clip,
-    -1 if they do not lie on it; hand_lanes: uint64, where in the lanes of the upper half each joint of theirs goes.
+    Attributes:
+        lower: [rows, columns] float32, the table `lower`.
+        upper: [rows, columns] float32, the table `upper`.
+        phases: [rows] float64, the table `phase_of_frame`.
+        frames: [cells] float32, the table `frame_of_phase`.
+        clips: [C, CLIP_COLUMNS] float64; a posture is six numbers from POSTURE on.
+        rig: uint64, counts and widths; from COLUMNS on, the first column in a pose of each joint of the lower half,
+            then of the upper half.
+        hands: [rows of hands, columns] float32, the table `hands`.
+        hand_rows: [H, C] int64, the first row in `hands` of each hands clip on each clip; -1 if not aligned to it.
+        hand_lanes: uint64, the offset in the sampled upper half of each joint of the hands.
     """
 
     lower: Array
@@ -49,20 +56,21 @@ class BankArrays(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Room for what each of several threads computes of a block of characters."""
+    """Scratch memory of each thread, for one block of characters."""
 
     lanes: Array  # [threads, 4 lower lanes + 4 upper lanes + 4 lanes of hands] float32
     block: Array  # [threads, BLOCK_ROWS * BLOCK] float64
 
 
 class RigArrays(NamedTuple):
-    """What forward kinematics needs of a skeleton."""
+    """A skeleton as flat arrays, for forward kinematics."""
 
     parents: Array  # [J]
     offsets: Array  # [J, 3] float32
 
 
 def bank_arrays(bank: Bank) -> BankArrays:
+    """Returns a bank as flat arrays, without copying its large tables."""
     layout = bank.layout
     clips = np.array(
         [
@@ -99,17 +107,18 @@ def bank_arrays(bank: Bank) -> BankArrays:
 
 
 def constant(table: Array) -> Array:
-    """A view that cannot be written: a kernel is compiled anew for arrays that can."""
+    """Returns a read-only view. Writable arrays have another Numba type, for which kernels would be compiled again."""
     view = table.view()
     view.flags.writeable = False
     return view
 
 
 def scratch(bank: BankArrays, threads: int) -> Scratch:
-    """Room for `threads` threads on a bank."""
+    """Returns scratch memory for `threads` threads."""
     lanes = 4 * int(bank.rig[LOWER_WIDTH] + bank.rig[UPPER_WIDTH] + bank.rig[HANDS_WIDTH])
     return Scratch(np.zeros((threads, lanes), np.float32), np.zeros((threads, BLOCK_ROWS * BLOCK)))
 
 
 def rig_arrays(skeleton: Skeleton) -> RigArrays:
+    """Returns a skeleton as flat arrays."""
     return RigArrays(skeleton.parents, skeleton.offsets.astype(np.float32))

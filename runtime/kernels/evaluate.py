@@ -1,7 +1,7 @@
-"""The per-frame arithmetic on flat arrays.
+"""Evaluates splices on flat arrays.
 
-Characters are worked on in blocks: rows are looked up and fetched, each is sampled on its own, and what follows from
-both samples is computed across the block.
+Characters are computed in blocks. Their rows are looked up and prefetched, each character is sampled on its own, and
+alignment and posture are computed across the block.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def evaluate(
 ) -> int:
     """Writes each character's root position [n, 3] and local rotations [n, 4 J]; returns `first_at_fault`.
 
-    If there is one at fault, nothing is written. memory [n, MEMORY_COLUMNS] is of as many characters, of one for all,
-    or of none; share is how much of a new frame counts in a running posture.
+    If a request is invalid, nothing is written. memory [m, MEMORY_COLUMNS] has m = n, 1 (all requests are about one
+    character) or 0. share is the weight of a new frame in a running posture.
     """
     fault = first_at_fault(bank, requests, len(memory) > 0)
     if fault < 0:
@@ -47,7 +47,7 @@ def evaluate(
 def evaluate_in_parallel(
     bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
 ) -> int:
-    """As `evaluate`, with as many threads as the scratch has room for; memory is not of one for all."""
+    """As `evaluate`, with as many threads as `scratch` has; memory must have n or 0 rows."""
     fault = first_at_fault(bank, requests, len(memory) > 0)
     if fault < 0:
         threads, blocks = len(scratch.lanes), (len(requests) + BLOCK - 1) // BLOCK
@@ -60,7 +60,7 @@ def evaluate_in_parallel(
 
 @kernel
 def first_at_fault(bank: BankArrays, requests: Array, remembers: bool) -> int:
-    """The first character that asks for what there is not; -1 if all are sound."""
+    """Returns the index of the first invalid request, -1 if all are valid."""
     clips = bank.clips
     for character in range(len(requests)):
         request = requests[character]
@@ -83,13 +83,13 @@ def first_at_fault(bank: BankArrays, requests: Array, remembers: bool) -> int:
 
 @inlined
 def upper_clip(request: Array) -> int:
-    """The clip that gives the upper body."""
+    """Returns the clip that gives the upper body."""
     return int(request["locomotion"]) if request["method"] == NONE else int(request["action"])
 
 
 @inlined
 def within(clips: Array, clip: int, seconds: float) -> bool:
-    """Whether a clip lasts so long; false for NaN."""
+    """Whether a time lies within a clip; false for NaN."""
     return (
         seconds >= 0.0 and (seconds - arrays.LATE) * clips[clip, arrays.RATE] <= clips[clip, arrays.FRAME_COUNT] - 1.0
     )
@@ -108,8 +108,9 @@ def evaluate_part(
     roots: Array,
     rotations: Array,
 ) -> None:
+    """Evaluates the requests from `begin` to `end` with the scratch memory of one thread."""
     lanes, block, pelvis = scratch.lanes[thread], scratch.block[thread], bank.rig[arrays.PELVIS_COLUMN]
-    above = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]  # where in the lanes those of the upper half begin
+    above = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]  # offset of the upper half in lanes
     for first in range(begin, end, BLOCK):
         count = min(BLOCK, end - first)
         look_up(bank, requests, first, count, block)
@@ -142,7 +143,7 @@ def sample_halves(
     roots: Array,
     rotations: Array,
 ) -> None:
-    """Both halves of a character between their rows: root and joints into its pose, all lanes into the scratch."""
+    """Samples both halves of a character: root and joints into its pose, all rotations into `lanes`."""
     lower, rig = bank.lower, bank.rig
     row, t, first = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
     for axis in range(np.uint64(ROOT), np.uint64(ROOT + 3)):
@@ -161,7 +162,7 @@ def sample_halves(
 
 @inlined
 def copy_lower(rig: Array, lanes: Array, rotations: Array, character: int) -> None:
-    """The joints of a lower half from lanes into a pose."""
+    """Copies the joints of the lower half from lanes into a pose."""
     at = np.uint64(4 * FIRST_JOINT)
     for joint in range(np.uint64(arrays.COLUMNS), np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT]):
         copy_rotation(lanes, at, rotations, character, rig[joint])
@@ -170,7 +171,7 @@ def copy_lower(rig: Array, lanes: Array, rotations: Array, character: int) -> No
 
 @inlined
 def copy_upper(rig: Array, lanes: Array, above: Index, rotations: Array, character: int) -> None:
-    """The joints of an upper half, which begins at `above`, from lanes into a pose."""
+    """Copies the joints of the upper half, which begins at `above`, from lanes into a pose."""
     at = above + np.uint64(4 * FIRST_JOINT)
     for joint in range(np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], np.uint64(len(rig))):
         copy_rotation(lanes, at, rotations, character, rig[joint])
@@ -179,6 +180,7 @@ def copy_upper(rig: Array, lanes: Array, above: Index, rotations: Array, charact
 
 @inlined
 def copy_rotation(lanes: Array, at: Index, rotations: Array, character: int, column: Index) -> None:
+    """Copies one rotation from lanes into a pose."""
     x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
     rotations[character, column], rotations[character, column + ONE] = x, y
     rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = z, w

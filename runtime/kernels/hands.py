@@ -1,4 +1,4 @@
-"""Hands over the upper half of a body: rows that lie beside the body's own, of those joints that hands may drive."""
+"""Lays hands over the upper half of a body. Row by row, the table `hands` goes with the rows of the body."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined
 def lay_hands(
     bank: BankArrays, worn: int, clip: int, row: Index, t: Real, weight: Real, lanes: Array, above: Index
 ) -> None:
-    """Lays hands, as far as `weight` says, over the upper half at `above`, which is a clip's between row and the next.
+    """Blends hands over the upper half at `above`, which was sampled from a clip `t` of the way from row to the next.
 
-    Where they are not aligned to the clip nothing is done. The lanes after the upper half's are room for them.
+    Does nothing if the hands `worn` are not aligned to the clip. The lanes after the upper half are scratch memory.
     """
     if bank.hand_rows[worn, clip] >= 0:
         width, at = bank.rig[arrays.HANDS_WIDTH], above + np.uint64(4) * bank.rig[arrays.UPPER_WIDTH]
@@ -29,7 +29,7 @@ def lay_hands(
 
 @inlined
 def turn_to(lanes: Array, own: Index, other: Index, weight: Real) -> None:
-    """A rotation in lanes, `weight` of the way to another, by the shorter way round."""
+    """Blends a rotation in lanes towards another, along the shorter arc."""
     b, c, d = ONE, ONE + ONE, ONE + ONE + ONE
     x, y, z, w = lanes[other], lanes[other + b], lanes[other + c], lanes[other + d]
     if weight < np.float32(1.0):

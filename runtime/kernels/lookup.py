@@ -1,6 +1,6 @@
-"""Where in the bank a character is: which rows of which tables, and how far between them.
+"""Look-up: the rows of a bank for a character, and the position between them.
 
-Whatever a table holds, the rows found lie in the clip.
+The rows lie in the clip even if a table is damaged.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
 from motionsplice.runtime.simd.prefetch import prefetch
 
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
-IN_STEP = 1e-3  # cycles by which an action may begin before its start and still count as in step
+IN_STEP = 1e-3  # cycles by which an action may begin before its start
 
 
 @kernel
 def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Array) -> None:
-    """Finds the rows of `count` characters from the first, and has them fetched from memory while it goes on.
+    """Finds the rows of `count` characters from `first` on, and prefetches them.
 
-    What must wait for memory waits for all characters at once: one step for all, then the next.
+    Each step is done for all characters before the next step, so that their waits for memory overlap.
     """
     clips = bank.clips
     for k in range(count):
@@ -57,7 +57,11 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
 
 @inlined
 def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: int, start: float, cycles: int) -> float:
-    """The action's phase: the locomotion's, as many cycles more as bring it to the start or after it, and `cycles`."""
+    """Returns the action's phase at a row of the locomotion.
+
+    It is the locomotion's phase, plus the whole cycles that bring the action to its start or later, plus `cycles`,
+    brought back by whole loops if the action has ended.
+    """
     clips = bank.clips
     phase, rate_u = between(bank.phases, row, t), clips[clip_u, arrays.RATE]
     row, t = locate(start * rate_u, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
@@ -70,7 +74,7 @@ def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: i
 
 @inlined
 def frame_near(bank: BankArrays, clip: int, phase: float) -> float:
-    """A clip's frame at a phase, to within what the cells of frame_of_phase are apart."""
+    """Returns a clip's frame at a phase, as exactly as the cells of frame_of_phase allow."""
     clips = bank.clips
     at = (phase - clips[clip, arrays.FIRST_PHASE]) * clips[clip, arrays.CELLS_PER_CYCLE]
     cell, t = locate(at, clips[clip, arrays.FIRST_CELL], clips[clip, arrays.CELL_COUNT])
@@ -79,7 +83,7 @@ def frame_near(bank: BankArrays, clip: int, phase: float) -> float:
 
 @inlined
 def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
-    """The very frame at a phase, from one that is near: the curve itself leads to it."""
+    """Refines a frame near a phase to the exact frame, by two steps along the phase curve."""
     first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
     for _ in range(2):
         row, _ = locate(near, first, count)
@@ -90,8 +94,8 @@ def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
 
 @inlined
 def locate(at: float, first: float, count: float) -> tuple[np.uint64, float]:
-    """The table row before a real-valued position in a clip's `count` rows, and how far past it; held at the ends."""
-    at = at if at > 0.0 else 0.0  # of NaN too
+    """Returns the row before a real-valued position in a clip's `count` rows, and the share of the next; clamped."""
+    at = at if at > 0.0 else 0.0  # NaN becomes 0 too
     at = at if at < count - 1.0 else count - 1.0
     before = min(np.floor(at), count - 2.0)
     return np.uint64(first + before), at - before
@@ -99,32 +103,32 @@ def locate(at: float, first: float, count: float) -> tuple[np.uint64, float]:
 
 @inlined
 def between(table: Array, row: Index, t: float) -> float:
-    """A curve's value `t` of the way from a row to the next."""
+    """Interpolates a curve `t` of the way from a row to the next."""
     here = table[row]
     return here + t * (table[row + ONE] - here)
 
 
 @inlined
 def repeated(frame: float, last: float) -> float:
-    """A frame counted on past the end, brought back into a clip whose last frame repeats its first moment."""
+    """Wraps a frame past the end back into a clip whose last frame is the same moment as its first."""
     return frame if frame <= last else frame - last * np.floor(frame / last)
 
 
 @inlined
 def fetch_ahead(table: Array, row: Index) -> None:
-    """Has the processor fetch a row of a table and the next one, for memory is far."""
+    """Prefetches a row of a table and the next one."""
     for column in range(0, 2 * table.shape[1], LINE):
         prefetch(table, row, column)
 
 
 @inlined
 def fetch_hands(bank: BankArrays, worn: int, clip: int, row: Index) -> None:
-    """The same of hands on a clip, if there are any: `worn` is their number, negative for none."""
+    """Prefetches the rows of hands on a clip, if aligned; `worn` is the number of the hands, negative for none."""
     if worn >= 0 and bank.hand_rows[worn, clip] >= 0:
         fetch_ahead(bank.hands, row_of_hands(bank, worn, clip, row))
 
 
 @inlined
 def row_of_hands(bank: BankArrays, worn: int, clip: int, row: Index) -> np.uint64:
-    """The row of hands that lies beside a clip's own."""
+    """Returns the row of the table `hands` that goes with a row of a clip."""
     return row - np.uint64(bank.clips[clip, arrays.FIRST_ROW]) + np.uint64(bank.hand_rows[worn, clip])

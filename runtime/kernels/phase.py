@@ -1,4 +1,4 @@
-"""A clip's phase and its frames: one from the other, and how far a clip goes on by itself."""
+"""Converts between frames and phases of a clip, and advances a clip by its own speed."""
 
 from __future__ import annotations
 
@@ -12,34 +12,36 @@ from motionsplice.runtime.simd.compiled import inlined
 
 @inlined
 def row_of(bank: BankArrays, clip: int, frame: float) -> tuple[np.uint64, float]:
-    """The row before a real-valued frame of a clip, its seam's among them, and how far past it."""
+    """Returns the row before a real-valued frame of a clip or its seam, and the share of the next row."""
     return locate(frame, bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT])
 
 
 @inlined
 def phase_of(bank: BankArrays, clip: int, frame: float) -> float:
-    """A clip's phase at a frame."""
+    """Returns a clip's phase at a frame."""
     row, t = row_of(bank, clip, frame)
     return between(bank.phases, row, t)
 
 
 @inlined
 def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
-    """A clip's real-valued frame at a phase; its ends' beyond them."""
+    """Returns a clip's real-valued frame at a phase, clamped to its ends."""
     last = bank.clips[clip, arrays.ROW_COUNT] - 1.0
     return min(max(frame_at(bank, clip, phase, frame_near(bank, clip, phase)), 0.0), last)
 
 
 @inlined
 def frame_after_last(bank: BankArrays, clip: int) -> float:
-    """The frame at which a clip with a loop goes on after its last one."""
+    """Returns the frame to which a looping clip jumps back from its last row."""
     return frame_of(bank, clip, bank.clips[clip, arrays.LAST_PHASE] - bank.clips[clip, arrays.LOOP])
 
 
 @inlined
 def own_step(bank: BankArrays, clip: int, frame: float, phase: float, ahead: float) -> float:
-    """Cycles that a clip goes on by itself in so many seconds from a frame, whose phase is given; past its end as its
-    loop does, or as its last frames did."""
+    """Returns the cycles that a clip advances in `ahead` seconds at its own speed, from a frame with a given phase.
+
+    Past its end it advances as its loop does, or as fast as in its last frames if it has no loop.
+    """
     after, last = frame + ahead * bank.clips[clip, arrays.RATE], bank.clips[clip, arrays.ROW_COUNT] - 1.0
     if after <= last:
         return phase_of(bank, clip, after) - phase

@@ -1,4 +1,4 @@
-"""How a splice's upper body comes to sit on its root: spatial alignment and posture, across a block of characters."""
+"""Turns the pelvis of a splice: spatial alignment and posture transfer, across a block of characters."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from motionsplice.runtime.simd.lanes import load, spread, total
 from motionsplice.runtime.simd.width import LANES
 
 OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
-GIVEN = 4  # towards what is remembered, as it is: characters that mix locomotions mix what those have stored
-LEAST_GAP = 1e-3  # of horn: below it, clouds of 32 bits do not tell a rotation to a ten-thousandth of a radian
-SLACK = 1.0 + 1e-6  # by as much a bound may come out too small
+GIVEN = 4  # absolute, but relative to the mean in memory: characters mix the postures of mixed locomotions there
+LEAST_GAP = 1e-3  # of horn: below it, float32 clouds do not determine a rotation to 1e-4 radians
+SLACK = 1.0 + 1e-6  # allows for rounding of a bound
 
 
 @inlined
 def correlate(bank: BankArrays, lower: Array, block: Array, k: int, lanes: Array, above: Index) -> None:
-    """What a block needs of a splice: how its clouds go together, a bound on that, and five of its rotations."""
+    """Writes a splice into lane k of the block: the correlation of its clouds, its bound, and four rotations."""
     upper, width = bank.upper, bank.rig[arrays.CLOUD_WIDTH]
     row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
     row_u, t_u = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
@@ -69,14 +69,14 @@ def correlate(bank: BankArrays, lower: Array, block: Array, k: int, lanes: Array
 
 @inlined
 def mixed(table: Array, row: Index, column: Index, t: Real) -> Array:
-    """Eight neighbours of a row, `t` of the way to the next row."""
+    """Interpolates eight neighbouring columns `t` of the way from a row to the next."""
     here, there = load(table, row, column), load(table, row + ONE, column)
     return here + spread(t) * (there - here)
 
 
 @inlined
 def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
-    """A column's value `t` of the way from a row to the next."""
+    """Interpolates a column `t` of the way from a row to the next."""
     here = table[row, column]
     return here + t * (table[row + ONE, column] - here)
 
@@ -85,9 +85,9 @@ def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
 def turn_pelves(
     bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
 ) -> None:
-    """Turns the pelvis of each splice of a block, in SPLICED, from the locomotion's to the splice's."""
+    """Turns the pelvis of each splice of a block, in SPLICED: from the locomotion's rotation to the splice's."""
     horn(block)
-    settle(requests, memory, block, first, count)
+    hold_unclear_alignments(requests, memory, block, first, count)
     multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
     multiply(block, THEIRS, OWN, TURN, BACK)
     other_postures(bank, requests, memory, share, block, first, count)
@@ -98,8 +98,8 @@ def turn_pelves(
 
 
 @kernel
-def settle(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
-    """Where no alignment is clearly the best: the last one that was, if there is a memory; else none."""
+def hold_unclear_alignments(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
+    """Replaces alignments that are not clearly the best by the last clear one in memory, or by the identity."""
     for k in range(count):
         if requests[first + k]["method"] == SPLICE:
             clear, remembered = block[GAP * BLOCK + k] >= LEAST_GAP, min(first + k, len(memory) - 1)
@@ -115,7 +115,7 @@ def settle(requests: Array, memory: Array, block: Array, first: int, count: int)
 def other_postures(
     bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
 ) -> None:
-    """The turns of those splices whose posture is not relative."""
+    """Writes the posture turns, TURN, of splices whose posture is not relative."""
     turned = 0
     for k in range(count):
         request = requests[first + k]
@@ -143,7 +143,7 @@ def other_postures(
 
 @inlined
 def correlate_postures(wanted: Array, given: Array, block: Array, k: int) -> None:
-    """How two postures, six numbers each, go together, and a bound on that."""
+    """Writes the correlation of two postures, six numbers each, and its bound into lane k of the block."""
     at, size = CORRELATION * BLOCK + k, 0.0
     for i in range(3):
         for j in range(3):
@@ -155,10 +155,10 @@ def correlate_postures(wanted: Array, given: Array, block: Array, k: int) -> Non
 
 @inlined
 def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, block: Array, k: int) -> None:
-    """Takes the shoulders of the splice so far, as seen in the posture frame, into a running mean of six numbers."""
+    """Updates a running mean of six numbers by the splice's shoulders in the posture frame."""
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     frame, spliced = FRAME * BLOCK + k, SPLICED * BLOCK + k
-    seen = product(
+    turn = product(
         -block[frame],
         -block[frame + BLOCK],
         -block[frame + 2 * BLOCK],
@@ -169,13 +169,13 @@ def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, b
         block[spliced + 3 * BLOCK],
     )
     width = bank.rig[arrays.CLOUD_WIDTH]
-    column = np.uint64(CLOUD) + bank.rig[arrays.POINTS] - ONE - ONE  # the shoulders are the last of the cloud
+    column = np.uint64(CLOUD) + bank.rig[arrays.POINTS] - ONE - ONE  # the shoulders are the last two points
     for point in range(2):
         x = between_rows(bank.upper, row, column, t)
         y = between_rows(bank.upper, row, column + width, t)
         z = between_rows(bank.upper, row, column + width + width, t)
         column += ONE
-        for i, value in enumerate(rotated(seen[0], seen[1], seen[2], seen[3], x, y, z)):
+        for i, value in enumerate(rotated(turn[0], turn[1], turn[2], turn[3], x, y, z)):
             if math.isnan(mean[3 * point + i]):
                 mean[3 * point + i] = stored[3 * point + i]
             mean[3 * point + i] += share * (value - mean[3 * point + i])

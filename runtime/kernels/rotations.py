@@ -1,7 +1,7 @@
-"""Rotations in kernels: sampling a row's, and products and best fits across a block of characters.
+"""Rotations in kernels: sampling of rows, and products and best fits across a block of characters.
 
-Nothing here checks, allocates or holds the GIL. A block is a flat array of rows of BLOCK lanes, one lane a character;
-with offsets that the compiler knows, loops over lanes become vector instructions.
+A block is a flat array of rows of BLOCK lanes, one lane for each character. The compiler knows the offsets of rows, so
+it vectorises loops over lanes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from motionsplice.runtime.simd.lanes import interleave, load, spread
 from motionsplice.runtime.simd.width import LANES
 
 Number = Any  # a float, or lanes
-ONWARD, BACK = 1.0, -1.0  # senses of a rotation
+ONWARD, BACK = 1.0, -1.0  # a rotation, or its inverse
 ONE = np.uint64(1)
 TINY = 1e-300
 # Eberly 2011: sin(t angle) / sin(angle) as a series in cos(angle) - 1, cut after four terms
@@ -28,12 +28,12 @@ HALLEY_STEPS = 8
 
 @inlined
 def sample(table: Array, row: Index, first: Index, width: Index, t: Real, out: Array, at: Index) -> None:
-    """All rotations of a row's lanes, `t` of the way to the next row, into `out` from `at` on, one after the other.
+    """Writes all rotations of a row, `t` of the way to the next row, into `out` from `at` on, one after the other.
 
-    first is the column of the first plane. Keys lie in one hemisphere, so slerp is Eberly's series (2011). Its
-    remainder grows with their angle: 2e-7 rad at 60 degrees, 1e-5 at 90, 1e-3 (0.05 degrees) at 150, and 0.0051 (0.3
-    degrees) at 180, which is as far apart as keys can be. The sum is nearly of unit length: one step of Newton's
-    makes it so.
+    first is the column of the first plane. Both keys lie in one hemisphere, so slerp can be Eberly's series (2011). Its
+    error grows with the angle between the keys: 2e-7 rad at 60 degrees, 1e-5 at 90, 1e-3 (0.05 degrees) at 150, and
+    0.0051 (0.3 degrees) at 180, the largest angle there can be. The result is nearly of unit length; one Newton step
+    normalises it.
     """
     s = np.float32(1.0) - t
     t0, t1, t2, t3, t4 = series(t)
@@ -56,7 +56,7 @@ def sample(table: Array, row: Index, first: Index, width: Index, t: Real, out: A
 
 @inlined
 def series(t: Real) -> tuple[Array, Array, Array, Array, Array]:
-    """The coefficients of a key's weight at `t`, as a polynomial in cos(angle) - 1, each in all lanes."""
+    """Returns a key's weight at `t` as coefficients of a polynomial in cos(angle) - 1, each in all lanes."""
     square = t * t
     t1 = t * (P1 * square - Q1)
     t2 = t1 * (P2 * square - Q2)
@@ -68,7 +68,7 @@ def series(t: Real) -> tuple[Array, Array, Array, Array, Array]:
 def product(
     ax: Number, ay: Number, az: Number, aw: Number, bx: Number, by: Number, bz: Number, bw: Number
 ) -> tuple[Number, Number, Number, Number]:
-    """The rotation that turns by b, then by a."""
+    """Returns the quaternion product a b: turn by b, then by a."""
     return (
         aw * bx + ax * bw + ay * bz - az * by,
         aw * by - ax * bz + ay * bw + az * bx,
@@ -81,7 +81,7 @@ def product(
 def rotated(
     qx: Number, qy: Number, qz: Number, qw: Number, x: Number, y: Number, z: Number
 ) -> tuple[Number, Number, Number]:
-    """A vector turned by q."""
+    """Returns a vector rotated by q."""
     tx, ty, tz = qy * z - qz * y, qz * x - qx * z, qx * y - qy * x
     tx, ty, tz = tx + tx, ty + ty, tz + tz
     return x + qw * tx + qy * tz - qz * ty, y + qw * ty + qz * tx - qx * tz, z + qw * tz + qx * ty - qy * tx
@@ -89,7 +89,7 @@ def rotated(
 
 @inlined
 def multiply(block: Array, a: int, b: int, out: int, sense: float) -> None:
-    """out = a b, or a b^-1 if sense is BACK; each is the first of a quaternion's four rows, and out may be a or b."""
+    """Writes out = a b, or a b^-1 if sense is BACK. Each is the first of four rows of the block; out may be a or b."""
     a, b, out = a * BLOCK, b * BLOCK, out * BLOCK
     for k in range(BLOCK):
         ax, ay, az, aw = block[a + k], block[a + BLOCK + k], block[a + 2 * BLOCK + k], block[a + 3 * BLOCK + k]
@@ -101,7 +101,7 @@ def multiply(block: Array, a: int, b: int, out: int, sense: float) -> None:
 
 @inlined
 def normalise(block: Array, q: int) -> None:
-    """Scales a quaternion to unit length; what stands in a lane without a character may be zero."""
+    """Scales a quaternion to unit length. Lanes without a character may be zero."""
     q = q * BLOCK
     for k in range(BLOCK):
         x, y, z, w = block[q + k], block[q + BLOCK + k], block[q + 2 * BLOCK + k], block[q + 3 * BLOCK + k]
@@ -114,7 +114,7 @@ def normalise(block: Array, q: int) -> None:
 def minors(
     a: float, b: float, c: float, d: float, ab: float, ac: float, ad: float, bc: float, bd: float, cd: float
 ) -> tuple[float, ...]:
-    """The 2x2 minors of the two upper rows of [[a, ab, ac, ad], [ab, b, bc, bd], ...], then of the two lower rows."""
+    """Returns 2x2 minors of the upper two rows of [[a, ab, ac, ad], [ab, b, bc, bd], ...], then of the lower two."""
     return (
         a * b - ab * ab,
         a * bc - ab * ac,
@@ -133,13 +133,13 @@ def minors(
 
 @kernel
 def horn(block: Array) -> None:
-    """The rotations ALIGNED that maximise sum target . q source, for CORRELATION 3 i + j = sum target_i source_j.
+    """Writes rotations ALIGNED that maximise sum target . q source, for CORRELATION 3 i + j = sum target_i source_j.
 
-    Horn 1987, by Theobald's route (2005): the largest root of the characteristic polynomial of a traceless symmetric
-    4x4 matrix from an upper bound, the lesser of BOUND, (sum |target|^2 + sum |source|^2) / 2, and sqrt(3 sum of
-    squares); then its eigenvector, as the largest column of the adjugate. All roots are real, so Halley's method comes
-    down on it, and where the second is near, faster than Newton's. GAP is about how far that is below the largest, as a
-    part of it: where it is small, no rotation is clearly better than all others.
+    Horn 1987, solved as by Theobald (2005). First the largest root of the characteristic polynomial of a traceless
+    symmetric 4x4 matrix, starting from an upper bound: the lesser of BOUND, (sum |target|^2 + sum |source|^2) / 2, and
+    sqrt(3 sum of squares). Then its eigenvector, as the largest column of the adjugate. All roots are real, so Halley's
+    method converges from above, and faster than Newton's if the second root is near. GAP is roughly the difference
+    between the two largest roots, divided by the largest. If it is small, no rotation is clearly the best.
     """
     for k in range(BLOCK):
         at = CORRELATION * BLOCK + k

@@ -11,18 +11,18 @@ from motionsplice.runtime.simd.compiled import Array, kernel
 from motionsplice.runtime.simd.lanes import gather, load, scatter, spread, store
 from motionsplice.runtime.simd.width import LANES
 
-# what the scratch holds of a joint in the world, each in eight lanes: its rotation and its place
+# columns of scratch memory: world rotation and world position of a joint, each in eight lanes
 X, Y, Z, W, AT_X, AT_Y, AT_Z, COLUMNS = (np.uint64(LANES * number) for number in range(8))
 
 
 def scratch(joints: int) -> NDArray[np.float32]:
-    """Room for eight characters."""
+    """Returns scratch memory for eight characters."""
     return np.zeros((joints, int(COLUMNS)), np.float32)
 
 
 @kernel
 def world_positions(rig: RigArrays, roots: Array, rotations: Array, world: Array, positions: Array) -> None:
-    """Writes world positions [n, 3 J] of poses, roots [n, 3] and rotations [n, 4 J]; world is `scratch`."""
+    """Writes world positions [n, 3 J] of poses: roots [n, 3] and rotations [n, 4 J]. world is from `scratch`."""
     last = len(roots) - 1
     for first in range(0, len(roots), LANES):
         for k in range(LANES):

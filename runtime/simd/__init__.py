@@ -1,4 +1,1 @@
-"""Compiling for the processor: kernels, vector lanes, prefetching.
-
-Knows nothing of animation; any kernel may import it.
-"""
+"""Compilation for the processor: kernels, vector lanes, prefetching. Independent of animation."""

@@ -1,7 +1,7 @@
-"""How kernels are compiled: once, into a cache beside them or in NUMBA_CACHE_DIR, for this processor.
+"""Decorators that compile kernels once, for this processor, into a cache beside them or in NUMBA_CACHE_DIR.
 
-Numba looks only at the file of the kernel that is called for whether its cache is of today: after a change to a kernel
-that others call, remove the caches (`make clean` does).
+Numba checks only the file of the called kernel to see whether its cache is current. After a change to a kernel that
+other kernels call, remove the caches with `make clean`.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-Index = int | np.uint64  # signed indices may count from the end, and the compiler then guards each of them
+Index = int | np.uint64  # unsigned, because for signed indices the compiler adds a check for counting from the end
 Real = float | np.float32
 
-FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # not what takes NaN for impossible
-ZERO = np.int64(0)  # to begin counting from: kernels are compiled apart for each literal that they are given
+FASTMATH = {"contract", "reassoc", "arcp", "nsz"}  # without the flag that assumes that there is no NaN
+ZERO = np.int64(0)  # a typed zero, because a literal argument makes Numba compile the kernel again
 
-UNCOUNTED: dict[str, Any] = {"_nrt": False}  # kernels make no arrays; counting references to them took half the time
+UNCOUNTED: dict[str, Any] = {"_nrt": False}  # kernels create no arrays; reference counting took half the time
 
 kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **UNCOUNTED)
 parallel_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)
-# by LLVM, once it is lowered: where Numba itself inlines, it infers types anew in each caller, and took twice as long
+# inlined by LLVM: Numba's own inlining infers types again in each caller, and compiling took twice as long
 inlined = njit(nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True, **UNCOUNTED)

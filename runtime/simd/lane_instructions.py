@@ -1,6 +1,6 @@
-"""Eight numbers at once as LLVM's vectors: their type in Numba, and what each function of `runtime.simd.lanes` becomes.
+"""LLVM vectors of eight float32: their type in Numba, and the instructions for each function of `runtime.simd.lanes`.
 
-Addresses are taken to exist: nothing is counted from the end, and nothing is checked.
+Indices are not checked, and negative indices do not count from the end.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FLAGS = tuple(sorted(FASTMATH))
 
 
 class LanesType(types.Type):
-    """Numba's type of eight float32."""
+    """The Numba type of eight float32."""
 
     def __init__(self) -> None:
         super().__init__("lanes")
@@ -54,7 +54,7 @@ for _operation, _instruction in (
 
 
 def _address(context, builder, kind, array, indices):
-    """The place of an element, which exists and is not counted from the end."""
+    """Returns the address of an element, without a check of its indices."""
     array = context.make_array(kind)(context, builder, array)
     offset = indices[0]
     for axis, index in enumerate(indices[1:], 1):
@@ -143,7 +143,7 @@ def llvm_interleave(_, out, at, x, y, z, w):
 
 
 def _rows(builder, first, last):
-    """Eight rows from the first on, held at the last."""
+    """Yields eight rows from `first` on, clamped to `last`."""
     for number in range(LANES):
         row = builder.add(first, ir.Constant(first.type, number))
         yield builder.select(builder.icmp_signed("<", row, last), row, last)
@@ -154,7 +154,7 @@ def _shuffled(builder, a, b, order):
 
 
 def _transposed(builder, quads):
-    """Four times eight numbers from eight times four."""
+    """Transposes eight vectors of four numbers into four vectors of eight."""
     pairs = [_shuffled(builder, quads[i], quads[i + 4], list(range(8))) for i in range(4)]  # rows i and i + 4
     low, high = [0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15]
     mixed = [_shuffled(builder, pairs[i], pairs[i + 1], order) for i in (0, 2) for order in (low, high)]

@@ -1,8 +1,8 @@
-"""Eight numbers at once, in kernels and in plain Python.
+"""Vector arithmetic on eight float32, in kernels and in plain Python.
 
-Numba turns loops into vector instructions where it can prove that no array overlaps another, which over a row of a few
-dozen joints costs more than the loop. So kernels may say what they mean: `load` eight numbers, compute, `store`. As
-plain Python, lanes are NumPy arrays of eight, and the same code runs.
+Numba vectorises a loop only if it can prove that arrays do not overlap, which costs more than the loop over a row of a
+few dozen joints. So kernels vectorise explicitly: `load` eight numbers, compute, `store`. In plain Python, lanes are
+NumPy arrays of eight numbers, and the same code runs.
 """
 
 from __future__ import annotations
@@ -27,32 +27,32 @@ from motionsplice.runtime.simd.width import LANES
 
 
 def load(table: Array, row: Index, column: Index) -> Array:
-    """Eight neighbours of a row, from a column on."""
+    """Loads eight neighbouring numbers of a row, from a column on."""
     return table[row, column : column + LANES]
 
 
 def store(table: Array, row: Index, column: Index, lanes: Array) -> None:
-    """Eight numbers into a row, from a column on."""
+    """Stores eight numbers in a row, from a column on."""
     table[row, column : column + LANES] = lanes
 
 
 def spread(value: Real) -> Array:
-    """The same number in all lanes."""
+    """Returns the same number in all lanes."""
     return np.full(LANES, value, np.float32)
 
 
 def total(lanes: Array) -> Real:
-    """The sum of all lanes."""
+    """Returns the sum of all lanes."""
     return lanes.sum()
 
 
 def root(lanes: Array) -> Array:
-    """The square root of each."""
+    """Returns the square root of each lane."""
     return np.sqrt(lanes)
 
 
 def signed(size: Array, like: Array) -> Array:
-    """Numbers of the size of one and the sign of the other."""
+    """Returns the magnitudes of `size` with the signs of `like`."""
     return np.copysign(size, like)
 
 
@@ -62,19 +62,19 @@ def interleave(out: Array, at: Index, x: Array, y: Array, z: Array, w: Array) ->
 
 
 def separate(table: Array, at: Index) -> tuple[Array, Array, Array, Array]:
-    """What `interleave` has stored."""
+    """Loads x, y, z, w as `interleave` stores them."""
     x, y, z, w = table[at : at + 4 * LANES].reshape(LANES, 4).T
     return x, y, z, w
 
 
 def gather(table: Array, first: Index, last: Index, column: Index) -> tuple[Array, Array, Array, Array]:
-    """Four neighbouring columns of eight rows from the first; past the last row that one again."""
+    """Loads four neighbouring columns of eight rows from `first` on, clamped to `last`."""
     rows = np.minimum(np.arange(first, first + LANES), last)
     return tuple(table[rows, column + i] for i in range(4))
 
 
 def scatter(table: Array, first: Index, last: Index, column: Index, x: Array, y: Array, z: Array) -> None:
-    """Three neighbouring columns of eight rows from the first; what is past the last row goes there too."""
+    """Stores three neighbouring columns of eight rows from `first` on, clamped to `last`."""
     rows = np.minimum(np.arange(first, first + LANES), last)
     for i, lanes in enumerate((x, y, z)):
         table[rows, column + i] = lanes

@@ -8,11 +8,11 @@ from numba.extending import intrinsic, overload
 
 from motionsplice.runtime.simd.compiled import Array, Index
 
-READ, KEEP, DATA = 0, 3, 1  # as LLVM numbers them
+READ, KEEP, DATA = 0, 3, 1  # LLVM's numbers
 
 
 def prefetch(table: Array, row: Index, column: Index) -> None:
-    """Asks for the cache line at a place of a table, C-contiguous, in kernels; nothing as plain Python."""
+    """Prefetches the cache line of an element of a C-contiguous table; does nothing in plain Python."""
 
 
 @intrinsic

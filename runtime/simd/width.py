@@ -1,3 +1,3 @@
-"""How wide the lanes are; apart from what compiles, so that reading a bank needs no compiler."""
+"""The width of lanes, in a module without Numba, so that reading a bank does not import a compiler."""
 
-LANES = 8  # float32 that are computed with at once
+LANES = 8  # float32 per vector

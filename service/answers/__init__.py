@@ -1,1 +1,1 @@
-"""Poses, splices and streams over HTTP. Imported by `routes`."""
+"""Poses, splices and streams over HTTP."""

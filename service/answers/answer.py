@@ -1,4 +1,4 @@
-"""Requests and answers of the direct route, on which nothing is made that an answer does not need."""
+"""Answers of the direct route."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Headers = list[tuple[bytes, bytes]]
 
 
 class Answer(NamedTuple):
-    """A whole response."""
+    """A complete response."""
 
     body: bytes
     media_type: bytes
@@ -19,7 +19,7 @@ class Answer(NamedTuple):
     headers: Sequence[tuple[bytes, bytes]] = ()
 
     async def send(self, send: Send, more: Headers) -> None:
-        """Sends it, with more headers."""
+        """Sends the response with additional headers."""
         length = str(len(self.body)).encode()
         headers = [(b"content-type", self.media_type), (b"content-length", length), *self.headers, *more]
         await send({"type": "http.response.start", "status": self.status, "headers": headers})

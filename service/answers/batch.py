@@ -1,4 +1,4 @@
-"""The body of POST /v1/poses: columns of numbers about many characters, from bytes that may be anything."""
+"""The body of POST /v1/poses: columns of numbers for many characters, parsed from untrusted bytes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,15 @@ NONE = -1
 
 @dataclass(frozen=True)
 class Batch:
-    """What n characters play: clips, and hands, by index into `clips`, as columns [n]; action and hands -1 are none."""
+    """What n characters play.
+
+    Attributes:
+        clips: Names of clips and hands, to which the columns refer.
+        columns: Arrays [n] by key, as in COLUMNS. Clips and hands are indices into `clips`; NONE stands for no action
+            and for the clip's own hands.
+        method: One method for all characters.
+        posture: One posture for all characters.
+    """
 
     clips: tuple[str, ...]
     columns: Mapping[str, NDArray[Any]]
@@ -33,7 +41,10 @@ class Batch:
 
     @classmethod
     def from_msgpack(cls, body: bytes, most: int) -> Batch:
-        """Reads a map of blobs. Only what the map may hold is unpacked, so nothing grows beyond the body's size."""
+        """Parses a map of blobs. Raises RequestError or LimitError.
+
+        Nested containers are not unpacked, so that memory stays within a few times the body's size.
+        """
         unpacker = msgpack.Unpacker(max_buffer_size=len(body) or 1, max_array_len=0, max_map_len=0)
         unpacker.feed(body)
         values: dict[str, Any] = {}
@@ -42,27 +53,27 @@ class Batch:
                 key = _known(unpacker.unpack(), values)
                 values[key] = _texts(unpacker, most) if key == "clips" else unpacker.unpack()
             if unpacker.tell() != len(body):
-                raise RequestError("something follows the map")
+                raise RequestError("the body has bytes after the map")
         except (ValueError, TypeError, OverflowError, msgpack.UnpackException) as error:
-            raise RequestError(f"the body is no MessagePack map of names and blobs ({error})") from None
+            raise RequestError(f"the body is not a MessagePack map of names and blobs ({error})") from None
         columns = {}
         for key, kind in COLUMNS.items():
             if key in values:
                 size = np.dtype(kind).itemsize
                 if not isinstance(blob := values[key], bytes) or len(blob) % size:
-                    raise RequestError(f"{key}: it should be a blob of {size} bytes a character")
+                    raise RequestError(f"{key}: expected a blob of {size} bytes for each character")
                 columns[key] = np.frombuffer(blob, kind)
         return cls._checked(values, columns, most)
 
     @classmethod
     def from_json(cls, body: bytes, most: int) -> Batch:
-        """Reads a map of lists."""
+        """Parses a map of lists. Raises RequestError or LimitError."""
         try:
             values = orjson.loads(body)
         except orjson.JSONDecodeError as error:
-            raise RequestError(f"the body is no JSON ({error})") from None
+            raise RequestError(f"the body is not JSON ({error})") from None
         if not isinstance(values, dict):
-            raise RequestError("the body is no map")
+            raise RequestError("the body is not a map")
         columns = {}
         for key in list(values):
             _known(key, {})
@@ -70,7 +81,7 @@ class Batch:
                 kinds = (int, float) if COLUMNS[key] == "<f8" else (int,)
                 if not isinstance(values[key], list) or not all(type(one) in kinds for one in values[key]):
                     whole = "" if float in kinds else "whole "
-                    raise RequestError(f"{key}: it should be a list of {whole}numbers")
+                    raise RequestError(f"{key}: expected a list of {whole}numbers")
                 try:
                     columns[key] = np.array(values[key], COLUMNS[key])
                 except (ValueError, OverflowError):
@@ -81,10 +92,10 @@ class Batch:
     def _checked(cls, values: Mapping[str, Any], columns: dict[str, NDArray[Any]], most: int) -> Batch:
         for key in ("clips", "locomotion", "time"):
             if key not in values:
-                raise RequestError(f"{key}: it is missing")
+                raise RequestError(f"{key}: missing")
         clips, count = values["clips"], len(columns["locomotion"])
         if not isinstance(clips, list) or not all(isinstance(one, str) for one in clips):
-            raise RequestError("clips: it should be a list of names")
+            raise RequestError("clips: expected a list of names")
         if max(count, len(clips)) > most:
             raise LimitError(
                 f"{count} characters of {len(clips)} clips are more than {most}", mend="Send several batches"
@@ -94,53 +105,55 @@ class Batch:
         columns.setdefault("start", np.zeros(count))
         for key, column in columns.items():
             if len(column) != count:
-                raise RequestError(f"{key}: it has {len(column)} numbers for {count} characters")
+                raise RequestError(f"{key}: expected {count} numbers, as many as locomotion has, found {len(column)}")
         for key, least in (("locomotion", 0), ("action", NONE), ("hands", NONE)):
             outside = (columns[key] < least) | (columns[key] >= len(clips))
             if outside.any():
                 first = int(np.argmax(outside))
-                raise RequestError(f"{key}: {columns[key][first]} of character {first} is none of {len(clips)} clips")
-        played, worn = _named(len(clips), columns)
-        if (both := played & worn).any():
+                raise RequestError(
+                    f"{key}: character {first} has index {columns[key][first]}, but there are {len(clips)} clips"
+                )
+        as_clip, as_hands = _uses(len(clips), columns)
+        if (both := as_clip & as_hands).any():
             name = clips[int(np.argmax(both))]
-            raise RequestError(f"hands: {name!r:.40} is played as a clip too", mend="Name it twice in clips")
-        named = {key: values.get(key, default) for key, default in (("method", "splice"), ("posture", "relative"))}
-        for key, name in named.items():
+            raise RequestError(f"hands: {name!r:.40} is also used as a clip", mend="List it twice in clips")
+        choices = {key: values.get(key, default) for key, default in (("method", "splice"), ("posture", "relative"))}
+        for key, name in choices.items():
             if name not in NAMES[key]:
-                raise RequestError(f"{key}: it is {name!r:.40}, and should be one of {', '.join(NAMES[key])}")
-        return cls(tuple(clips), columns, named["method"], named["posture"])
+                raise RequestError(f"{key}: expected one of {', '.join(NAMES[key])}, found {name!r:.40}")
+        return cls(tuple(clips), columns, choices["method"], choices["posture"])
 
     def requests(self, bank: Bank) -> Requests:
-        """The same for the evaluator. Raises UnknownClipError."""
+        """Returns the batch as the evaluator's requests. Raises UnknownClipError."""
         locomotion, action, hands = (self.columns[key] for key in ("locomotion", "action", "hands"))
-        played, worn = _named(len(self.clips), self.columns)
+        as_clip, as_hands = _uses(len(self.clips), self.columns)
         numbers, hand_clips = np.zeros(len(self.clips), np.int32), set(bank.hand_clips)
         for one, name in enumerate(self.clips):
-            is_hands = worn[one] or (not played[one] and name in hand_clips)
+            is_hands = as_hands[one] or (not as_clip[one] and name in hand_clips)
             numbers[one] = bank.hand_number(name) if is_hands else bank.number(name)
-        acts, requests = action != NONE, Requests.empty(len(locomotion))
+        has_action, requests = action != NONE, Requests.empty(len(locomotion))
         if len(locomotion):
             requests.locomotion[:] = numbers[locomotion]
-            requests.action[:] = numbers[np.where(acts, action, locomotion)]
+            requests.action[:] = numbers[np.where(has_action, action, locomotion)]
             requests.hands[:] = np.where(hands == NONE, 0, 1 + numbers[hands])
         requests.time[:], requests.start[:] = self.columns["time"], self.columns["start"]
-        requests.method[:] = np.where(acts, METHODS[self.method], METHODS["none"])
+        requests.method[:] = np.where(has_action, METHODS[self.method], METHODS["none"])
         requests.posture[:] = POSTURES[self.posture]
         return requests
 
 
-def _named(count: int, columns: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which of so many names are played, and which are worn [count]."""
-    played, worn = np.zeros(count + 1, bool), np.zeros(count + 1, bool)  # the last takes NONE
-    played[columns["locomotion"]] = played[columns["action"]] = worn[columns["hands"]] = True
-    return played[:-1], worn[:-1]
+def _uses(count: int, columns: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Returns which of `count` names are used as clips, and which as hands, both [count]."""
+    as_clip, as_hands = np.zeros(count + 1, bool), np.zeros(count + 1, bool)  # NONE is the last, which is dropped
+    as_clip[columns["locomotion"]] = as_clip[columns["action"]] = as_hands[columns["hands"]] = True
+    return as_clip[:-1], as_hands[:-1]
 
 
 def _known(key: object, values: Mapping[str, Any]) -> str:
     if not isinstance(key, str) or key not in KEYS:
-        raise RequestError(f"there is no key {key!r:.40}", mend=did_you_mean(str(key)[:40], KEYS))
+        raise RequestError(f"unknown key {key!r:.40}", mend=did_you_mean(str(key)[:40], KEYS))
     if key in values:
-        raise RequestError(f"{key}: it is given twice", mend="Give it once")
+        raise RequestError(f"{key}: given twice", mend="Give it once")
     return key
 
 

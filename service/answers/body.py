@@ -1,4 +1,4 @@
-"""Reading the body of a request."""
+"""Reads the body of a request."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from motionsplice.service.problems import RequestError, TooLargeError, TooSlowEr
 
 
 def header(scope: Scope, name: bytes) -> str:
-    """The value of a header, or nothing."""
+    """Returns the value of a header, or an empty text."""
     return next((value.decode("latin-1") for key, value in scope["headers"] if key == name), "")
 
 
 async def whole_body(scope: Scope, receive: Receive, most: int, seconds: float) -> bytes:
-    """All of a body. Raises TooLargeError before more than `most` bytes are held, and TooSlowError."""
+    """Returns a whole body. Raises TooLargeError if it has more than `most` bytes, or TooSlowError after `seconds`."""
     try:
         async with asyncio.timeout(seconds):
             return b"".join([chunk async for chunk in chunks(scope, receive, most)])
     except TimeoutError:
-        raise TooSlowError(f"the body did not arrive within {seconds:g} s", mend="Send it at once") from None
+        raise TooSlowError(f"the body did not arrive within {seconds:g} s", mend="Send it in one piece") from None
 
 
 async def chunks(scope: Scope, receive: Receive, most: int) -> AsyncIterator[bytes]:
-    """A body as it arrives. Raises TooLargeError, and RequestError if the client goes before its end."""
-    length, seen = header(scope, b"content-length"), 0
+    """Yields a body as it arrives. Raises TooLargeError, or RequestError if the client disconnects before its end."""
+    length, received = header(scope, b"content-length"), 0
     if length.isdigit() and int(length[:18]) > most:
         raise _too_large(most)
     while True:
@@ -34,8 +34,8 @@ async def chunks(scope: Scope, receive: Receive, most: int) -> AsyncIterator[byt
         if message["type"] == "http.disconnect":
             raise RequestError("the body was cut short")
         chunk = message.get("body", b"")
-        seen += len(chunk)
-        if seen > most:
+        received += len(chunk)
+        if received > most:
             raise _too_large(most)
         yield chunk
         if not message.get("more_body", False):

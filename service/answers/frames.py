@@ -1,4 +1,4 @@
-"""The frames of one splice, block by block, so that others get their turn in between."""
+"""The frames of one splice, evaluated in blocks, so that other requests are served in between."""
 
 from __future__ import annotations
 
@@ -11,49 +11,50 @@ from numpy.typing import NDArray
 
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Poses
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
+from motionsplice.service.wire.parameters import splice_of
 from motionsplice.service.wire.query import integer, number
 
-BLOCK = 256  # frames that are evaluated at once: a tenth of a millisecond
+BLOCK = 256  # frames that are evaluated at once, in a tenth of a millisecond
 WHICH = (
-    number("rate", "frames per second; without it, the clip's own", least=0.001, most=1000.0),
-    integer("first", "the first frame", 0, most=10**9),
-    integer("count", "how many frames; without it, all", least=1, most=10**9),
+    number("rate", "frames per second; default: those of the clip", least=0.001, most=1000.0),
+    integer("first", "number of the first frame", 0, most=10**9),
+    integer("count", "number of frames; default: all", least=1, most=10**9),
 )
 
 
 @dataclass(frozen=True)
 class Frames:
-    """Which frames of which splice: `count` from `first` on, `rate` per second of the locomotion."""
+    """A range of a splice's frames: `count` frames from `first` on, `rate` per second of the locomotion."""
 
     edition: Edition
-    splice: dict[str, Any]
+    splice: Splice
     rate: float
     first: int
     count: int
 
     @classmethod
-    def asked(cls, edition: Edition, values: dict[str, Any], most: int) -> Frames:
-        """The frames of a query. Raises MotionError for whatever can be wrong with it."""
+    def from_query(cls, edition: Edition, values: dict[str, Any], most: int) -> Frames:
+        """Returns the frames of a query, whose first one is evaluated as a check. Raises MotionError."""
         clip = edition.bank.clip(values["locomotion"])
         rate, first = values["rate"] or clip.rate, values["first"]
         whole = int(clip.duration * rate + 1e-6) + 1
         if first >= whole:
-            raise RequestError(f"first: frame {first} lies behind the last, {whole - 1}", mend="Count from 0")
+            raise RequestError(f"first: frame {first} is after the last, {whole - 1}", mend="Frames count from 0")
         count = min(values["count"] or whole, whole - first)
         if count > most or (values["posture"] == "running" and first + count > most):
-            problem = f"{count} frames from frame {first} on are more than the {most} of one answer"
-            raise LimitError(problem, mend="Ask for some of them with first and count, or for a lower rate")
-        splice = {key: values[key] for key in ("locomotion", "action", "start", "method", "posture", "hands")}
-        frames = cls(edition, splice, rate, first, count)
+            problem = f"{count} frames from frame {first} on exceed the {most} frames of one answer"
+            raise LimitError(problem, mend="Ask for a part with first and count, or for a lower rate")
+        frames = cls(edition, splice_of(values), rate, first, count)
         frames._evaluated(frames._times(0, 1), Memory.begin(1, rate))
         return frames
 
     def blocks(self, size: int) -> Iterator[tuple[int, Poses]]:
-        """The number of each block's first frame, and at most `size` poses."""
+        """Yields the number of each block's first frame, and its poses, at most `size`."""
         memory, last = Memory.begin(1, self.rate), self.first + self.count
-        if self.splice["posture"] == "running":  # which follows all frames before
+        if self.splice.posture == "running":  # it depends on all earlier frames
             for first in range(0, self.first, BLOCK):
                 self._evaluated(self._times(first, min(first + BLOCK, self.first)), memory)
         for first in range(self.first, last, size):
@@ -64,7 +65,7 @@ class Frames:
         return self.edition.evaluator
 
     def _times(self, first: int, end: int) -> NDArray[np.float64]:
-        return np.minimum(np.arange(first, end) / self.rate, self.edition.bank.clip(self.splice["locomotion"]).duration)
+        return np.minimum(np.arange(first, end) / self.rate, self.edition.bank.clip(self.splice.locomotion).duration)
 
     def _evaluated(self, times: NDArray[np.float64], memory: Memory) -> Poses:
-        return self.evaluator.sequence(times=times, memory=memory, **self.splice)
+        return self.evaluator.sequence(self.splice, times, memory=memory)

@@ -1,4 +1,4 @@
-"""GET /v1/splice: a whole splice, or a range of its frames, in one piece that any cache can keep."""
+"""GET /v1/splice: a whole splice, or a range of its frames, in one cacheable answer."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.problems import RequestError
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
-from motionsplice.service.wire.messages import FORMS, json, packed, told_of
+from motionsplice.service.wire.messages import FORMS, frame_fields, json, packed
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
@@ -26,13 +26,13 @@ SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", "bvh"))
 
 
 async def splice(shared: Shared, query: bytes) -> Answer:
-    """The frames as one map, or as a BVH file. Raises MotionError."""
+    """Returns the frames as one map, or as a BVH file. Raises MotionError."""
     values = SPLICE.read(query)
-    frames = Frames.asked(shared.serving.edition, values, shared.settings.max_frames)
+    frames = Frames.from_query(shared.serving.edition, values, shared.settings.max_frames)
     how = encoding(values)
     if values["format"] == "bvh":
         if not how.axes.ours or how.parts != "local":
-            raise RequestError("BVH has local rotations in the axes gltf", mend="Leave axes and parts out")
+            raise RequestError("a BVH file holds local rotations in the axes gltf", mend="Leave out axes and parts")
         write = _bvh(frames)
     else:
         write = _json(frames, how) if values["format"] == "json" else _msgpack(frames, how)
@@ -47,8 +47,8 @@ async def splice(shared: Shared, query: bytes) -> Answer:
     return Answer(b"".join(written), FORMS[values["format"]].media_type)
 
 
-def _told(frames: Frames) -> dict[str, Any]:
-    return told_of(frames.edition.bank.digest, frames.first, frames.count, frames.rate)
+def _fields(frames: Frames) -> dict[str, Any]:
+    return frame_fields(frames.edition.bank.digest, frames.first, frames.count, frames.rate)
 
 
 def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:
@@ -56,16 +56,16 @@ def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:
     for _, poses in frames.blocks(BLOCK):
         blocks.append(how.arrays(frames.evaluator, poses))
         yield b""
-    yield packed(_told(frames), {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]})
+    yield packed(_fields(frames), {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]})
 
 
 def _json(frames: Frames, how: Encoding) -> Iterator[bytes]:
-    """JSON one array after the other, each in small pieces."""
+    """Yields JSON, one array after the other, each in small pieces."""
     blocks = []
     for _, poses in frames.blocks(JSON_BLOCK):
         blocks.append(how.arrays(frames.evaluator, poses))
         yield b""
-    yield json(_told(frames), {})[:-1]
+    yield json(_fields(frames), {})[:-1]
     for name in blocks[0]:
         yield b"," + orjson.dumps(name) + b":["
         for number, block in enumerate(blocks):

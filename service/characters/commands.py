@@ -1,4 +1,4 @@
-"""Commands of a WebSocket, from text that may be anything (docs/protocol.md, "Characters over a WebSocket")."""
+"""Commands of a WebSocket, parsed from untrusted text (docs/protocol.md, "Characters over a WebSocket")."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ from motionsplice.service.problems import RequestError
 LARGEST_ID = 2**32 - 1
 FASTEST = 8.0  # times a clip's own speed
 
+REF_TYPES = (int, float, str, type(None))  # compared with type(), which excludes bool
+
 Check = Callable[[Any], bool]
 
 
 @dataclass(frozen=True)
 class Command:
-    """What is to be done, to which characters, and how."""
+    """One command: its name, the ids of its characters, and its other values by key."""
 
     do: str
     ids: tuple[int, ...]
@@ -55,35 +57,35 @@ def _names(kind: Any) -> tuple[Check, str]:
 
 TIMES, FAR = _number(0.0, 1e9), _number(-1e9, 1e9)
 KEYS: Mapping[str, tuple[Check, str]] = {
-    "locomotion": (lambda value: _is_text(value) or _is_mix(value), "a clip's name, or a map of names to weights"),
-    "weights": (_is_mix, "a map of names to weights"),
-    "action": (_is_text, "a clip's name"),
-    "hands": (lambda value: value is None or _is_text(value), "the name of hands, or null for the clips' own"),
-    "blend": (TIMES, "seconds, at least 0"),
-    "blend_out": (TIMES, "seconds, at least 0"),
+    "locomotion": (lambda value: _is_text(value) or _is_mix(value), "a clip name, or a map of clip names to weights"),
+    "weights": (_is_mix, "a map of clip names to weights"),
+    "action": (_is_text, "a clip name"),
+    "hands": (lambda value: value is None or _is_text(value), "the name of a hands clip, or null for none"),
+    "blend": (TIMES, "at least 0 seconds"),
+    "blend_out": (TIMES, "at least 0 seconds"),
     "curve": _names(Curve),
     "when": _names(When),
     "mask": _names(Mask),
     "weight": (_number(0.0, 1.0), "a number from 0 to 1"),
     "own_clock": (
         lambda value: isinstance(value, bool) or _are(2, TIMES)(value),
-        "true, false or two times of the action, seconds",
+        "true, false or two times of the action in seconds",
     ),
-    "position": (_are(3, FAR), "three numbers"),
-    "heading": (FAR, "radians"),
+    "position": (_are(3, FAR), "a list of three numbers"),
+    "heading": (FAR, "a number of radians"),
     "in_place": (lambda value: isinstance(value, bool), "true or false"),
     "events": (
         lambda value: isinstance(value, list) and all(_one_of(*EVENT_NAMES.values())(one) for one in value),
         f"a list of {', '.join(EVENT_NAMES.values())}",
     ),
-    "time": (TIMES, "seconds, at least 0"),
-    "start": (TIMES, "seconds, at least 0"),
+    "time": (TIMES, "at least 0 seconds"),
+    "start": (TIMES, "at least 0 seconds"),
     "speed": (_number(0.0, FASTEST), f"a number from 0 to {FASTEST:g}"),
     "loop": (lambda value: isinstance(value, bool), "true or false"),
     "method": (_one_of("splice", "naive"), "one of splice, naive"),
     "posture": _names(Posture),
-    "rate": (_number(1.0, 1000.0), "frames per second, at least 1"),
-    "ahead": (lambda value: type(value) is int and 1 <= value <= 1000, "frames, at least 1"),
+    "rate": (_number(1.0, 1000.0), "a number of frames per second from 1 to 1000"),
+    "ahead": (lambda value: type(value) is int and 1 <= value <= 1000, "a whole number of frames from 1 to 1000"),
 }
 NEEDED: Mapping[str, tuple[str, ...]] = {
     "create": ("locomotion",),
@@ -91,7 +93,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "act": ("action",),
     "stop": (),
     "wear": ("hands",),
-    "weigh": ("weights",),
+    "mix": ("weights",),
     "weight": ("weight",),
     "speed": ("speed",),
     "place": ("position",),
@@ -99,7 +101,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "remove": (),
     "set": (),
 }
-TAKEN: Mapping[str, tuple[str, ...]] = {
+OPTIONAL: Mapping[str, tuple[str, ...]] = {
     "create": ("time", "loop", "speed", "position", "heading", "in_place"),
     "play": ("time", "loop", "blend", "curve"),
     "act": (
@@ -113,62 +115,65 @@ TAKEN: Mapping[str, tuple[str, ...]] = {
 
 
 def parse(text: str) -> list[Any]:
-    """The commands of a text message, unchecked. Raises RequestError."""
+    """Returns the commands of a text message, unchecked. Raises RequestError."""
     try:
-        told = orjson.loads(text)
+        document = orjson.loads(text)
     except orjson.JSONDecodeError as error:
-        raise RequestError(f"the message is no JSON ({error})") from None
-    listed = told if isinstance(told, list) else [told]
+        raise RequestError(f"the message is not JSON ({error})") from None
+    listed = document if isinstance(document, list) else [document]
     if not listed:
-        raise RequestError("there is no command in the list")
+        raise RequestError("the list of commands is empty")
     return listed
 
 
-def ref_of(listed: list[Any]) -> int | str | None:
-    """What the first command wants its answer to repeat, if that can be repeated."""
+def ref_of(listed: list[Any]) -> int | float | str | None:
+    """Returns the `ref` of a message's first command, which the reply repeats, or None if it is not valid."""
     ref = listed[0].get("ref") if isinstance(listed[0], dict) else None
-    return ref if type(ref) in (int, str) else None
+    return ref if type(ref) in REF_TYPES else None
 
 
 def checked(listed: list[Any]) -> list[Command]:
-    """The commands of a message. Raises RequestError, saying which is wrong and why."""
+    """Returns the commands of a message. Raises RequestError about the first one that is wrong."""
     commands = []
-    for number, one in enumerate(listed):
+    for number, fields in enumerate(listed):
         try:
-            commands.append(_command(one))
+            commands.append(_command(fields))
         except RequestError as error:
             place = f"command {number}" if len(listed) > 1 else ""
             raise RequestError(error.problem, place=place, mend=error.mend) from None
     return commands
 
 
-def _command(told: object) -> Command:
-    if not isinstance(told, dict):
-        raise RequestError("a command is a map")
-    do = told.get("do")
+def _command(fields: object) -> Command:
+    if not isinstance(fields, dict):
+        raise RequestError(f"expected a command, which is a map, found {fields!r:.40}")
+    if type(ref := fields.get("ref")) not in REF_TYPES:
+        raise RequestError(f"ref: expected a number or text, found {ref!r:.40}")
+    do = fields.get("do")
     if not isinstance(do, str) or do not in NEEDED:
-        raise RequestError(f"do: there is no command {do!r:.40}", mend=did_you_mean(str(do)[:40], NEEDED))
+        raise RequestError(f"do: unknown command {do!r:.40}", mend=did_you_mean(str(do)[:40], NEEDED))
     needed, values = NEEDED[do], {}
-    known = (*needed, *TAKEN.get(do, ()))
-    for key, value in told.items():
+    known = (*needed, *OPTIONAL.get(do, ()))
+    for key, value in fields.items():
         if key in ("do", "id", "ref") and not (key == "id" and do == "set"):
             continue
         if key not in known:
-            raise RequestError(f"{do} takes no {key[:40]!r}", mend=f"It takes {', '.join(known) or 'only an id'}")
-        check, wanted = KEYS[key]
+            raise RequestError(f"{do} has no key {key[:40]!r}", mend=f"Its keys are {', '.join(known) or 'id only'}")
+        check, expected = KEYS[key]
         if not check(value):
-            raise RequestError(f"{key}: it is {value!r:.40}, and should be {wanted}")
+            raise RequestError(f"{key}: expected {expected}, found {value!r:.40}")
         values[key] = value
     for key in needed:
         if key not in values:
-            raise RequestError(f"{key}: {do} needs it")
-    return Command(do, () if do == "set" else _ids(told.get("id")), values)
+            raise RequestError(f"{key}: missing, but {do} requires it")
+    return Command(do, () if do == "set" else _ids(fields.get("id")), values)
 
 
-def _ids(told: object) -> tuple[int, ...]:
-    ids = tuple(told) if isinstance(told, list) else (told,)
+def _ids(value: object) -> tuple[int, ...]:
+    ids = tuple(value) if isinstance(value, list) else (value,)
     if not ids or not all(type(one) is int and 0 <= one <= LARGEST_ID for one in ids):
-        raise RequestError(f"id: it should be a whole number from 0 to {LARGEST_ID}, or a list of such")
+        expected = f"a whole number from 0 to {LARGEST_ID}, or a list of them that is not empty"
+        raise RequestError(f"id: expected {expected}, found {value!r:.40}")
     if len(set(ids)) != len(ids):
-        raise RequestError("id: a number is in the list twice")
+        raise RequestError("id: the list has a number twice", mend="List each character once")
     return ids

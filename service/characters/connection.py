@@ -1,4 +1,4 @@
-"""One WebSocket: its scene, the clock that numbers its frames, and what waits to be sent."""
+"""One WebSocket: its scene, the clock that numbers its frames, and the messages that wait to be sent."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import asyncio
 import logging
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import Any, Protocol
 
 import orjson
@@ -17,38 +18,45 @@ from motionsplice.motion.errors import MotionError
 from motionsplice.service.characters.commands import Command, checked, parse, ref_of
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.metrics import Metrics
-from motionsplice.service.problems import URN, told
+from motionsplice.service.problems import URN, kind_of
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
 from motionsplice.service.wire.encoding import Encoding
 
 logger = logging.getLogger(__name__)
 
-TRANSPORT = "motionsplice.transport"  # the name of the extension
-BURST = 10_000.0  # commands that may come at once before they have to wait
-COPIED = 100.0  # characters whose copy, which a message works on, costs about what a command does
-MOST_EVENTS = 1000  # that may wait for a client
+TRANSPORT = "motionsplice.transport"  # name of the ASGI extension
+BURST = 10_000.0  # commands that are done at once before further ones wait
+COPIED = 100.0  # copying this many characters costs about as much as one command; every message copies the scene
+MOST_EVENTS = 1000  # unsent events of one client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
 
 
 class Transport(Protocol):
-    """What a server may put into a handshake's extensions, so that frames need not pass through a task each."""
+    """What a server may put into a handshake's extensions, so that frames are sent without a task switch."""
 
     @property
     def is_free(self) -> bool:
-        """Whether nothing waits to be sent."""
+        """Whether the send buffer is empty."""
 
     def send_at_once(self, message: bytes) -> bool:
-        """Sends a binary message if nothing waits to be sent before it, and says whether it did."""
+        """Sends a binary message if the send buffer is empty. Returns whether it did."""
 
     async def nothing_waits(self) -> None:
-        """Returns when nothing waits to be sent. Raises OSError if the client has gone."""
+        """Waits until the send buffer is empty. Raises OSError if the client has disconnected."""
 
 
 @dataclass(frozen=True, eq=False)
 class Play:
-    """A scene at a frame, which is due at `due`, seconds of the event loop's clock; so many frames per second,
-    `ahead` of them in a message."""
+    """A scene at one frame.
+
+    Attributes:
+        scene: The characters, as they are at this frame.
+        frame: Number of the frame.
+        due: When the frame is due, in seconds of the event loop's clock.
+        rate: Frames per second.
+        ahead: Frames in a message.
+    """
 
     scene: Scene
     frame: int
@@ -57,104 +65,186 @@ class Play:
     ahead: int
 
     def after(self, count: int) -> Play:
-        """So many frames later, of a scene that was advanced by as many."""
+        """Returns the play `count` frames later. The caller has advanced the scene by as many frames."""
         return Play(self.scene, self.frame + count, self.due + count / self.rate, self.rate, self.ahead)
 
     @property
     def load(self) -> float:
-        """Characters to be evaluated per second."""
+        """Characters evaluated per second."""
         return len(self.scene) * self.rate
 
+
+class State(Enum):
+    """Whether a connection can take frames. Events are queued independently, in any state but CLOSED."""
+
+    READY = "ready"  # the next frames are made when they are due
+    HOLDING = "holding"  # a message of frames waits to be sent
+    DEFERRED = "deferred"  # frames were due while a message waited or the client was slow: the next wait for it
+    CLOSING = "closing"  # the queued events and the close code are still to be sent
+    CLOSED = "closed"  # nothing is sent any more
+
+
+OPEN = frozenset({State.READY, State.HOLDING, State.DEFERRED})
+NEXT: Mapping[State, frozenset[State]] = {
+    State.READY: frozenset(State),
+    State.HOLDING: frozenset(State),
+    State.DEFERRED: frozenset(State),
+    State.CLOSING: frozenset({State.CLOSING, State.CLOSED}),
+    State.CLOSED: frozenset({State.CLOSED}),
+}
 
 Do = Callable[["Connection", list[Command]], None]  # raises MotionError if it did none of them
 
 
 class Connection:
-    """What one client sees.
+    """One client's side of the hub.
 
-    `play` is what the next message begins with, which is to be made at `wanted`. `sent` is what the last one began
-    with, if it reaches into the future: a command leads back into it.
+    Attributes:
+        state: See State. Methods that send frames do nothing once the connection is closing.
+        play: What the next message of frames begins with.
+        wanted: When that message is to be made, in seconds of the event loop's clock; infinite unless the state is
+            READY or HOLDING.
+        sent: What the last message began with if it holds frames that are not due yet, else None. A command goes back
+            into it.
+        refused: The newer edition that this connection cannot move to and that its client knows of, or None.
     """
 
     def __init__(
         self, play: Play, encoding: Encoding, settings: Settings, metrics: Metrics, transport: Transport | None
     ) -> None:
+        self.state = State.READY
         self.play = play
-        self.sent: Play | None = None
         self.wanted = play.due
-        self.stayed_from: Edition | None = None  # the newer edition that it was told to have no place in
+        self.sent: Play | None = None
+        self.refused: Edition | None = None
         self.encoding = encoding
         self.settings = settings
         self.metrics = metrics
         self._transport = transport
-        self._deferred = False
         self._events: deque[bytes] = deque()
-        self._message: tuple[int, bytes] | None = None
-        self._waiting = asyncio.Event()
-        self._closing: tuple[int, str] | None = None
+        self._message: tuple[int, bytes] | None = None  # number of frames and their bytes
+        self._close = (RESTART, "")  # code and reason, once CLOSING
+        self._wake = asyncio.Event()  # something for `send` to do
 
-    def tell(self, event: str, **values: Any) -> None:
-        """Has an event sent, before any frame that is made from now on."""
-        if len(self._events) >= MOST_EVENTS:
-            self.close(TOO_SLOW, "too many events were left unread")
-            return
-        self._events.append(orjson.dumps({"event": event, **values}))
-        self._waiting.set()
+    @property
+    def is_open(self) -> bool:
+        """Whether frames are sent and commands are received."""
+        return self.state in OPEN
 
     @property
     def is_free(self) -> bool:
-        """Whether a message would be sent at once: what is made for one who is slow would only grow stale."""
-        return self._message is None and (self._transport is None or self._transport.is_free)
+        """Whether a message would be sent at once. Frames made for a slow client would be out of date on arrival."""
+        return self.state is State.READY and (self._transport is None or self._transport.is_free)
+
+    def _enter(self, state: State) -> None:
+        """Changes the state. Raises RuntimeError if the present state does not allow that."""
+        if state not in NEXT[self.state]:
+            raise RuntimeError(f"a connection cannot go from {self.state.value} to {state.value}")
+        self.state = state
+
+    def queue_event(self, event: str, **values: Any) -> None:
+        """Queues an event, which is sent before any frames made later. Closes the connection if too many are unsent."""
+        if self.state is State.CLOSED:
+            return
+        if len(self._events) >= MOST_EVENTS:
+            self.close(TOO_SLOW, f"more than {MOST_EVENTS} events were left unread")
+            return
+        self._events.append(orjson.dumps({"event": event, **values}))
+        self._wake.set()
 
     def defer(self) -> None:
-        """Wants its next message when it is free."""
-        self._deferred, self.wanted = True, math.inf
-        self._waiting.set()
+        """Puts off the next message of frames until the client is free."""
+        if self.is_open:
+            self._enter(State.DEFERRED)
+            self.wanted = math.inf
+            self._wake.set()
 
-    def show(self, count: int, message: bytes) -> int:
-        """Has a message of `count` frames sent, at once if that can be. Returns how many frames were."""
-        if self._transport is not None and not self._waiting.is_set() and self._transport.send_at_once(message):
+    def send_frames(self, count: int, message: bytes) -> int:
+        """Sends a message of `count` frames, or keeps it for `send`. Returns how many frames were sent at once."""
+        if not self.is_open:
+            return 0
+        nothing_before = self._message is None and not self._events and not self._wake.is_set()
+        if nothing_before and self._transport is not None and self._transport.send_at_once(message):
             return count
+        self._enter(State.HOLDING)
         self._message = count, message
-        self._waiting.set()
+        self._wake.set()
         return 0
 
-    def close(self, code: int, reason: str) -> None:
-        """Has the connection closed, after the events that wait."""
-        if self._closing is None:
-            self._closing = code, reason
-            self._waiting.set()
+    def go_on(self, play: Play) -> None:
+        """Continues with later frames of the same scene."""
+        self.play = play
+        if self.state is State.READY or self.state is State.HOLDING:
+            self.wanted = play.due
 
-    @property
-    def is_closing(self) -> bool:
-        return self._closing is not None
+    def change(self, play: Play, now: float) -> None:
+        """Continues with a changed scene, from its frame on. Makes that frame at once if it was already sent."""
+        sooner = play.frame < self.play.frame
+        self.play, self.sent = play, None
+        if not self.is_open:
+            return
+        if sooner:
+            self._message = None  # its frames are out of date
+        self._enter(State.READY if self._message is None else State.HOLDING)
+        self.wanted = now if sooner else play.due
+
+    def close(self, code: int, reason: str) -> None:
+        """Closes the connection once the queued events are sent. A connection that is closing keeps its first code."""
+        if self.is_open:
+            self._enter(State.CLOSING)
+            self._close, self._message, self.wanted = (code, reason), None, math.inf
+            self._wake.set()
 
     async def send(self, send: Send, free: Callable[[], None]) -> None:
-        """Sends what waits until the connection is to be closed, events first; calls `free` once a deferred one is."""
-        while True:
-            await self._waiting.wait()
-            self._waiting.clear()
-            while self._events:
-                await send({"type": "websocket.send", "text": self._events.popleft().decode()})
-            if self._closing is not None:
-                code, reason = self._closing
-                await send({"type": "websocket.close", "code": code, "reason": reason})
-                return
-            if self._message is not None:
-                if self._transport is not None:
-                    await self._transport.nothing_waits()
-                (count, message), self._message = self._message, None
-                if self._transport is None or not self._transport.send_at_once(message):
-                    await send({"type": "websocket.send", "bytes": message})
-                self.metrics.frames_sent.inc(count)
-            if self._deferred:
-                if self._transport is not None:
-                    await self._transport.nothing_waits()
-                self._deferred, self.wanted = False, self.play.due
-                free()
+        """Sends what is queued, events first, until the connection is closed.
+
+        Calls `free` when a client whose frames were deferred can take a message. Raises OSError if the client has
+        disconnected.
+        """
+        try:
+            while self.is_open:
+                await self._wake.wait()
+                self._wake.clear()
+                await self._send_events(send)
+                if self._message is not None:
+                    await self._until_free()
+                    await self._send_message(send)
+                if self.state is State.DEFERRED:
+                    await self._until_free()
+                    if self.state is State.DEFERRED:  # unless a command or `close` has changed it meanwhile
+                        self._enter(State.READY)
+                        self.wanted = self.play.due
+                        free()
+            await self._send_events(send)
+            code, reason = self._close
+            await send({"type": "websocket.close", "code": code, "reason": reason})
+        finally:
+            self._enter(State.CLOSED)
+            self.wanted = math.inf
+
+    async def _send_events(self, send: Send) -> None:
+        """Sends the queued events. Each stays in the queue until it is sent, so that no frame overtakes it."""
+        while self._events:
+            await send({"type": "websocket.send", "text": self._events[0].decode()})
+            self._events.popleft()
+
+    async def _until_free(self) -> None:
+        if self._transport is not None:
+            await self._transport.nothing_waits()
+
+    async def _send_message(self, send: Send) -> None:
+        """Sends the message that waits, unless a command or `close` has dropped it meanwhile."""
+        if self._message is None:
+            return
+        (count, message), self._message = self._message, None
+        if self.state is State.HOLDING:
+            self._enter(State.READY)
+        if self._transport is None or not self._transport.send_at_once(message):
+            await send({"type": "websocket.send", "bytes": message})
+        self.metrics.frames_sent.inc(count)
 
     def rewound(self, now: float) -> Play:
-        """A copy of what is to be shown from the first frame on that is not due yet."""
+        """Returns a copy of the play at the first frame that is not due yet, which may have been sent already."""
         sent = self.sent
         if sent is not None and now < self.play.due - 1.0 / sent.rate:
             past = max(0, math.floor((now - sent.due) * sent.rate) + 1)
@@ -164,19 +254,11 @@ class Connection:
             return replace(sent, scene=scene).after(past)
         return replace(self.play, scene=self.play.scene.copy())
 
-    def change(self, play: Play, now: float) -> None:
-        """Goes on with another play, from its frame on: at once, if that was sent already."""
-        sooner = play.frame < self.play.frame
-        self.play, self.sent = play, None
-        self.wanted = now if sooner else play.due
-        if sooner:
-            self._message = None
-
     async def receive(self, receive: Receive, do: Do) -> None:
-        """Has the commands of each message done, until the client goes."""
+        """Receives messages and does their commands, until the client disconnects or the connection closes."""
         loop, most = asyncio.get_running_loop(), self.settings.max_commands
         allowance, since = BURST, loop.time()
-        while not self.is_closing:
+        while self.is_open:
             try:
                 async with asyncio.timeout(None if len(self.play.scene) else self.settings.idle_seconds):
                     message = await receive()
@@ -187,7 +269,7 @@ class Connection:
                 return
             text = message.get("text")
             if text is None:
-                self.close(NO_TEXT, "commands are text")
+                self.close(NO_TEXT, "commands must be sent as text")
                 return
             spent, now = self._take(text, do), loop.time()
             allowance, since = min(BURST, allowance + (now - since) * most) - spent, now
@@ -195,7 +277,7 @@ class Connection:
                 await asyncio.sleep(-allowance / most)
 
     def _take(self, text: str, do: Do) -> float:
-        """Has all commands of a message done, or none, and answers. Returns what it cost, in commands."""
+        """Does all commands of a message, or none, and queues the reply. Returns the cost, counted in commands."""
         ref = None
         try:
             listed = parse(text)
@@ -203,12 +285,12 @@ class Connection:
             commands = checked(listed)
             do(self, commands)
         except MotionError as error:
-            self.tell("refused", ref=ref, type=URN + told(error)[1], detail=str(error))
+            self.queue_event("refused", ref=ref, type=URN + kind_of(error)[1], detail=str(error))
             return 1.0
         except Exception:
-            logger.exception("commands could not be done")
-            self.close(FAILED, "the service failed; its log says how")
+            logger.exception("commands failed")
+            self.close(FAILED, "the service failed; see its log")
             return 1.0
-        self.tell("done", ref=ref, frame=self.play.frame)
-        held = len(self.play.scene) / COPIED
-        return held + sum(1.0 + len(command.ids) / 10.0 for command in commands)
+        self.queue_event("done", ref=ref, frame=self.play.frame)
+        copying = len(self.play.scene) / COPIED
+        return copying + sum(1.0 + len(command.ids) / 10.0 for command in commands)

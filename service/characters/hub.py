@@ -1,4 +1,4 @@
-"""All WebSockets of a process: one clock, and one evaluation for all whose frames are due."""
+"""All WebSockets of a process: one clock, and one evaluation of all frames that are due."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from starlette.types import Receive, Scope, Send
 from motionsplice.runtime.requests import Poses
 from motionsplice.service.admission import SUBPROTOCOL
 from motionsplice.service.characters.commands import Command
-from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play
+from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play, State
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.problems import BusyError, LimitError, at_most
 from motionsplice.service.serving import Edition
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
-from motionsplice.service.wire.messages import packed, told_of
+from motionsplice.service.wire.messages import PROTOCOL, frame_fields, packed
 from motionsplice.service.wire.parameters import HOW, encoding
 from motionsplice.service.wire.query import Query, integer, number
 
@@ -32,13 +32,13 @@ CHARACTERS = Query(
     integer("ahead", "frames in a message", 1, least=1, most=1000),
     *HOW,
 )
-LEFT_OUT = 1.0  # seconds: characters move on for so much of what is left out at most
-BEHIND = 0.1  # seconds that the clock may be behind before frames are left out
-EARLY = 0.0005  # seconds before it is due at which a frame is made: as exact as the event loop's timers are
+LEFT_OUT = 1.0  # seconds by which characters move on at most when frames are left out
+BEHIND = 0.1  # seconds by which the clock may be late before frames are left out
+EARLY = 0.0005  # seconds by which a frame may be made before it is due: the precision of the event loop's timers
 
 
 class Hub:
-    """The connections, and the clock that makes their frames."""
+    """Holds the connections, and runs the clock that makes their frames."""
 
     def __init__(self, shared: Shared) -> None:
         self.connections: set[Connection] = set()
@@ -47,7 +47,7 @@ class Hub:
         shared.serving.listeners.append(self._exchange)
 
     async def serve(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """One WebSocket, from its handshake to its end. Raises MotionError before it is accepted."""
+        """Serves one WebSocket from its handshake to its end. Raises MotionError before the handshake is accepted."""
         values, loop = CHARACTERS.read(scope["query_string"]), asyncio.get_running_loop()
         edition, how, rate = self._shared.serving.edition, encoding(values), values["rate"]
         scene = Scene(edition, rate, self._shared.settings.max_characters)
@@ -59,34 +59,34 @@ class Hub:
             await receive()
             offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
             await send({"type": "websocket.accept", "subprotocol": offered})
-            connection.tell("welcome", **self._welcome(play, how))
+            connection.queue_event("welcome", **self._welcome(play, how))
             self.connections.add(connection)
             self._changed.set()
             sending = asyncio.create_task(connection.send(send, self._changed.set))
             receiving = asyncio.create_task(connection.receive(receive, self._do))
             try:
                 await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
-                if connection.is_closing:
-                    await asyncio.wait((sending,))
+                if connection.state is State.CLOSING:
+                    await asyncio.wait((sending,), timeout=self._shared.settings.stall_seconds)
             finally:
                 self.connections.discard(connection)
                 for task in (sending, receiving):
                     task.cancel()
                 for result in await asyncio.gather(sending, receiving, return_exceptions=True):
-                    if isinstance(result, Exception) and not isinstance(result, OSError):  # that the client went
+                    if isinstance(result, Exception) and not isinstance(result, OSError):  # the client disconnected
                         logger.error("a connection failed", exc_info=result)
 
     async def stop(self) -> None:
-        """Tells all clients that the service stops, and waits until they know."""
+        """Closes all connections, and waits up to `stop_seconds` until they are closed."""
         for connection in self.connections:
-            connection.tell("bye", reason="the service stops")
+            connection.queue_event("closing", reason="the service stops")
             connection.close(RESTART, "the service stops")
         end = asyncio.get_running_loop().time() + self._shared.settings.stop_seconds
         while self.connections and asyncio.get_running_loop().time() < end:
             await asyncio.sleep(0.01)
 
     async def run(self) -> None:
-        """The clock: makes frames when they are due, for as long as the service lives."""
+        """Runs the clock: makes frames when they are due, until cancelled."""
         loop = asyncio.get_running_loop()
         while True:
             due = min((one.wanted for one in self.connections), default=math.inf)
@@ -104,8 +104,6 @@ class Hub:
         groups: dict[tuple[Edition, float, int, Encoding], list[Connection]] = {}
         first, missed = now, 0
         for one in self.connections:
-            if one.is_closing:
-                one.wanted = math.inf
             if one.wanted > now + EARLY:
                 continue
             if not one.is_free:
@@ -117,24 +115,24 @@ class Hub:
             if len(play.scene):
                 groups.setdefault((play.scene.edition, play.rate, play.ahead, one.encoding), []).append(one)
             else:
-                one.play, one.sent = play.after(play.ahead), None
-                one.wanted = one.play.due
+                one.sent = None
+                one.go_on(play.after(play.ahead))
         self._shared.metrics.tick_lateness.observe(now - first)
         self._shared.metrics.frames_skipped.inc(missed)
         for (edition, rate, ahead, how), group in groups.items():
             try:
                 self._make(edition, rate, ahead, how, group)
             except Exception:
-                logger.exception("frames could not be made")
+                logger.exception("making frames failed")
                 for one in group:
-                    one.close(FAILED, "the service failed; its log says how")
+                    one.close(FAILED, "the service failed; see its log")
         newest = self._shared.serving.edition
-        for one in self.connections:  # what the newest bank has not may have been faded out
+        for one in self.connections:  # a clip that the newest bank lacks may have been faded out by now
             if one.play.scene.edition is not newest and not one.play.scene.missing(newest):
                 self._move(one, newest)
 
     def _make(self, edition: Edition, rate: float, ahead: int, how: Encoding, group: list[Connection]) -> None:
-        """Makes a message of `ahead` frames for each of a group, and advances their scenes."""
+        """Makes a message of `ahead` frames for each connection of a group, and advances the scenes."""
         scenes = [one.play.scene for one in group]
         if ahead > 1:
             for one in group:
@@ -144,21 +142,20 @@ class Hub:
         for later in range(ahead):
             frames.append(self._evaluate(edition, scenes, how))
             for one in group:
-                for told in one.play.scene.advance():
-                    one.tell(frame=one.play.frame + later + 1, **told)
+                for event in one.play.scene.advance():
+                    one.queue_event(frame=one.play.frame + later + 1, **event)
         wall, loop = time.time(), asyncio.get_running_loop().time()
         sent = 0
         for one, first, end in zip(group, [0, *ends], ends, strict=False):
             play = one.play
-            told = {**told_of(edition.bank.digest, play.frame, ahead, rate), "time": wall + play.due - loop}
+            fields = {**frame_fields(edition.bank.digest, play.frame, ahead, rate), "time": wall + play.due - loop}
             arrays = {name: _stacked([frame[name][first:end] for frame in frames]) for name in frames[0]}
-            sent += one.show(ahead, packed(told, {"ids": play.scene.ids, **arrays}))
-            one.play = play.after(ahead)
-            one.wanted = one.play.due
+            sent += one.send_frames(ahead, packed(fields, {"ids": play.scene.ids, **arrays}))
+            one.go_on(play.after(ahead))
         self._shared.metrics.frames_sent.inc(sent)
 
     def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
-        """All characters of some scenes, as arrays [n, ...]."""
+        """Evaluates all characters of some scenes. Returns arrays [n, ...]."""
         began = time.perf_counter()
         poses, first = edition.evaluator.poses(sum(len(scene) for scene in scenes)), 0
         for scene in scenes:
@@ -170,7 +167,7 @@ class Hub:
         return arrays
 
     def _do(self, connection: Connection, commands: list[Command]) -> None:
-        """Does the commands of a message, or none of them. Raises MotionError."""
+        """Does all commands of a message, or none of them. Raises MotionError."""
         now = asyncio.get_running_loop().time()
         play = connection.rewound(now)
         for command in commands:
@@ -180,7 +177,7 @@ class Hub:
                 play = replace(play, rate=float(rate), ahead=ahead, due=due)
                 play.scene.keep_time(play.rate)
                 if "events" in command.values:
-                    play.scene.tell(command.values["events"])
+                    play.scene.subscribe(command.values["events"])
             else:
                 play.scene.do(command)
         self._check(play, connection.play.load)
@@ -188,16 +185,16 @@ class Hub:
         self._changed.set()
 
     def _check(self, play: Play, load: float) -> None:
-        """Refuses what is too much for a message, a client or all of them. Raises LimitError or BusyError."""
+        """Checks a play against the limits of a message and a client (LimitError), and of all clients (BusyError)."""
         settings = self._shared.settings
         at_most("rate", play.rate, settings.max_rate)
         at_most("ahead", play.ahead, settings.max_ahead)
         if play.ahead * len(play.scene) > settings.max_characters:
-            problem = f"{len(play.scene)} characters for {play.ahead} frames are more than one message may hold"
-            raise LimitError(problem, mend=f"Characters times frames should be at most {settings.max_characters}")
+            problem = f"{len(play.scene)} characters times {play.ahead} frames are too many for one message"
+            raise LimitError(problem, mend=f"Ask for at most {settings.max_characters} characters times frames")
         total = sum(one.play.load for one in self.connections) - load + play.load
         if play.load > load and total > settings.max_load:
-            problem = f"this process evaluates at most {settings.max_load:g} characters a second"
+            problem = f"this process evaluates at most {settings.max_load} characters per second"
             raise BusyError(problem, mend="Ask for fewer characters or a lower rate, or ask another process")
 
     def _exchange(self, edition: Edition) -> None:
@@ -205,23 +202,24 @@ class Hub:
             self._move(connection, edition)
 
     def _move(self, connection: Connection, edition: Edition) -> None:
-        """Moves a connection over to another edition from its next frame on, if that has all clips that it plays."""
+        """Moves a connection to another edition from its next frame on, if that has all clips and hands it plays."""
         now = asyncio.get_running_loop().time()
         play = connection.rewound(now)
-        if gone := play.scene.missing(edition):
-            if connection.stayed_from is not edition:
-                connection.stayed_from = edition
-                connection.tell("kept", bank=edition.bank.digest, gone=gone)
+        if missing := play.scene.missing(edition):
+            if connection.refused is not edition:
+                connection.refused = edition
+                connection.queue_event("bank_kept", bank=edition.bank.digest, missing=missing)
             return
         play.scene.move(edition)
         connection.change(play, now)
-        connection.tell("bank", frame=play.frame, **edition.rig)
+        connection.queue_event("bank", frame=play.frame, **edition.rig)
         self._changed.set()
 
     def _welcome(self, play: Play, how: Encoding) -> dict[str, Any]:
         return {
+            "protocol": PROTOCOL,
             **play.scene.edition.rig,
-            **how.told,
+            **how.fields,
             "rate": play.rate,
             "ahead": play.ahead,
             "max_characters": self._shared.settings.max_characters,
@@ -229,12 +227,12 @@ class Hub:
 
 
 def _next_tick(now: float, rate: float) -> float:
-    """The next moment at which all connections of a rate have a frame."""
+    """Returns the next moment at which all connections of this rate have a frame."""
     return math.ceil(now * rate) / rate
 
 
 def _catch_up(connection: Connection, now: float) -> int:
-    """Leaves frames out if the clock is far behind, and returns how many. A little behind, it makes them all."""
+    """Leaves frames out if the clock is more than BEHIND late. Returns how many."""
     play = connection.play
     missed = math.floor((now - play.due) * play.rate) if now - play.due > BEHIND else 0
     if missed:

@@ -1,4 +1,4 @@
-"""The characters of one connection: commands are the slow way in, frames the fast way out."""
+"""The characters of one connection."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.characters.state import (
     ACTION_BEGAN,
     ACTION_ENDED,
@@ -24,18 +25,25 @@ from motionsplice.service.characters.commands import Command
 from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
 
-FEW = 20_000  # characters times frames, which take some milliseconds
-LONGEST_STEP = 0.1  # seconds
-TOLD = ACTION_BEGAN | ACTION_ENDED | LOCOMOTION_ENDED  # unless a client wants others
+FEW = 20_000  # characters times frames that are evaluated within a few milliseconds
+LONGEST_STEP = 0.1  # seconds by which characters are advanced at once
+DEFAULT_EVENTS = ACTION_BEGAN | ACTION_ENDED | LOCOMOTION_ENDED
 
 
 class Scene:
-    """Characters on an edition of the bank, in the order in which frames have them."""
+    """Characters that play an edition of the bank.
+
+    Attributes:
+        edition: The bank that is played.
+        ids: [n] uint32, the client's number of each character, in the order of the frames' rows.
+        events: Bits of the events that the client wants (`EVENT_NAMES`).
+        characters: The states of the characters, in the same order.
+    """
 
     def __init__(self, edition: Edition, rate: float, most: int) -> None:
         self.edition = edition
         self.ids = np.zeros(0, np.uint32)
-        self.told = TOLD
+        self.events = DEFAULT_EVENTS
         self.characters = Characters(edition.stage, rate)
         self._most = most
 
@@ -43,26 +51,29 @@ class Scene:
         return len(self.ids)
 
     def copy(self) -> Self:
-        """The same characters, on their own from now on."""
+        """Returns an independent copy."""
         twin = copy.copy(self)
         twin.characters = self.characters.copy()
         return twin
 
     def keep_time(self, rate: float) -> None:
-        """For so many frames per second."""
+        """Sets the number of frames per second."""
         self.characters = Characters(self.edition.stage, rate, self.characters.state)
 
-    def tell(self, names: Sequence[str]) -> None:
-        """Of which events to tell."""
-        self.told = sum(bit for bit, name in EVENT_NAMES.items() if name in names)
+    def subscribe(self, names: Sequence[str]) -> None:
+        """Sets which events `advance` reports."""
+        self.events = sum(bit for bit, name in EVENT_NAMES.items() if name in names)
 
     def pass_frame(self) -> None:
-        """As if a frame had been shown, of which nothing is told."""
+        """Evaluates and advances by one frame, without reporting events."""
         self.characters.evaluate(self.edition.evaluator.poses(len(self)))
         self.characters.advance()
 
     def leave_out(self, frames: int) -> None:
-        """As if frames had been shown that nobody sees: many in longer steps, so that who is late grows no later."""
+        """Advances by frames that are not sent.
+
+        Many frames are advanced in longer steps without evaluation, so that a late clock does not fall further behind.
+        """
         if frames * len(self) <= FEW:
             for _ in range(frames):
                 self.pass_frame()
@@ -75,8 +86,8 @@ class Scene:
         self.characters.evaluate(out)
 
     def advance(self) -> Iterator[dict[str, Any]]:
-        """Moves all on by a frame, and says what happened: event, ids and, of an action, the clip."""
-        happened = self.characters.advance() & self.told
+        """Advances all characters by a frame. Yields events: name, ids and, for an action, its clip."""
+        happened = self.characters.advance() & self.events
         if happened:
             events, state = self.characters.events, self.characters.state
             for bit, name in EVENT_NAMES.items():
@@ -86,11 +97,11 @@ class Scene:
                     yield {"event": name, "ids": self.ids[rows].tolist()}
                 elif column is not None:
                     for number in np.unique(state[rows, column]):
-                        about = [int(self.ids[row]) for row in rows if state[row, column] == number]
-                        yield {"event": name, "ids": about, "action": self.edition.bank.clips[int(number)].name}
+                        ids = [int(self.ids[row]) for row in rows if state[row, column] == number]
+                        yield {"event": name, "ids": ids, "action": self.edition.bank.clips[int(number)].name}
 
     def do(self, command: Command) -> None:
-        """Does a command. Raises MotionError, and may then have done it in part."""
+        """Does a command. Raises MotionError; the command may then be done in part."""
         if command.do == "create":
             self._create(command.ids, **command.values)
             return
@@ -99,23 +110,23 @@ class Scene:
             self.characters.remove(rows)
             self.ids = np.delete(self.ids, rows)
             return
-        do, values = getattr(self.characters, command.do), dict(command.values)
-        if "own_clock" in values and not isinstance(values["own_clock"], bool):
-            values["own_clock"] = tuple(values["own_clock"])
-        do(rows, **values)
+        if command.do == "act":
+            self.characters.act(rows, _action(**command.values))
+        else:
+            getattr(self.characters, command.do)(rows, **command.values)
 
     def missing(self, edition: Edition) -> list[str]:
-        """Those of the clips and hands played here that another edition has not."""
-        return sorted(self.characters.lacking(edition.bank))
+        """Returns the clips and hands that are played here and that another edition does not have."""
+        return sorted(self.characters.missing_clips(edition.bank))
 
     def move(self, edition: Edition) -> None:
-        """Plays on from another edition, which has all clips and hands that are played here."""
+        """Continues with another edition, which must have all clips and hands that are played here."""
         self.characters = self.characters.moved(edition.stage)
         self.edition = edition
 
     def _create(self, ids: Sequence[int], locomotion: Any, **values: Any) -> None:
         if known := self.ids[np.isin(self.ids, ids)].tolist():
-            raise RequestError(f"id: there is a character {known[0]} already")
+            raise RequestError(f"id: character {known[0]} already exists", mend="Choose another id")
         if len(self) + len(ids) > self._most:
             raise LimitError(f"{len(self) + len(ids)} characters are more than {self._most}", mend="Remove some first")
         begun = {key: values.pop(key) for key in ("time", "loop") if key in values}
@@ -132,5 +143,11 @@ class Scene:
         rows = order[np.minimum(at, len(order) - 1)] if len(order) else np.zeros(len(ids), np.int64)
         missing = [one for one, row in zip(ids, rows, strict=True) if row >= len(self) or self.ids[row] != one]
         if missing:
-            raise RequestError(f"id: there is no character {missing[0]}")
+            raise RequestError(f"id: character {missing[0]} not found", mend="Create it first")
         return rows
+
+
+def _action(action: str, own_clock: bool | list[float] = False, **values: Any) -> Action:
+    """Returns the action of a command `act`, whose JSON has lists in place of tuples."""
+    clock = own_clock if isinstance(own_clock, bool) else (own_clock[0], own_clock[1])
+    return Action(action, own_clock=clock, **values)

@@ -1,4 +1,4 @@
-"""How uvicorn is to run the service: its configuration, with what our protocols need to know."""
+"""uvicorn's configuration for the service, with our protocols."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from motionsplice.service.settings import Settings
 def _application(path: Path, settings: Settings) -> Front:
     if parent := multiprocessing.parent_process():
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-    return create_app(Bank.open(path, verify=False), settings)  # whoever made this configuration has verified it
+    return create_app(Bank.open(path, verify=False), settings)  # `serve` has verified it
 
 
 def _end_with(sentinel: int) -> None:
-    """Stops this worker when the process that started it is gone, however it went: else it would keep the port."""
+    """Stops this worker when its parent process has ended, for any reason; it would keep the port otherwise."""
     wait([sentinel])
     os.kill(os.getpid(), signal.SIGTERM)
 
 
 class EdgeConfig(EdgeContext):
-    """The configuration of one process, or of each of several workers, which it is sent to."""
+    """The configuration of one process, or of several workers. It is pickled and sent to each worker."""
 
     def __init__(self, path: Path, settings: Settings) -> None:
         self.settings = settings
@@ -44,13 +44,13 @@ class EdgeConfig(EdgeContext):
             http=HttpProtocol,
             ws=WebSocketProtocol,
             ws_max_size=settings.max_message,
-            ws_per_message_deflate=False,  # poses hardly shrink, and it costs twenty times what they do
+            ws_per_message_deflate=False,  # poses hardly shrink, and compressing takes 20 times as long as making them
             ws_ping_interval=settings.stall_seconds / 2.0,
             ws_ping_timeout=settings.stall_seconds / 2.0,
-            timeout_keep_alive=settings.idle_seconds,  # type: ignore[arg-type]  # it may be a fraction
+            timeout_keep_alive=settings.idle_seconds,  # type: ignore[arg-type]  # fractions work too
             timeout_graceful_shutdown=settings.stop_seconds,  # type: ignore[arg-type]
-            proxy_headers=False,  # an address that a client states is none to count by
+            proxy_headers=False,  # limits count real addresses, not those that clients claim
             server_header=False,
-            access_log=False,  # the front logs what is worth a line
+            access_log=False,  # the front logs refusals and failures
             log_config=log_config(),
         )

@@ -1,4 +1,4 @@
-"""What the protocols know of the process that they serve in."""
+"""What the protocols need from the process they run in."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from motionsplice.service.settings import Settings
 
 
 class EdgeContext(uvicorn.Config):
-    """uvicorn's configuration, which each protocol gets: settings, the application, and who is connected."""
+    """uvicorn's configuration, which each protocol receives: settings, the application, and the ledger."""
 
     settings: Settings
 
     @cached_property
     def front(self) -> Front:
-        """The application, loaded."""
+        """The application, once loaded."""
         assert isinstance(self.loaded_app, Front)
         return self.loaded_app
 
     @cached_property
     def ledger(self) -> Ledger:
+        """The open connections of this process."""
         settings = self.settings
         gauge = self.front.shared.metrics.connections("http")
         return Ledger(settings.max_connections, settings.max_connections_per_address, gauge)

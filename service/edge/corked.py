@@ -1,6 +1,6 @@
-"""A transport that sends what is written in one turn of the event loop as one piece.
+"""A transport that joins everything written in one turn of the event loop.
 
-uvicorn writes a response's head and its body apart, which costs a system call and a packet each.
+uvicorn writes a response's head and body separately, each with its own system call and packet.
 """
 
 from __future__ import annotations
@@ -8,11 +8,11 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-LARGE = 16 * 1024  # bytes: to copy more costs more than to send it in pieces
+LARGE = 16 * 1024  # bytes; copying more takes longer than sending the pieces
 
 
 class Corked(asyncio.Transport):
-    """Stands before the real transport."""
+    """Wraps the real transport."""
 
     def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:
         self.transport = transport
@@ -25,7 +25,7 @@ class Corked(asyncio.Transport):
         self._pieces.append(bytes(data))
 
     def flush(self) -> None:
-        """Sends what was written."""
+        """Sends everything written so far."""
         if self._pieces:
             pieces, self._pieces = self._pieces, []
             if sum(map(len, pieces)) > LARGE:

@@ -1,8 +1,9 @@
-"""uvicorn's HTTP protocol, with limits: who may connect, how large and slow a request may be, and who must read."""
+"""uvicorn's HTTP protocol with limits on connections, on the size and time of a request, and on slow readers."""
 
 from __future__ import annotations
 
 import asyncio
+from enum import Enum
 from http import HTTPStatus
 from typing import Any, cast
 
@@ -15,10 +16,18 @@ from motionsplice.service.edge.refusal import refusal
 from motionsplice.service.edge.stall import StallGuard
 
 POSE = b"/v1/pose?"
-MOST_PIPELINED = 16  # requests that wait for the answer to one before them
+MOST_PIPELINED = 16  # requests of a connection that wait for an earlier answer
 NOT_PLAIN = frozenset(
     {b"connection", b"content-length", b"transfer-encoding", b"expect", b"if-none-match", b"origin", b"upgrade"}
 )
+
+
+class Phase(Enum):
+    """Which part of a request arrives next."""
+
+    HEAD = "head"  # its line and headers, or nothing yet
+    BODY = "body"  # the application has the request
+    ANSWERED = "answered"  # it was answered without the application, which does not get its end either
 
 
 class HttpProtocol(HttpToolsProtocol):
@@ -36,11 +45,10 @@ class HttpProtocol(HttpToolsProtocol):
         super().__init__(config, server_state, app_state, _loop)
         self._guard: StallGuard | None = None
         self._deadline: asyncio.TimerHandle | None = None
-        self._fruitless = 0  # bytes since a head was whole or a piece of a body came: of a head, or of trailers
-        self._fruitful = False
-        self._in_head = True
-        self._answered = False  # a request of the data that is being taken was answered at once
-        self._answering = False  # and it is this one
+        self._phase = Phase.HEAD
+        self._unfinished = 0  # bytes of heads and trailers since a head was complete or a piece of a body arrived
+        self._progress = False  # whether the current data completed a head or held a piece of a body
+        self._answered = False  # whether a request in the current data was answered at once
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(Corked(transport, self.loop))
@@ -59,23 +67,23 @@ class HttpProtocol(HttpToolsProtocol):
 
     def data_received(self, data: bytes) -> None:
         self._answered = False
-        if self._in_head:
+        if self._phase is Phase.HEAD:
             self._expect_a_request()
-        self._fruitful = False
+        self._progress = False
         super().data_received(data)
-        self._fruitless = 0 if self._fruitful else self._fruitless + len(data)
-        if self._fruitless > self.config.settings.max_header:
+        self._unfinished = 0 if self._progress else self._unfinished + len(data)
+        if self._unfinished > self.config.settings.max_header:
             self._refuse_head()
 
     def on_message_begin(self) -> None:
         super().on_message_begin()
-        self._in_head = True
+        self._phase = Phase.HEAD
 
     def on_headers_complete(self) -> None:
         if self.transport.is_closing():
             return
         self._stop_waiting()
-        self._in_head, self._fruitful = False, True
+        self._phase, self._progress = Phase.BODY, True
         size = len(self.url) + sum(len(name) + len(value) for name, value in self.headers)
         if size > self.config.settings.max_header:
             self._refuse_head()
@@ -85,19 +93,19 @@ class HttpProtocol(HttpToolsProtocol):
             super().on_headers_complete()
 
     def on_body(self, body: bytes) -> None:
-        self._fruitful = True
+        self._progress = True
         if not self.transport.is_closing():
             super().on_body(body)
 
     def on_message_complete(self) -> None:
-        self._in_head = self._fruitful = True
-        if not self.transport.is_closing() and not self._answering:
+        was_answered = self._phase is Phase.ANSWERED
+        self._phase, self._progress = Phase.HEAD, True
+        if not self.transport.is_closing() and not was_answered:
             super().on_message_complete()
-        self._answering = False
 
     def on_response_complete(self) -> None:
         super().on_response_complete()
-        if self._deadline is not None:  # the next request has begun to arrive
+        if self._deadline is not None:  # the next request is arriving
             self._unset_keepalive_if_required()
 
     def pause_writing(self) -> None:
@@ -114,7 +122,7 @@ class HttpProtocol(HttpToolsProtocol):
         self._stop_waiting()
         self._unset_keepalive_if_required()
         corked = cast("Corked", self.transport)
-        if self.cycle is not None and not self.cycle.response_complete:  # it would be written into the WebSocket
+        if self.cycle is not None and not self.cycle.response_complete:  # its rest would be written into the WebSocket
             corked.transport.abort()
             return
         corked.flush()
@@ -122,7 +130,9 @@ class HttpProtocol(HttpToolsProtocol):
         super().handle_websocket_upgrade()
 
     def send_400_response(self, msg: str) -> None:
-        self._refuse(HTTPStatus.BAD_REQUEST, "http", "this is not HTTP/1.1. Send a request line, headers and a body.")
+        self._refuse(
+            HTTPStatus.BAD_REQUEST, "http", "the request is not HTTP/1.1. Send a request line, headers and a body."
+        )
 
     def shutdown(self) -> None:
         self.config.front.begin_stop()
@@ -133,9 +143,10 @@ class HttpProtocol(HttpToolsProtocol):
         return self.transport.transport if isinstance(self.transport, Corked) else self.transport
 
     def _answer_at_once(self) -> bool:
-        """Answers what games ask for most without a task, if it is as plain as theirs is and nothing is before it.
+        """Answers a plain `GET /v1/pose` without a task, which is what games ask for most. Returns whether it did.
 
-        Only one in each turn of the event loop, so that nobody who sends many at once holds up others.
+        It must be the connection's only open request. Only one is answered in each turn of the event loop, so that a
+        client that sends many at once does not hold up others.
         """
         parser, idle = self.parser, self.cycle is None or self.cycle.response_complete
         if not (self.url.startswith(POSE) and idle) or self._answered or parser.get_method() != b"GET":
@@ -146,16 +157,16 @@ class HttpProtocol(HttpToolsProtocol):
             or any(name in NOT_PLAIN for name, _ in self.headers)
         ):
             return False
-        found = self.config.front.answer_at_once(self.url[len(POSE) :], self.headers)
-        if found is None:
+        answered = self.config.front.answer_at_once(self.url[len(POSE) :], self.headers)
+        if answered is None:
             return False
-        answer, identity = found
+        answer, identity = answered
         head = [b"%s: %s\r\n" % one for one in self.server_state.default_headers]
         self.transport.write(
             b"HTTP/1.1 200 OK\r\n%scontent-type: %s\r\nx-request-id: %s\r\ncontent-length: %d\r\n\r\n%s"
             % (b"".join(head), answer.media_type, identity.encode(), len(answer.body), answer.body)
         )
-        self._answered = self._answering = True
+        self._answered, self._phase = True, Phase.ANSWERED
         self.on_response_complete()
         return True
 
@@ -170,20 +181,20 @@ class HttpProtocol(HttpToolsProtocol):
 
     def _refuse_slow(self) -> None:
         seconds = self.config.settings.request_seconds
-        detail = f"the request did not arrive within {seconds:g} s. Send it at once."
+        detail = f"the request did not arrive within {seconds:g} s. Send it in one piece."
         self._refuse(HTTPStatus.REQUEST_TIMEOUT, "timeout", detail)
 
     def _refuse_head(self) -> None:
-        detail = f"the request's line and headers have more than {self.config.settings.max_header} bytes. Send fewer."
+        detail = f"the request line and headers exceed {self.config.settings.max_header} bytes. Send fewer headers."
         self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, "too-large", detail)
 
     def _refuse(self, status: HTTPStatus, kind: str, detail: str) -> None:
-        """Answers without the application, and closes."""
+        """Sends a problem without the application, and closes the connection."""
         self._stop_waiting()
         if self.transport.is_closing():
             return
         if self.cycle is not None and self.cycle.response_started and not self.cycle.response_complete:
-            self._real_transport.abort()  # an answer is under way, and another cannot be put into it
+            self._real_transport.abort()  # the middle of an answer, where a problem cannot be sent
             return
         self.transport.write(refusal(status, kind, detail, self.config.front.next_request_id()))
         self.transport.close()

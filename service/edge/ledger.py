@@ -1,4 +1,4 @@
-"""Who is connected: how many at all, and from each address."""
+"""Counts open connections, in total and from each address."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from prometheus_client import Gauge
 
 
 class Ledger:
-    """The connections of one process. A transport counts once, whatever protocols it changes between."""
+    """The connections of one process. A transport counts once, even if it changes its protocol."""
 
     def __init__(self, most: int, most_per_address: int, gauge: Gauge) -> None:
         self._most = most
@@ -22,20 +22,20 @@ class Ledger:
         return len(self._addresses)
 
     def admit(self, transport: BaseTransport) -> str:
-        """Counts a connection in. Returns why it may not be, if it may not."""
+        """Admits a connection. Returns the reason if a limit forbids it, else an empty text."""
         peer = transport.get_extra_info("peername")
         address = str(peer[0]) if peer else ""
         if len(self._addresses) >= self._most:
-            return f"there are {self._most} connections already"
+            return f"the service already has {self._most} connections, which is its limit"
         if self._counts[address] >= self._most_per_address:
-            return f"there are {self._most_per_address} connections of this address already"
+            return f"this address already has {self._most_per_address} connections, which is its limit"
         self._addresses[transport] = address
         self._counts[address] += 1
         self._gauge.inc()
         return ""
 
     def forget(self, transport: BaseTransport) -> None:
-        """Counts a connection out, if it was in."""
+        """Removes a connection, if it was admitted."""
         address = self._addresses.pop(transport, None)
         if address is None:
             return

@@ -1,4 +1,4 @@
-"""What is answered without the application: a problem, as the bytes of a whole HTTP response."""
+"""Problems that the protocols answer without the application, as bytes of an HTTP response."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from motionsplice.service.problems import MEDIA_TYPE, problem
 
 
 def refusal(status: HTTPStatus, kind: str, detail: str, identity: str) -> bytes:
-    """A response after which the connection is closed; `identity` is the request's."""
+    """Returns a response that closes the connection; `identity` is the request's id."""
     body = problem(status, kind, detail, identity)
     head = (
         f"HTTP/1.1 {status.value} {status.phrase}\r\ncontent-type: {MEDIA_TYPE}\r\ncontent-length: {len(body)}\r\n"

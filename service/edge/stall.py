@@ -1,16 +1,17 @@
-"""Cutting off peers that stop reading: uvicorn waits for them for ever, even to close."""
+"""Cuts off peers that stop reading. uvicorn would wait for them for ever, even to close."""
 
 from __future__ import annotations
 
 import asyncio
 
-LOOKS = 8  # at the buffer, in the time after which a peer is cut off
+LOOKS = 8  # how often the buffer is checked before a peer is cut off
 
 
 class StallGuard:
-    """Aborts a transport whose buffer does not shrink for some seconds. It hears what the transport tells its protocol.
+    """Aborts a transport whose send buffer does not shrink for some seconds.
 
-    A large answer may take long to read; what counts is that the peer goes on.
+    A large answer may take long to read, as long as the peer keeps reading. The protocol forwards `pause_writing` and
+    `resume_writing`.
     """
 
     def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop, seconds: float) -> None:
@@ -20,7 +21,7 @@ class StallGuard:
         self._timer: asyncio.TimerHandle | None = None
         self._left = 0
         self._since = 0.0
-        transport.set_write_buffer_limits(high=0)  # so that it is told of anything that cannot be sent at once
+        transport.set_write_buffer_limits(high=0)  # so that it pauses as soon as anything is buffered
 
     def pause_writing(self) -> None:
         if self._timer is None:

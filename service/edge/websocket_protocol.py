@@ -1,4 +1,4 @@
-"""uvicorn's WebSocket protocol, with limits: nobody who stops reading or floods is waited for."""
+"""uvicorn's WebSocket protocol, with limits on clients that stop reading or flood the service."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.refusal import refusal
 from motionsplice.service.edge.stall import StallGuard
 
-MOST_UNSENT = 32 * 1024  # bytes that the kernel keeps for a slow client: what is more would only grow stale
-MOST_FRAGMENTS = 1024  # of one message: even empty ones take memory
+MOST_UNSENT = 32 * 1024  # bytes that the kernel buffers for a slow client; more would be out of date when read
+MOST_FRAGMENTS = 1024  # fragments of one message; even empty ones take memory
 TOO_LARGE = 1009
-WHOLE_BINARY = 0x82  # the first byte of a message in one frame
+WHOLE_BINARY = 0x82  # first byte of a binary message in one frame
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):
-    """One connection, once it has become a WebSocket."""
+    """One connection, from its upgrade to a WebSocket on."""
 
     config: EdgeContext
 
@@ -58,12 +58,12 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             self._refuse_handshake(self.conn.handshake_exc)
 
     def _refuse_handshake(self, error: Exception) -> None:
-        """uvicorn leaves a handshake that `websockets` cannot read without an answer, and then cannot stop."""
+        """Answers a handshake that `websockets` cannot parse. uvicorn would not answer it, and could not stop then."""
         status, kind = HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, "too-large"
         if isinstance(error, InvalidMessage):
             status, kind = HTTPStatus.BAD_REQUEST, "http"
         self.handshake_initiated = self.handshake_complete = self.close_sent = True
-        detail = f"this is no handshake of a WebSocket: {error}"
+        detail = f"the request is not a WebSocket handshake: {error}"
         self.transport.write(refusal(status, kind, detail, self.config.front.next_request_id()))
         self.transport.close()
 
@@ -73,7 +73,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     def handle_ping(self) -> None:
         if self.writable.is_set():
             super().handle_ping()
-        else:  # a peer that pings and does not read would have pongs pile up
+        else:  # drops the pong, as pongs would pile up for a peer that does not read
             self.conn.data_to_send()
 
     def handle_cont(self, event: Frame) -> None:
@@ -89,11 +89,11 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
 
     @property
     def is_free(self) -> bool:
-        """Whether nothing waits to be sent."""
+        """Whether the send buffer is empty."""
         return self.writable.is_set()
 
     def send_at_once(self, message: bytes) -> bool:
-        """Sends a binary message without a task and without a copy, unless something waits before it."""
+        """Sends a binary message without a task or a copy if the send buffer is empty. Returns whether it did."""
         if not self.writable.is_set() or self.close_sent or self.transport.is_closing():
             return False
         size = len(message)
@@ -107,13 +107,13 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         return True
 
     async def nothing_waits(self) -> None:
-        """Returns when nothing waits to be sent. Raises OSError if the client has gone."""
+        """Waits until the send buffer is empty. Raises OSError if the client has disconnected."""
         await self.writable.wait()
         if self.disconnected:
             raise ClientDisconnected
 
     def shutdown(self) -> None:
-        """The application tells its clients, and closes: here there is nothing to be cut."""
+        """Begins to stop the application, which closes its WebSockets itself."""
         self.config.front.begin_stop()
         if not self.handshake_complete:
             super().shutdown()

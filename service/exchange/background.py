@@ -1,4 +1,4 @@
-"""Work that takes long, in a thread that the end of the service does not wait for."""
+"""Long work in a thread that does not delay the end of the service."""
 
 from __future__ import annotations
 
@@ -8,25 +8,27 @@ from contextlib import suppress
 from threading import Thread
 from typing import TypeVar
 
-Made = TypeVar("Made")
+Result = TypeVar("Result")
 
 
-async def in_background(function: Callable[[], Made]) -> Made:
-    """What a function returns or raises. If this is cancelled the thread goes on, and nobody hears of what it makes."""
+async def in_background(function: Callable[[], Result]) -> Result:
+    """Runs a function in a thread, and returns its result. If cancelled, the thread goes on, and the result is lost."""
     loop = asyncio.get_running_loop()
-    made: asyncio.Future[Made] = loop.create_future()
+    future: asyncio.Future[Result] = loop.create_future()
 
-    def tell(give: Callable[[Made], None] | Callable[[BaseException], None], what: Made | BaseException) -> None:
-        if not made.done():
-            give(what)  # type: ignore[arg-type]
+    def settle(
+        put: Callable[[Result], None] | Callable[[BaseException], None], outcome: Result | BaseException
+    ) -> None:
+        if not future.done():
+            put(outcome)  # type: ignore[arg-type]
 
     def work() -> None:
         try:
-            give, what = made.set_result, function()
+            put, outcome = future.set_result, function()
         except Exception as error:
-            give, what = made.set_exception, error  # type: ignore[assignment]
+            put, outcome = future.set_exception, error  # type: ignore[assignment]
         with suppress(RuntimeError):  # the loop is closed
-            loop.call_soon_threadsafe(tell, give, what)
+            loop.call_soon_threadsafe(settle, put, outcome)
 
     Thread(target=work, daemon=True).start()
-    return await made
+    return await future

@@ -1,7 +1,7 @@
-"""The offline job of a folder of clips, as a process of its own: started when there is work, and asked how far it is.
+"""Runs the offline job on a folder of clips in its own process, when there is work, and reports its progress.
 
-What is to be done, what was tried and how far it is lies in the folder, so a service that was restarted, or another
-worker, tells the same.
+The work to do, what was tried and the progress are stored in the folder, so that a restarted service or another worker
+reports the same.
 """
 
 from __future__ import annotations
@@ -26,32 +26,32 @@ logger = logging.getLogger(__name__)
 
 LOCK, ASKED, TRIED, PROGRESS = ".job.lock", ".job-asked", ".job-tried.json", ".job-progress.json"
 OUTPUT = ".job-output.txt"
-MOST_TOLD = 2000  # characters of a job's output that the log gets
-MOST_TRIES = 3  # of one and the same work, by a job that ends before it is done
-INTERVAL = 0.3  # seconds between two looks
-PATIENCE = 2.0  # seconds before a job that was killed is started again
-NICE = 10  # streams come first
-NOT_THERE = "it is not in the bank"
-ENDED_EARLY = f"The offline job ended {MOST_TRIES} times before it was done; the service's log says how."
+MOST_OUTPUT = 2000  # characters of a job's output in the log
+MOST_TRIES = 3  # times that the same work is started if the job ends early
+INTERVAL = 0.3  # seconds between two checks of the folder
+PATIENCE = 2.0  # seconds between two starts of the job
+NICE = 10  # priority of the job: streams come first
+NOT_IN_BANK = "the job finished, but the clip is not in the bank"
+ENDED_EARLY = f"The offline job ended early {MOST_TRIES} times; see the service's log."
 
 State = Literal["idle", "waiting", "running", "failed"]
 
 
 class JobInfo(BaseModel):
-    """How far the offline job is."""
+    """The state and progress of the offline job."""
 
     state: State
-    stage: str = Field(default="", description="what is being done")
-    done: int = 0
-    total: int = 0
+    stage: str = Field(default="", description="stage that is running")
+    done: int = Field(default=0, description="clips that the stage has done")
+    total: int = Field(default=0, description="clips of the stage")
     clips: list[str] = Field(default=[], description="clips that are not in the bank yet")
-    failed: dict[str, str] = Field(default={}, description="why each clip that failed did")
-    error: str = Field(default="", description="why the job as a whole failed")
+    failed: dict[str, str] = Field(default={}, description="the reason for each clip that failed")
+    error: str = Field(default="", description="the reason if the whole job failed")
     bank: str = Field(default="", description="digest of the bank on disk")
 
 
 class Job:
-    """The job of one folder of clips and the bank made from it."""
+    """The offline job of one folder of clips and the bank built from it."""
 
     def __init__(self, clips: Path, bank: Path) -> None:
         self._clips = clips
@@ -63,21 +63,21 @@ class Job:
         self.info = JobInfo(state="idle")
 
     def ask(self) -> None:
-        """Has the job look at the folder again, whatever it looks like from here: a neutral may have changed."""
+        """Requests a run of the job even if no clip is pending, as a neutral may have changed."""
         (self._clips / ASKED).touch()
 
     async def look(self) -> JobInfo:
-        """The state as it is now."""
+        """Returns the current state."""
         async with self._looking:
             info, _ = await asyncio.to_thread(self._look)
-        self._tell(info)
+        self._set(info)
         return info
 
     async def run(self) -> None:
-        """Starts the job whenever there is work, for as long as the service lives. The job itself lives on."""
-        last, told = -PATIENCE, ""
+        """Starts the job whenever there is work, until cancelled. A running job continues after that."""
+        last, logged = -PATIENCE, ""
         if _read(self._clips / PROGRESS).get("finished") is False:
-            self.ask()  # it was killed, or could not do its work: perhaps it can now
+            self.ask()  # it was killed or failed, and may succeed now
         while True:
             try:
                 now = asyncio.get_running_loop().time()
@@ -87,20 +87,20 @@ class Job:
                         if await asyncio.to_thread(self._start, todo):
                             info = info.model_copy(update={"state": "running"})
                         last = now
-                self._tell(info)
+                self._set(info)
             except Exception as error:
-                if repr(error) != told:  # once, not at every look
-                    logger.exception("the folder of clips could not be looked at")
-                    told = repr(error)
+                if repr(error) != logged:  # once, not at every check
+                    logger.exception("the folder of clips could not be checked")
+                    logged = repr(error)
             await asyncio.sleep(INTERVAL)
 
     async def changes(self, stopping: Callable[[], bool]) -> AsyncIterator[JobInfo | None]:
-        """The state now and whenever it changes, and None after each second without a change, until the stop."""
-        told = None
+        """Yields the state now and at each change, and None after each second without one, until `stopping` is true."""
+        known = None
         while not stopping():
-            if self.info != told:
-                told = self.info
-                yield told
+            if self.info != known:
+                known = self.info
+                yield known
                 continue
             waiting = self._changed
             try:
@@ -109,38 +109,38 @@ class Job:
             except TimeoutError:
                 yield None
 
-    def _tell(self, info: JobInfo) -> None:
+    def _set(self, info: JobInfo) -> None:
         if info != self.info:
             self.info = info
             self._changed.set()
             self._changed = asyncio.Event()
 
     def _look(self) -> tuple[JobInfo, dict[str, str]]:
-        """What is going on, and what is to be done that was not tried in vain."""
-        self._hear()
+        """Returns the state, and the pending clips that have not failed already."""
+        self._log_end()
         pending, progress, tried = self._folder.pending(), _read(self._clips / PROGRESS), _read(self._clips / TRIED)
         running, asked = self._is_running(), (self._clips / ASKED).exists()
         failed: dict[str, str] = {}
         error = ""
-        in_vain: set[str] = set()
+        failed_before: set[str] = set()
         if not running and not asked and tried:
             before, ended_early = tried.get("clips", {}), not progress.get("finished")
             if not ended_early or tried.get("times", 0) >= MOST_TRIES:
-                in_vain = {name for name, what in pending.items() if before.get(name) == what}
-            if in_vain:
+                failed_before = {name for name, what in pending.items() if before.get(name) == what}
+            if failed_before:
                 error = ENDED_EARLY if ended_early else progress.get("error", "")
                 reasons = progress.get("failed", {})
-                failed = {name: reasons.get(name, NOT_THERE) for name in in_vain if not error}
-        todo = {name: what for name, what in pending.items() if name not in in_vain}
-        state: State = "running" if running else "waiting" if todo or asked else "failed" if in_vain else "idle"
+                failed = {name: reasons.get(name, NOT_IN_BANK) for name in failed_before if not error}
+        todo = {name: what for name, what in pending.items() if name not in failed_before}
+        state: State = "running" if running else "waiting" if todo or asked else "failed" if failed_before else "idle"
         if state == "waiting" and (missing := self._folder.missing()):
-            state, error = "failed", _lacking(missing)
-        seen = progress if running else {}
+            state, error = "failed", _missing_clips(missing)
+        shown = progress if running else {}
         info = JobInfo(
             state=state,
-            stage=seen.get("stage", ""),
-            done=seen.get("done", 0),
-            total=seen.get("total", 0),
+            stage=shown.get("stage", ""),
+            done=shown.get("done", 0),
+            total=shown.get("total", 0),
             clips=sorted(pending),
             failed=failed,
             error=error,
@@ -148,25 +148,25 @@ class Job:
         )
         return info, todo
 
-    def _hear(self) -> None:
-        """Logs what came of the job, if this service started it and it has ended."""
+    def _log_end(self) -> None:
+        """Logs the job's result, if this service started it and it has ended."""
         if self._process is None or (status := self._process.poll()) is None:
             return
         self._process, progress = None, _read(self._clips / PROGRESS)
         if not progress.get("finished"):
-            said = (self._clips / OUTPUT).read_text(encoding="utf-8", errors="replace").strip()[-MOST_TOLD:]
-            logger.error("the offline job ended before it was done", extra={"status": status, "output": said})
+            output = (self._clips / OUTPUT).read_text(encoding="utf-8", errors="replace").strip()[-MOST_OUTPUT:]
+            logger.error("the offline job ended early", extra={"status": status, "output": output})
         elif failed := progress.get("failed") or progress.get("error"):
-            logger.warning("the offline job could not do all", extra={"failed": failed})
+            logger.warning("the offline job failed in part", extra={"failed": failed})
         else:
             logger.info("the offline job is done", extra={"bank": progress.get("bank", "")})
 
     def _is_running(self) -> bool:
         with (self._clips / LOCK).open("ab") as lock:
-            return not _take(lock.fileno(), fcntl.LOCK_SH)  # shared, so that two who ask do not take each other for it
+            return not _take(lock.fileno(), fcntl.LOCK_SH)  # shared, so that two checks at once both succeed
 
     def _start(self, todo: dict[str, str]) -> bool:
-        """Starts the job, which holds the lock until it ends; False if another worker's holds it."""
+        """Starts the job, which holds the lock until it ends. Returns False if the job of another worker holds it."""
         with (self._clips / LOCK).open("ab") as lock:
             if not _take(lock.fileno(), fcntl.LOCK_EX):
                 return False
@@ -181,7 +181,7 @@ class Job:
                 self._process = subprocess.Popen(
                     command,
                     pass_fds=(lock.fileno(),),
-                    start_new_session=True,  # it is not ended by what ends the service
+                    start_new_session=True,  # signals that end the service do not end it
                     stdin=subprocess.DEVNULL,
                     stdout=output,
                     stderr=subprocess.STDOUT,
@@ -191,15 +191,15 @@ class Job:
         return True
 
     def _baseline(self) -> str:
-        """The present bank's, so that its clips need not be aligned again."""
+        """Returns the current bank's baseline, so that its clips need not be aligned again."""
         return self._folder.manifest.baseline.clip if self._folder.manifest else "auto"
 
 
-def _lacking(missing: list[str]) -> str:
-    """Why no job is started: it makes the bank of what is in the folder, and clips would be lost."""
+def _missing_clips(missing: list[str]) -> str:
+    """Returns why no job is started: the new bank would lose the clips that are not in the folder."""
     named = ", ".join(missing[:10]) + (f" and {len(missing) - 10} more" if len(missing) > 10 else "")
-    mend = "Put their files there, or build the bank without them with `motionsplice precompute`"
-    return str(MotionError(f"the folder of clips lacks clips of the bank: {named}", mend=mend))
+    mend = "Copy their files there, or build the bank without them with `motionsplice precompute`"
+    return str(MotionError(f"the folder does not have these clips of the bank: {named}", mend=mend))
 
 
 def _take(descriptor: int, kind: int) -> bool:
@@ -212,13 +212,13 @@ def _take(descriptor: int, kind: int) -> bool:
 
 def _read(file: Path) -> dict[str, Any]:
     try:
-        told = orjson.loads(file.read_bytes())
+        document = orjson.loads(file.read_bytes())
     except (OSError, orjson.JSONDecodeError):
         return {}
-    return told if isinstance(told, dict) else {}
+    return document if isinstance(document, dict) else {}
 
 
-def _write(file: Path, told: dict[str, Any]) -> None:
+def _write(file: Path, document: dict[str, Any]) -> None:
     fresh = file.with_suffix(f".{os.getpid()}.new")
-    fresh.write_bytes(orjson.dumps(told))
+    fresh.write_bytes(orjson.dumps(document))
     os.replace(fresh, file)

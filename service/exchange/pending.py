@@ -1,4 +1,4 @@
-"""Which clips of a folder are not in the bank as they are: that is the work to do, and all that need be remembered."""
+"""Finds the clips of a folder that are not in the bank, or that differ from it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from motionsplice.runtime.format.manifest import MANIFEST, ClipEntry, Manifest, 
 
 
 class Folder:
-    """A folder of clips and the bank made from it. What was digested is not read again until it changes."""
+    """A folder of clips and the bank built from it. Files are digested again only when they change."""
 
     def __init__(self, clips: Path, bank: Path) -> None:
         self.clips = clips
@@ -22,7 +22,7 @@ class Folder:
 
     @property
     def manifest(self) -> Manifest | None:
-        """The bank's; none if there is no bank. It is read when it has changed, for a large one takes a while."""
+        """The bank's manifest, or None without a bank. It is read only when it changes, as a large one takes long."""
         mark = mark_of(self.bank / MANIFEST)
         if mark != self._read[0]:
             try:
@@ -32,18 +32,18 @@ class Folder:
         return self._read[1]
 
     def pending(self) -> dict[str, str]:
-        """The clips that the bank has not, or not so, hands among them: for each a text that changes when it does."""
-        said, built, hands = self._said(), self._built(), self._hands()
+        """Returns the clips and hands that are new or changed, each with a text that changes when it changes again."""
+        settings, built, hands = self._settings(), self._built(), self._hands()
         waiting = {}
         for file in clip_files(self.clips):
             if file.is_file():
-                digests, entry = self._digests_behind(file), said.get(file.stem, DEFAULT_SETTINGS)
+                digests, entry = self._digests_behind(file), settings.get(file.stem, DEFAULT_SETTINGS)
                 if hands.get(file.stem) != digests[0] and not _is_built(built.get(file.stem), digests[0], entry):
                     waiting[file.stem] = f"{' '.join(digests)} {astuple(entry)}"
         return waiting
 
     def missing(self) -> list[str]:
-        """The clips and hands of the bank that are not in the folder, and would be in no bank that is made from it."""
+        """Returns the clips and hands of the bank that are not in the folder. A new bank would not have them."""
         return sorted((self._built().keys() | self._hands()) - {file.stem for file in clip_files(self.clips)})
 
     def _digests_behind(self, file: Path) -> list[str]:
@@ -59,19 +59,19 @@ class Folder:
             known = self._digests[file] = (mark, file_digest(file))
         return known[1]
 
-    def _said(self) -> dict[str, ClipSettings]:
+    def _settings(self) -> dict[str, ClipSettings]:
         try:
             return read_clip_settings(self.clips / FILE_NAME)
-        except (OSError, SettingsError):  # of which the job tells
+        except (OSError, SettingsError):  # the job reports it
             return {}
 
     def _built(self) -> dict[str, ClipEntry]:
         return {clip.name: clip for clip in self.manifest.clips} if self.manifest else {}
 
     def _hands(self) -> dict[str, str]:
-        """The digests of the clips of hands that lie on bodies."""
+        """Returns the digest of each hands clip of the bank."""
         return {one.name: one.source for one in self.manifest.hands} if self.manifest else {}
 
 
-def _is_built(built: ClipEntry | None, digest: str, said: ClipSettings) -> bool:
-    return built is not None and (built.source, built.kind, built.tags) == (digest, said.kind, said.tags)
+def _is_built(built: ClipEntry | None, digest: str, settings: ClipSettings) -> bool:
+    return built is not None and (built.source, built.kind, built.tags) == (digest, settings.kind, settings.tags)

@@ -1,4 +1,4 @@
-"""Taking in an uploaded clip: checked, and then put into the folder of clips whole or not at all."""
+"""Receives uploaded clips: a clip is checked, then moved into the folder of clips as a whole."""
 
 from __future__ import annotations
 
@@ -20,40 +20,40 @@ import orjson
 from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings
 from motionsplice.motion.errors import ClipError, did_you_mean
 from motionsplice.motion.formats.files import clip_files
-from motionsplice.service.exchange.spoken import Said, settings_of, written_beside
+from motionsplice.service.exchange.clip_entries import EntryUpdate, settings_of, written_beside
 from motionsplice.service.problems import RequestError
 
 LOCK, ROOM, SKELETON = ".clips.lock", ".upload-", ".asf"
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_+-]{0,99}\.(bvh|amc|asf)")
-PIECE = 2**20  # bytes that are written at once
-CHECK_SECONDS = 120.0  # that reading a clip may take: a gigabyte of text takes a minute
-ABANDONED = 3600.0  # seconds after which nobody is still sending a file
+PIECE = 2**20  # bytes written at once
+CHECK_SECONDS = 120.0  # time for reading a clip; a gigabyte of text takes a minute
+ABANDONED = 3600.0  # seconds after which an unfinished upload is deleted
 
 
 def checked_name(name: str) -> str:
-    """A file's name that is one, and no path. Raises RequestError."""
+    """Returns a file name if it is valid and has no folder. Raises RequestError."""
     if not NAME.fullmatch(name):
-        mend = "Letters, digits, _, + and -, and one of .bvh, .amc and .asf"
-        raise RequestError(f"name: {name[:40]!r} is no name of a clip's file", mend=mend)
+        mend = "Use letters, digits, _, + and -, and end it in .bvh, .amc or .asf"
+        raise RequestError(f"name: {name[:40]!r} is not a valid file name of a clip", mend=mend)
     return name
 
 
 @dataclass(frozen=True)
 class Uploads:
-    """Takes clips into a folder, for a bank. One is checked at a time, for that may take a core and much memory."""
+    """Stores clips in a folder, for a bank. One is checked at a time, as that may take a core and much memory."""
 
     folder: Path
     bank: Path
     checking: asyncio.Lock = field(default_factory=asyncio.Lock)
 
-    async def take(self, name: str, said: Said, body: AsyncIterator[bytes]) -> None:
-        """Puts a file into the folder of clips, in place of one of the same name.
+    async def take(self, name: str, update: EntryUpdate, body: AsyncIterator[bytes]) -> None:
+        """Stores a file in the folder of clips, and replaces one of the same name.
 
-        Raises RequestError, SettingsError, ClipError if it is no motion that fits the bank, or whatever `body` raises;
-        nothing is left behind or changed then.
+        Raises RequestError, SettingsError, ClipError if the file is not a motion that fits the bank, or what `body`
+        raises. The folder is unchanged then.
         """
         own = Path(checked_name(name))
-        await asyncio.to_thread(self._agree, own, said)
+        await asyncio.to_thread(self._check_request, own, update)
         await asyncio.to_thread(self._clear)
         room = Path(tempfile.mkdtemp(prefix=ROOM, dir=self.folder))
         try:
@@ -61,42 +61,42 @@ class Uploads:
             await _write(file, body)
             settings = await asyncio.to_thread(settings_of, self.folder / FILE_NAME, own.stem)
             for skeleton in self.folder.glob(f"*{SKELETON}") if own.suffix == ".amc" else ():
-                os.link(skeleton, room / skeleton.name)  # without which it cannot be read
+                os.link(skeleton, room / skeleton.name)  # an .amc is read with its .asf
             async with self.checking:
                 await _check(file, self.bank, settings)
-            await asyncio.to_thread(self._put, file, said)
+            await asyncio.to_thread(self._put, file, update)
         finally:
-            shutil.rmtree(room, ignore_errors=True)  # at once, for a cancelled task would wait for no thread
+            shutil.rmtree(room, ignore_errors=True)  # not in a thread, which a cancelled task would not wait for
 
     def _clear(self) -> None:
-        """Removes what a service that was killed left of uploads."""
+        """Deletes uploads that a killed service left unfinished."""
         for room in self.folder.glob(f"{ROOM}*"):
             if time.time() - room.stat().st_mtime > ABANDONED:
                 shutil.rmtree(room, ignore_errors=True)
 
-    def _agree(self, own: Path, said: Said) -> None:
-        """That a file may be put into the folder, as it is now. Raises RequestError."""
+    def _check_request(self, own: Path, update: EntryUpdate) -> None:
+        """Checks that a file may be stored in the folder as it is now. Raises RequestError."""
         if own.suffix == SKELETON:
-            if said != Said():
-                raise RequestError("kind, neutral and tags are a clip's", mend="Say them with its .amc")
+            if update != EntryUpdate():
+                raise RequestError("a skeleton has no kind, neutral or tags", mend="Send them with its .amc")
             return
         clips = clip_files(self.folder)
         for other in clips:
             if other.stem == own.stem and other.name != own.name:
-                raise RequestError(f"name: there is a clip {other.name} already", mend="Give it another name")
+                raise RequestError(f"name: the folder already has a clip {other.name}", mend="Choose another name")
         names = {one.stem for one in clips} | {own.stem}
-        if said.neutral is not None and said.neutral not in names:
-            mend = did_you_mean(said.neutral, names)
-            raise RequestError(f"neutral: there is no clip {said.neutral[:40]!r} in the folder", mend=mend)
+        if update.neutral is not None and update.neutral not in names:
+            mend = did_you_mean(update.neutral, names)
+            raise RequestError(f"neutral: the folder has no clip {update.neutral[:40]!r}", mend=mend)
 
-    def _put(self, file: Path, said: Said) -> None:
+    def _put(self, file: Path, update: EntryUpdate) -> None:
         with locked(self.folder / LOCK):
-            self._agree(Path(file.name), said)
-            spoken = self.folder / FILE_NAME
-            fresh = written_beside(spoken, file.stem, said) if said != Said() else None
-            os.replace(file, self.folder / file.name)  # first the clip: an entry without one would fail the whole job
+            self._check_request(Path(file.name), update)
+            settings_file = self.folder / FILE_NAME
+            fresh = written_beside(settings_file, file.stem, update) if update != EntryUpdate() else None
+            os.replace(file, self.folder / file.name)  # first, as an entry without its clip fails the whole job
             if fresh is not None:
-                os.replace(fresh, spoken)
+                os.replace(fresh, settings_file)
             descriptor = os.open(self.folder, os.O_RDONLY)
             try:
                 os.fsync(descriptor)
@@ -105,20 +105,20 @@ class Uploads:
 
 
 async def _write(file: Path, body: AsyncIterator[bytes]) -> None:
-    """A body as a file, synced, by a thread, since a disk may be slow."""
+    """Writes and syncs a body, in a thread, as a disk may be slow."""
     with file.open("wb", buffering=0) as sink:
-        held = bytearray()
+        buffered = bytearray()
         async for chunk in body:
-            held += chunk
-            if len(held) >= PIECE:
-                await asyncio.to_thread(sink.write, bytes(held))
-                held.clear()
-        await asyncio.to_thread(sink.write, bytes(held))
+            buffered += chunk
+            if len(buffered) >= PIECE:
+                await asyncio.to_thread(sink.write, bytes(buffered))
+                buffered.clear()
+        await asyncio.to_thread(sink.write, bytes(buffered))
         await asyncio.to_thread(os.fsync, sink.fileno())
 
 
 async def _check(file: Path, bank: Path, settings: ClipSettings) -> None:
-    """Reads a clip in a process of its own, which may take long or fail without harm. Raises ClipError."""
+    """Reads a clip in another process, where it may take long or crash without harm. Raises ClipError."""
     process = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "motionsplice.precompute.job.check", str(file), str(bank)),
         *(str(settings.skip_frames), settings.unit or ""),
@@ -128,24 +128,24 @@ async def _check(file: Path, bank: Path, settings: ClipSettings) -> None:
     )
     try:
         async with asyncio.timeout(CHECK_SECONDS):
-            told, _ = await process.communicate()
+            output, _ = await process.communicate()
     except TimeoutError:
-        raise ClipError(f"reading it took more than {CHECK_SECONDS:g} s", file=file.name) from None
+        raise ClipError(f"reading the clip took more than {CHECK_SECONDS:g} s", file=file.name) from None
     finally:
         if process.returncode is None:
             process.kill()
             await process.wait()
     try:
-        problem = orjson.loads(told)
+        problem = orjson.loads(output)
     except orjson.JSONDecodeError:
-        raise ClipError("reading it failed", file=file.name, mend="It may be too large") from None
+        raise ClipError("the clip could not be read", file=file.name, mend="Send a smaller file") from None
     if problem:
         raise ClipError(problem["problem"], file=file.name, place=problem["place"], mend=problem["mend"])
 
 
 @contextmanager
 def locked(file: Path) -> Iterator[None]:
-    """Holds a lock among all processes; it is let go even by one that is killed."""
+    """Holds a lock across processes. A process that is killed releases it."""
     with file.open("ab") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield

@@ -1,4 +1,4 @@
-"""Noticing a new bank in the place of the one that is served."""
+"""Notices a new bank in place of the one that is served."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from motionsplice.service.serving import Edition, Serving
 
 logger = logging.getLogger(__name__)
 
-INTERVAL = 0.5  # seconds between two looks
+INTERVAL = 0.5  # seconds between two checks
 
 
 async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) -> None:
-    """Serves each new bank that is written, once it is verified and its kernels are warm.
+    """Serves each new bank once it is verified and its kernels are compiled. Runs until cancelled.
 
-    One that is damaged is refused, and not looked at again until its manifest changes: the bank that is served goes on.
+    A damaged bank is refused, and checked again only when its manifest changes. The old bank stays in service.
     """
     path = serving.bank.path
-    seen: tuple[int, ...] | None = ()  # for the bank may have been written over since it was opened
+    known: tuple[int, ...] | None = ()  # unknown, as the bank may have been replaced since it was opened
     while True:
         await asyncio.sleep(interval)
         mark = mark_of(path / MANIFEST)
-        if mark == seen or not serving.ready:
+        if mark == known or not serving.ready:
             continue
-        seen = mark
+        known = mark
         try:
             edition = await in_background(partial(_open, path, serving.bank.digest))
         except MotionError as error:
@@ -48,12 +48,12 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
 
 
 def _open(path: Path, served: str) -> Edition | None:
-    """The bank that is there now, unless it is the one that is served. Raises BankError."""
+    """Returns the bank on disk, or None if it is the one that is served. Raises BankError."""
     try:
         bank = Bank.open(path, verify=False)
         if bank.digest == served:
             return None
         bank.verify()
     except OSError as error:
-        raise BankError(f"it cannot be read: {error.strerror}", file=str(error.filename or path)) from None
+        raise BankError(f"the bank cannot be read: {error.strerror}", file=str(error.filename or path)) from None
     return Edition.warm(bank)

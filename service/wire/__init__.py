@@ -1,1 +1,1 @@
-"""How requests are read and frames are written: query, axes, encodings. Imported by `answers` and `characters`."""
+"""Parses queries and encodes frames: axes, number formats, messages."""

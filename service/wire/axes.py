@@ -1,4 +1,4 @@
-"""Axes and units of the engines that frames are for. All is converted where it leaves, and nowhere else."""
+"""Axes and units of other engines. Frames are converted only when they are encoded."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Axes:
-    """How glTF's axes (right-handed, Y up, Z forward, metres), which are ours, become another engine's.
+    """The conversion from glTF's axes (right-handed, Y up, Z forward, metres), which are ours, to another engine's.
 
-    Component i of a position is component order[i] of ours times signs[i] times `scale`. A rotation's axis goes the
-    same way, but backwards where the other engine is left-handed: turns[i] are its signs.
+    Component i of a position is our component order[i] times signs[i] times `scale`. Component i of a quaternion's
+    vector part is our component order[i] times turns[i].
     """
 
     name: str
-    told: str
+    description: str
     unit: str
     order: tuple[int, int, int]
     signs: tuple[int, int, int]
@@ -26,6 +26,7 @@ class Axes:
 
     @property
     def turns(self) -> tuple[int, int, int]:
+        """Signs of a quaternion's x, y and z: those of positions, negated if the axes are left-handed."""
         matrix = np.zeros((3, 3))
         matrix[range(3), self.order] = self.signs
         handed = round(np.linalg.det(matrix))
@@ -33,11 +34,11 @@ class Axes:
 
     @property
     def ours(self) -> bool:
-        """Whether there is nothing to convert."""
+        """Whether these are our axes and unit, so that nothing is converted."""
         return self.order == (0, 1, 2) and self.signs == (1, 1, 1) and self.scale == 1.0
 
     def positions(self, ours: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Positions or offsets [..., 3] in metres, in these axes and their unit."""
+        """Converts positions or offsets [..., 3] in metres."""
         return np.asarray(ours[..., self.order] * self.signs * self.scale)
 
 

@@ -1,4 +1,4 @@
-"""Poses as the numbers that go over the wire: other axes and units, normalised integers. Nothing here allocates."""
+"""Kernels that convert poses to other axes and units, and to normalised integers. They do not allocate."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LARGEST = 32767  # of a normalised int16
 
 @kernel
 def convert(ours: Array, order: Array, factors: Array, out: Array) -> None:
-    """Rows [n, K] float32 -> [n, K] float32: component i is ours[order[i]] times factors[i]."""
+    """Converts rows [n, K] float32: component i of `out` is component order[i] of `ours` times factors[i]."""
     for row in range(len(ours)):
         for i in range(len(order)):
             out[row, i] = ours[row, order[i]] * factors[i]
@@ -19,7 +19,7 @@ def convert(ours: Array, order: Array, factors: Array, out: Array) -> None:
 
 @kernel
 def shorten(ours: Array, out: Array) -> None:
-    """Numbers [n] float32 from -1 to 1 -> [n] int16, glTF's normalised form: round(32767 q)."""
+    """Converts numbers [n] float32 from -1 to 1 to int16 [n] in glTF's normalised form: round(32767 q)."""
     largest, half = np.float32(LARGEST), np.float32(0.5)
     for i in range(len(ours)):
         value = np.floor(ours[i] * largest + half)

@@ -1,4 +1,4 @@
-"""Poses as arrays for the wire: in which axes, as which numbers, and which of rotations and positions."""
+"""Encodes poses as arrays: axes, number format, and rotations or positions."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ Numbers = Literal["float32", "int16"]
 Parts = Literal["local", "world", "both"]
 NUMBERS: tuple[str, ...] = get_args(Numbers)
 PARTS: tuple[str, ...] = get_args(Parts)
-INT16_ERROR = 0.0035  # degrees by which a rotation in int16 is off at most
+INT16_ERROR = 0.0035  # degrees: the largest error of a rotation in int16
 
 Arrays = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
 class Encoding:
-    """What a client asked its frames to be like."""
+    """The encoding of a client's frames."""
 
     axes: Axes = AXES["gltf"]
     numbers: str = "float32"
     parts: str = "local"
 
     @property
-    def told(self) -> dict[str, str]:
-        """The same by name, as clients ask for it."""
+    def fields(self) -> dict[str, str]:
+        """The query parameters that ask for this encoding."""
         return {"axes": self.axes.name, "encoding": self.numbers, "parts": self.parts}
 
     def arrays(self, evaluator: Evaluator, poses: Poses) -> Arrays:
-        """`root_positions` [n, 3], `rotations` [n, J, 4] and `world_positions` [n, J, 3], those that were asked for.
+        """Returns `root_positions` [n, 3] and, by `parts`, `rotations` [n, J, 4] and `world_positions` [n, J, 3].
 
-        They may share the memory of `poses`: they are to be sent before those are evaluated again.
+        They may share memory with `poses`: send or copy them before `poses` is evaluated again.
         """
         arrays: Arrays = {"root_positions": self._positions(poses.root_positions)}
         if self.parts != "world":
@@ -73,7 +73,7 @@ class Encoding:
 
 
 def warm() -> None:
-    """Compiles the kernels, or loads them compiled."""
+    """Compiles the kernels, or loads them from the cache."""
     rows = np.zeros((1, 4), np.float32)
     _converted(rows, np.arange(4), np.ones(4, np.float32))
     shorten(rows.reshape(-1), np.empty(4, np.int16))

@@ -1,4 +1,4 @@
-"""Query strings, checked by hand: a list of what may be in one says both what is refused and what the schema tells."""
+"""Checks query strings. One list of parameters defines both what is accepted and the OpenAPI schema."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ REQUIRED = object()
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter of a query: how its text is read, what it is if it is not there, and what the schema says of it."""
+    """One parameter of a query: its parser, its default, and its entry in the schema.
+
+    `read` raises ValueError with a sentence about the value.
+    """
 
     name: str
     read: Callable[[str], Any]
@@ -32,7 +35,7 @@ def text(name: str, description: str, default: Any = None) -> Parameter:
 def choice(name: str, description: str, among: Sequence[str], default: str) -> Parameter:
     def read(value: str) -> str:
         if value not in known:
-            raise ValueError(f"it is {value[:40]!r}, and should be one of {', '.join(among)}")
+            raise ValueError(f"expected one of {', '.join(among)}, found {value[:40]!r}")
         return value
 
     known = frozenset(among)
@@ -43,9 +46,12 @@ def number(
     name: str, description: str, default: Any = None, *, least: float = 0.0, most: float | None = None
 ) -> Parameter:
     def read(value: str) -> float:
-        found = float(value)
+        try:
+            found = float(value)
+        except ValueError:
+            found = math.nan
         if not math.isfinite(found) or found < least or (most is not None and found > most):
-            raise ValueError(f"it is {value[:40]}, and should be {_range(least, most)}")
+            raise ValueError(f"expected a number {_range(least, most)}, found {value[:40]!r}")
         return found
 
     return Parameter(name, read, default, description, {"type": "number", **_bounds(least, most)})
@@ -53,12 +59,10 @@ def number(
 
 def integer(name: str, description: str, default: Any = None, *, least: int = 0, most: int | None = None) -> Parameter:
     def read(value: str) -> int:
-        if not value.isascii() or not value.isdigit() or len(value) > 18:
-            raise ValueError(f"it is {value[:40]!r}, and should be a whole number, {_range(least, most)}")
-        found = int(value)
-        if found < least or (most is not None and found > most):
-            raise ValueError(f"it is {found}, and should be {_range(least, most)}")
-        return found
+        is_number = value.isascii() and value.isdigit() and len(value) <= 18
+        if not is_number or int(value) < least or (most is not None and int(value) > most):
+            raise ValueError(f"expected a whole number {_range(least, most)}, found {value[:40]!r}")
+        return int(value)
 
     return Parameter(name, read, default, description, {"type": "integer", **_bounds(least, most)})
 
@@ -68,11 +72,11 @@ def _bounds(least: float, most: float | None) -> dict[str, float]:
 
 
 def _range(least: float, most: float | None) -> str:
-    return f"at least {least:g}" if most is None else f"from {least:g} to {most:g}"
+    return f"of at least {least:g}" if most is None else f"from {least:g} to {most:g}"
 
 
 class Query:
-    """The parameters that one operation takes."""
+    """The parameters of one operation."""
 
     def __init__(self, *parameters: Parameter) -> None:
         self.parameters = {one.name: one for one in parameters}
@@ -81,7 +85,7 @@ class Query:
         self._needed = [one.name for one in parameters if one.default is REQUIRED]
 
     def read(self, raw: bytes) -> dict[str, Any]:
-        """All parameters by name, as given or by default. Raises RequestError for the first that is wrong."""
+        """Returns all parameters by name, with defaults for those not given. Raises RequestError."""
         values, readers = self._defaults.copy(), self._readers
         seen = set()
         if raw:
@@ -90,9 +94,9 @@ class Query:
                 if "%" in pair or "+" in pair:
                     name, value = unquote_plus(name), unquote_plus(value)
                 if name not in readers:
-                    raise RequestError(f"there is no parameter {name[:40]!r}", mend=did_you_mean(name[:40], readers))
+                    raise RequestError(f"unknown parameter {name[:40]!r}", mend=did_you_mean(name[:40], readers))
                 if name in seen:
-                    raise RequestError(f"{name}: it is given twice", mend="Give it once")
+                    raise RequestError(f"{name}: given twice", mend="Give it once")
                 seen.add(name)
                 try:
                     values[name] = readers[name](value)
@@ -100,5 +104,5 @@ class Query:
                     raise RequestError(f"{name}: {error}") from None
         for name in self._needed:
             if values[name] is REQUIRED:
-                raise RequestError(f"{name}: it is missing", mend=f"Give {self.parameters[name].description}")
+                raise RequestError(f"{name}: missing", mend=f"Give {name}, the {self.parameters[name].description}")
         return values

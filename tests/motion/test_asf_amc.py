@@ -63,7 +63,7 @@ thigh 41 51
 """
 
 
-def test_joints_sit_where_bones_begin() -> None:
+def test_joints_are_where_bones_begin() -> None:
     skeleton = parse_skeleton(ASF.encode())
     nodes, rate = parse_motion(AMC.encode(), skeleton)
     assert nodes.names == ("root", "thigh", "shin")
@@ -74,7 +74,7 @@ def test_joints_sit_where_bones_begin() -> None:
     assert rate == 120.0
 
 
-def test_rotations_are_about_the_bones_own_axes() -> None:
+def test_rotations_are_about_each_bones_own_axes() -> None:
     nodes, _ = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
     axes = Rotation.from_euler("xyz", [0, 0, 20], degrees=True)
     thigh = axes * Rotation.from_euler("xyz", [40, 0, 50], degrees=True) * axes.inv()
@@ -85,7 +85,7 @@ def test_rotations_are_about_the_bones_own_axes() -> None:
     np.testing.assert_array_equal(nodes.rotations[:, 2], np.tile(quaternion.IDENTITY, (2, 1)))
 
 
-def test_radians_rate_and_another_order_of_the_root() -> None:
+def test_radians_the_rate_and_other_orders_of_the_root_are_read() -> None:
     asf = ASF.replace("order TX TY TZ RX RY RZ", "order RZ RY RX TZ TY TX")
     amc = AMC.replace(":DEGREES", ":RADIANS\n:SAMPLES-PER-SECOND 60").replace("1 2 3 10 20 30", "0.1 0.2 0.3 3 2 1")
     nodes, rate = parse_motion(amc.encode(), parse_skeleton(asf.encode()))
@@ -103,25 +103,25 @@ def test_a_byte_order_mark_does_not_matter() -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (ASF.replace("dof rx rz", "dof rx rx"), "'thigh' has a degree of freedom twice"),
+        (ASF.replace("dof rx rz", "dof rx rx"), "'thigh' lists a degree of freedom twice"),
         ("", "no :units section"),
         (b"\x00\x01", "binary"),
         (ASF[: ASF.index(":hierarchy")], "no :hierarchy section"),
-        (ASF.replace("  end\n:hierarchy", ":hierarchy"), "a bone has no end"),
+        (ASF.replace("  end\n:hierarchy", ":hierarchy"), "the last bone has no 'end' line"),
         (ASF.replace("direction 0 -1 0\n    length 3", "length 3"), "a bone has no direction"),
         (ASF.replace("length 3", "length nan"), "finite"),
-        (ASF.replace("length 3", "length three"), "line 28: 1 finite numbers"),
+        (ASF.replace("length 3", "length three"), "line 28: expected a finite number, found 'three'"),
         (ASF.replace("dof rx rz", "dof rx l"), "degree of freedom 'l'"),
         (ASF.replace("order TX TY", "order TX TX"), "line 9: the root's order"),
         (ASF.replace("thigh shin\n", "thigh shim\n"), r"unknown bone 'shim'. Did you mean 'shin'"),
-        (ASF.replace("thigh shin\n", "thigh thigh\n"), "does not hang on the root by one way"),
-        (ASF.replace("    thigh shin\n", ""), "'shin' hangs on nothing"),
-        (ASF.replace("name shin", "name thigh"), "stands twice"),
+        (ASF.replace("thigh shin\n", "thigh thigh\n"), "'thigh' must have exactly one parent"),
+        (ASF.replace("    thigh shin\n", ""), "'shin' has no parent"),
+        (ASF.replace("name shin", "name thigh"), "two bones have the name 'thigh'"),
         (ASF.replace("length 0.45", "length -1"), "must be positive"),
-        (ASF.replace("20 XYZ", "20 XXZ"), "no order of axes"),
+        (ASF.replace("20 XYZ", "20 XXZ"), "'xxz' is not an order of axes"),
     ],
 )
-def test_a_malformed_skeleton_is_told_with_its_place(text: str | bytes, words: str) -> None:
+def test_a_malformed_skeleton_is_refused_with_the_place_of_the_error(text: str | bytes, words: str) -> None:
     with pytest.raises(FormatError, match=words):
         parse_skeleton(text.encode() if isinstance(text, str) else text)
 
@@ -131,26 +131,32 @@ def test_a_malformed_skeleton_is_told_with_its_place(text: str | bytes, words: s
     [
         ("", "no frames"),
         (b"1\nroot 1 2 3 4 5 6\x00", "binary"),
-        (AMC[: AMC.index("thigh 41")], "frame 1 lacks bone 'thigh'"),
-        (AMC.replace("thigh 40 50\n", ""), "line 6: frame 0 lacks bone 'thigh'"),
-        (AMC.replace("thigh 41 51", "thigh 41"), "frame 1, bone 'thigh': 1 values where .* need 2"),
-        (AMC.replace("40 50", "40").replace("41 51", "41 51 2"), "frame 0, bone 'thigh': 1 values"),
+        (AMC[: AMC.index("thigh 41")], "frame 1 has no values for bone 'thigh'"),
+        (AMC.replace("thigh 40 50\n", ""), "line 6: frame 0 has no values for bone 'thigh'"),
+        (
+            AMC.replace("thigh 41 51", "thigh 41"),
+            "frame 1, bone 'thigh': expected 2 values, one for each degree of freedom, found 1",
+        ),
+        (
+            AMC.replace("40 50", "40").replace("41 51", "41 51 2"),
+            "frame 0, bone 'thigh': expected 2 values, .* found 1",
+        ),
         (AMC.replace("thigh 41 51", "thigh"), "line 9, frame 1"),
         (AMC.replace("thigh 41 51", "thing 41 51"), r"no moving bone 'thing'. Did you mean 'thigh'"),
         (AMC.replace("thigh 41 51", "shin 41 51"), "no moving bone 'shin'"),
         (AMC.replace("thigh 41 51", "thigh 41 inf"), "frame 1, bone 'thigh': 'inf' is not a finite number"),
         (AMC.replace("thigh 41 51", "thigh 41 five"), "'five' is not a finite number"),
         (AMC.replace("thigh 41 51", "thigh 41 51\nthigh 41 51"), "line 10, frame 1"),
-        (AMC.replace("1\nroot", "root", 1), "was expected"),
+        (AMC.replace("1\nroot", "root", 1), "expected one line with values for bone 'root'"),
     ],
 )
-def test_a_malformed_motion_is_told_with_its_place(text: str | bytes, words: str) -> None:
+def test_a_malformed_motion_is_refused_with_the_place_of_the_error(text: str | bytes, words: str) -> None:
     with pytest.raises(FormatError, match=words):
         parse_motion(text.encode() if isinstance(text, str) else text, parse_skeleton(ASF.encode()))
 
 
 @given(st.data())
-def test_any_mutation_is_read_or_refused_but_never_breaks(data: st.DataObject) -> None:
+def test_any_mutated_file_is_read_or_refused(data: st.DataObject) -> None:
     texts = [bytearray(ASF.encode()), bytearray(AMC.encode())]
     text = texts[data.draw(st.integers(0, 1))]
     at = data.draw(st.integers(0, len(text) - 1))
@@ -163,7 +169,7 @@ def test_any_mutation_is_read_or_refused_but_never_breaks(data: st.DataObject) -
         assert np.isfinite(nodes.rotations).all()
 
 
-def test_real_people_walk_upright(real_motion: Path) -> None:
+def test_people_in_real_files_walk_upright(real_motion: Path) -> None:
     for name in ("16_15", "02_01", "127_04"):
         reading = read_clip(real_motion / f"{name}.amc")
         positions, roles = joint_positions(reading.clip), reading.roles

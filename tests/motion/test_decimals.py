@@ -15,7 +15,7 @@ def twin(text: str) -> list[list[float]]:
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=6, max_size=6), st.sampled_from(FORMS))
-def test_numbers_as_files_have_them_are_the_very_ones_of_float(numbers: list[float], form: str) -> None:
+def test_numbers_as_files_write_them_equal_float(numbers: list[float], form: str) -> None:
     words = [form.format(0.0 if 0.0 < abs(number) < 1e-7 else number) for number in numbers]
     text = f" {words[0]}\t{words[1]} {words[2]} \n\n{words[3]} {words[4]}  {words[5]}"
     values = read_table(text, 2, 3)
@@ -24,7 +24,7 @@ def test_numbers_as_files_have_them_are_the_very_ones_of_float(numbers: list[flo
 
 
 @given(st.lists(st.floats(-1e300, 1e300), min_size=4, max_size=4))
-def test_any_other_number_is_right_to_14_digits(numbers: list[float]) -> None:
+def test_any_other_number_agrees_to_14_digits(numbers: list[float]) -> None:
     text = " ".join("0" if 0.0 < abs(number) < 1e-290 else repr(number) for number in numbers)
     values = read_table(text, 1, 4)
     assert values is not None
@@ -36,9 +36,9 @@ def test_any_other_number_is_right_to_14_digits(numbers: list[float]) -> None:
     ["1 2", "1 2 3 4", "1 2\n3", "1 2 x", "1 2 3x", "1 2 .", "1 2 -", "1 2 1e", "1 2 1.2.3", "1 2 nan", "1 2 inf",
      "1 2 1e999", "1 2 0x1", "1 2 1_0", "1 2 ٣", "", "1 2 3\n1 2 3"],
 )  # fmt: skip
-def test_what_is_no_row_of_three_finite_numbers_is_none(text: str) -> None:
+def test_anything_but_a_row_of_three_finite_numbers_gives_none(text: str) -> None:
     assert read_table(text, 1, 3) is None
 
 
-def test_nothing_is_allocated_for_what_is_not_there() -> None:
+def test_no_memory_is_allocated_for_missing_numbers() -> None:
     assert read_table("1 2 3", 10**9, 10**6) is None

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import inspect
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,19 +27,19 @@ def written(folder: Path, clip: Clip = WALK, unit: float = 1.0) -> Path:
 
 
 @pytest.mark.parametrize("unit", UNITS)
-def test_the_unit_is_guessed_from_the_legs_and_said(tmp_path: Path, unit: str) -> None:
+def test_the_unit_is_guessed_from_the_legs_and_noted(tmp_path: Path, unit: str) -> None:
     reading = read_clip(written(tmp_path, unit=UNITS[unit]))
     assert reading.unit == UNITS[unit]
-    assert f"taken for {unit} " in reading.notes[0]
+    assert f"assumed unit {unit} " in reading.notes[0]
     np.testing.assert_allclose(reading.clip.root_positions, WALK.root_positions, atol=1e-4)
 
 
-def test_a_unit_that_is_given_is_taken(tmp_path: Path) -> None:
+def test_a_given_unit_is_used(tmp_path: Path) -> None:
     reading = read_clip(written(tmp_path), unit="2.5")
     np.testing.assert_allclose(reading.clip.root_positions, 2.5 * WALK.root_positions, atol=1e-4)
     assert not reading.notes
     for wrong in ("furlong", "0", "-1", "nan"):
-        with pytest.raises(SettingsError, match="no unit of length"):
+        with pytest.raises(SettingsError, match="not a unit of length"):
             metres_per_unit(wrong)
     with pytest.raises(MotionError, match="legs have no length"):
         guess_unit(0.0)
@@ -45,7 +48,7 @@ def test_a_unit_that_is_given_is_taken(tmp_path: Path) -> None:
 def test_leading_frames_are_skipped(tmp_path: Path) -> None:
     clip = read_clip(written(tmp_path), skip_frames=7, unit="m").clip
     np.testing.assert_allclose(clip.root_positions, WALK.root_positions[7:], atol=1e-5)
-    with pytest.raises(MotionError, match=r"walk\.bvh: 30 frames cannot be skipped of 30"):
+    with pytest.raises(MotionError, match=r"walk\.bvh: cannot skip 30 of 30 frames"):
         read_clip(written(tmp_path), skip_frames=30)
 
 
@@ -53,21 +56,21 @@ def test_a_leading_bind_pose_is_noticed(tmp_path: Path) -> None:
     posed = WALK.rotations.copy()
     posed[0] = quaternion.IDENTITY
     with_pose = Clip("walk", WALK.skeleton, WALK.rate, WALK.root_positions, posed)
-    assert any("--skip-frames 1" in said for said in read_clip(written(tmp_path, with_pose)).warnings)
+    assert any("--skip-frames 1" in warning for warning in read_clip(written(tmp_path, with_pose)).warnings)
     assert not read_clip(written(tmp_path)).warnings
 
 
-def test_the_bind_pose_of_every_real_bvh_is_noticed_and_of_no_amc(real_motion: Path) -> None:
+def test_a_bind_pose_is_noticed_in_every_real_bvh_and_in_no_amc(real_motion: Path) -> None:
     for path in [*real_motion.glob("06_*.bvh"), *real_motion.glob("16_*.amc")]:
-        noticed = any("--skip-frames" in said for said in read_clip(path).warnings)
+        noticed = any("--skip-frames" in warning for warning in read_clip(path).warnings)
         assert noticed == (path.suffix == ".bvh"), path.name
 
 
-def test_one_frame_is_a_clip(tmp_path: Path) -> None:
+def test_a_file_of_one_frame_is_a_clip(tmp_path: Path) -> None:
     assert read_clip(written(tmp_path, WALK.frames(0, 1))).clip.frame_count == 1
 
 
-def test_the_motion_is_kept_whatever_the_order_of_joints(tmp_path: Path) -> None:
+def test_the_motion_is_kept_when_joints_are_reordered(tmp_path: Path) -> None:
     clip = read_clip(written(tmp_path)).clip
     order = [clip.skeleton.index(name) for name in WALK.skeleton.names]
     np.testing.assert_allclose(joint_positions(clip)[:, order], joint_positions(WALK), atol=1e-4)
@@ -76,13 +79,13 @@ def test_the_motion_is_kept_whatever_the_order_of_joints(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("name", "data", "words"),
     [
-        ("absent.bvh", None, "absent.bvh: there is no such file"),
-        ("absent.amc", None, "absent.amc: there is no such file"),
+        ("absent.bvh", None, "absent.bvh: no such file"),
+        ("absent.amc", None, "absent.amc: no such file"),
         ("empty.bvh", b"", "empty.bvh: the file is empty"),
         ("blank.amc", b" \n\n", "blank.amc: the file is empty"),
-        ("walk.fbx", b"Kaydara", r"kind '.fbx' cannot be read. Give one of .amc, .bvh"),
-        ("lone_01.amc", b"1\nroot 0 0 0 0 0 0\n", "no lone.asf beside it"),
-        ("alone.amc", b"1\nroot 0 0 0 0 0 0\n", "no alone.asf beside it"),
+        ("walk.fbx", b"Kaydara", r"unsupported file type '\.fbx'\. Convert it to \.amc or \.bvh"),
+        ("lone_01.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton lone.asf"),
+        ("alone.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton alone.asf"),
         ("noise.bvh", bytes(range(256)), "noise.bvh: this is a binary file"),
     ],
 )
@@ -94,9 +97,9 @@ def test_a_bad_file_is_named(tmp_path: Path, name: str, data: bytes | None, word
 
 
 @pytest.mark.parametrize("name", ["clips", "clips.bvh"])
-def test_a_folder_is_no_motion(tmp_path: Path, name: str) -> None:
+def test_a_folder_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / name).mkdir()
-    with pytest.raises(MotionError, match=f"{name}: it is a folder. Give one file of it, .amc or .bvh"):
+    with pytest.raises(MotionError, match=f"{name}: this is a folder. Give one file in it: .amc or .bvh"):
         read_clip(tmp_path / name)
 
 
@@ -112,27 +115,36 @@ def test_a_folder_is_no_motion(tmp_path: Path, name: str) -> None:
 def test_the_skeleton_beside_a_motion_is_found(tmp_path: Path, motion: str, skeletons: list[str], found: str) -> None:
     for name in [motion, *skeletons]:
         (tmp_path / name).write_text("nothing")
-    with pytest.raises(MotionError, match=f"{found}: it has no :units"):
+    with pytest.raises(MotionError, match=f"{found}: the file has no :units"):
         read_clip(tmp_path / motion)
 
 
-def test_of_several_skeletons_none_is_picked_at_random(tmp_path: Path) -> None:
+def test_several_skeletons_without_a_matching_name_are_refused(tmp_path: Path) -> None:
     for name in ("c_01.amc", "a.asf", "b.asf"):
         (tmp_path / name).write_text("nothing")
-    with pytest.raises(MotionError, match=r"no c\.asf beside it, and 2 others are"):
+    with pytest.raises(MotionError, match=r"found no skeleton c\.asf in its folder, but 2 other \.asf files"):
         read_clip(tmp_path / "c_01.amc")
 
 
 def test_a_bad_skeleton_file_is_named_rather_than_the_motion(tmp_path: Path) -> None:
     (tmp_path / "a.asf").write_text("nothing")
     (tmp_path / "a_01.amc").write_text("1\nroot 0 0 0 0 0 0\n")
-    with pytest.raises(MotionError, match=r"a\.asf: it has no :units"):
+    with pytest.raises(MotionError, match=r"a\.asf: the file has no :units"):
         read_clip(tmp_path / "a_01.amc")
 
 
-def test_a_rig_with_unknown_names_is_answered_with_a_file_to_fill_in(tmp_path: Path) -> None:
+def test_unknown_joint_names_are_answered_with_a_roles_file_to_fill_in(tmp_path: Path) -> None:
     text = bvh.dump_bvh(WALK).replace(b"LeftLeg", b"Alpha")
     (tmp_path / "odd.bvh").write_bytes(text)
-    with pytest.raises(RoleError, match=r"odd\.bvh: no joint was found for left_knee"):
+    with pytest.raises(RoleError, match=r"odd\.bvh: no joint found for left_knee"):
         read_clip(tmp_path / "odd.bvh")
     assert read_clip(tmp_path / "odd.bvh", roles={"left_knee": "Alpha"}).clip.frame_count == 30
+
+
+@pytest.mark.parametrize("documented", [Clip, read_clip, bvh.dump_bvh])
+def test_the_example_in_the_docstring_runs(
+    documented: Callable[..., object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    [example] = re.findall(r"```python\n(.*?)```", inspect.getdoc(documented) or "", re.DOTALL)
+    exec(compile(inspect.cleandoc(example), documented.__name__, "exec"), {})

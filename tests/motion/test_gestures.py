@@ -37,7 +37,7 @@ ALL: Any = [*KINDS]
 
 
 def wrist(clip: Clip, side: Side) -> Floats:
-    """Where the wrist is [F, 3], as seen from the shoulder and the trunk."""
+    """Returns the wrist's position [F, 3] relative to the shoulder, in the trunk's axes."""
     positions = joint_positions(clip)
     shoulders = ROLES.left_shoulder, ROLES.right_shoulder
     facing = heading(positions[:, shoulders[0]] - positions[:, shoulders[1]])
@@ -49,7 +49,7 @@ def at_the_bodys_times(pair: GesturePair) -> Clip:
     return Clip("sampled", pair.hands.skeleton, pair.body.rate, *pair.hands.sampled(pair.hand_frames))
 
 
-def test_a_seed_tells_all_and_another_tells_another() -> None:
+def test_a_seed_determines_the_pair_and_another_seed_gives_another() -> None:
     one, same, other = (gesture_pair(seed, gestures=3, seconds=3.0) for seed in (4, 4, 5))
     for clip in ("body", "hands", "truth"):
         ours, theirs = getattr(one, clip), getattr(same, clip)
@@ -68,7 +68,7 @@ def test_a_seed_tells_all_and_another_tells_another() -> None:
     st.sampled_from([30.0, 60.0, 120.0]),
     st.sampled_from([None, "walk"]),
 )
-def test_what_goes_with_what_never_falls_and_spans_cover_the_clip(
+def test_hand_frames_increase_and_spans_cover_the_clip(
     seed: int, kinds: Any, hand: str, hand_rate: float, locomotion: str | None
 ) -> None:
     pair = gesture_pair(seed, kinds=kinds, seconds=3.0, hand=hand, hand_rate=hand_rate, locomotion=locomotion)
@@ -88,15 +88,15 @@ def test_what_goes_with_what_never_falls_and_spans_cover_the_clip(
             assert (before.kind, after.kind) != ("hold", "hold")
             assert (before.kind, after.kind) != ("retraction", "stroke")
             assert before.kind != "preparation" or after.kind == "stroke"
-        told = [span.kind for span in spans]
+        phases = [span.kind for span in spans]
         own = len(kinds[number :: len(sides)])
-        assert told.count("preparation") == own
-        assert told.count("stroke") >= own
-        assert told[-2:-1] == (["retraction"] if own else [])
+        assert phases.count("preparation") == own
+        assert phases.count("stroke") >= own
+        assert phases[-2:-1] == (["retraction"] if own else [])
     assert {span.side for span in pair.spans} == set(sides)
 
 
-def test_a_body_has_fingers_that_rest_and_the_truth_those_that_move() -> None:
+def test_fingers_are_still_in_the_body_and_move_in_the_truth() -> None:
     pair = gesture_pair(6, kinds=ALL, seconds=4.0, locomotion="walk")
     joints = [joint for side in SIDES for joint in fingers_of(FINGERED, ROLES, side)]
     others = [joint for joint in range(FINGERED.joint_count) if joint not in joints]
@@ -104,13 +104,13 @@ def test_a_body_has_fingers_that_rest_and_the_truth_those_that_move() -> None:
     assert np.array_equal(pair.truth.rotations[:, others], pair.body.rotations[:, others])
     assert np.ptp(pair.body.rotations[:, joints], axis=0).max() < 1e-12
     assert np.ptp(pair.truth.rotations[:, joints], axis=0).max() > 0.5
-    shown = at_the_bodys_times(pair)
-    assert quaternion.angle(pair.truth.rotations[:, joints], shown.rotations[:, joints]).max() < 0.05
+    sampled = at_the_bodys_times(pair)
+    assert quaternion.angle(pair.truth.rotations[:, joints], sampled.rotations[:, joints]).max() < 0.05
 
 
 @pytest.mark.parametrize("size", [0.2, 0.5, 1.0])
-def test_hands_move_as_far_as_was_asked(size: float) -> None:
-    """Of what the body's wrists do; a smaller performer's are smaller yet, and stray by a centimetre."""
+def test_the_hands_motion_is_scaled_by_the_amplitude(size: float) -> None:
+    """The scale is relative to the body's wrists, and further reduced by the smaller stature of the performer."""
     for seed in (1, 2, 3):
         pair = gesture_pair(seed, kinds=ALL, seconds=6.0, amplitude=(size, size), locomotion=None, hand="right")
         own, theirs = (wrist(clip, "right") for clip in (pair.body, at_the_bodys_times(pair)))
@@ -118,17 +118,17 @@ def test_hands_move_as_far_as_was_asked(size: float) -> None:
         assert ratio == pytest.approx(SMALLER * size, rel=0.2)
 
 
-def test_only_the_hands_that_were_asked_for_gesture() -> None:
+def test_only_the_chosen_hand_gestures() -> None:
     pair = gesture_pair(2, kinds=ALL, seconds=4.0, hand="right", locomotion=None)
     left, right = (fingers_of(FINGERED, ROLES, side) for side in SIDES)
     assert np.ptp(pair.hands.rotations[:, left], axis=0).max() < 1e-12
     assert np.ptp(pair.hands.rotations[:, right], axis=0).max() > 0.5
-    with pytest.raises(SettingsError, match="there is no hand 'third'"):
+    with pytest.raises(SettingsError, match="unknown hand 'third'"):
         gesture_pair(2, hand="third")
 
 
 def posed(pose: Floats) -> Floats:
-    """Joints [J, 3] of a T-pose whose hands are in a pose."""
+    """Returns the joints [J, 3] of a T-pose with both hands in `pose`."""
     still = Clip("still", SKELETON, 60.0, np.zeros((1, 3)), np.tile(quaternion.IDENTITY, (1, SKELETON.joint_count, 1)))
     return joint_positions(with_fingers(still, dict.fromkeys((LEFT, RIGHT), pose[None])))[0]
 
@@ -140,8 +140,8 @@ def test_left_and_right_hands_mirror_each_other(pose: list[float]) -> None:
     np.testing.assert_allclose(joints[right], joints[left] * [-1.0, 1.0, 1.0], atol=1e-12)
 
 
-def test_poses_look_as_they_are_called() -> None:
-    """How far the last joint of each finger is from the wrist, straight fingers being 1."""
+def test_poses_look_like_their_names() -> None:
+    """Compares the distance of each finger's last joint from the wrist with that of a straight finger."""
     straight = posed(np.zeros(7))
 
     def reach(pose: Floats) -> Floats:
@@ -162,8 +162,8 @@ def test_poses_look_as_they_are_called() -> None:
 
 @settings(max_examples=10)
 @given(SEEDS)
-def test_fingers_keep_within_human_limits(seed: int) -> None:
-    """Radians: a knuckle and the joints after it bend by 100, 110 and 80 degrees, and spread by 25."""
+def test_fingers_stay_within_human_limits(seed: int) -> None:
+    """A knuckle and the joints after it bend by up to 100, 110 and 80 degrees, and fingers spread by up to 25."""
     truth = gesture_pair(seed, gestures=5, seconds=4.0, locomotion=None).truth
     for sign in (LEFT, RIGHT):
         turns = truth.rotations[:, finger_joints(sign)].reshape(-1, 5, 3, 4)
@@ -177,7 +177,7 @@ def test_fingers_keep_within_human_limits(seed: int) -> None:
     assert speed < np.radians(2500.0)
 
 
-def test_the_rigs_roles_are_found_with_fingers_on_it() -> None:
+def test_roles_are_the_same_with_fingers() -> None:
     named = {role: FINGERED.names[joint] for role, joint in vars(ROLES).items() if role != "spine"}
     bare = find_roles(SKELETON)
     assert named == {role: SKELETON.names[joint] for role, joint in vars(bare).items() if role != "spine"}
@@ -187,18 +187,18 @@ def test_the_rigs_roles_are_found_with_fingers_on_it() -> None:
         check_shape(joint_positions(clip), find_roles(clip.skeleton))
 
 
-def test_samples_are_bodies_and_the_hands_of_each() -> None:
+def test_samples_are_bodies_and_their_hands() -> None:
     samples = sample_gestures()
     assert sorted(samples) == ["count_steps", "count_steps_hands", "directions", "directions_hands"]
     assert all(clip.name == name for name, clip in samples.items())
 
 
-def test_a_move_is_of_least_jerk() -> None:
-    """It begins and ends at rest, and half-way it is half there, as fast as it gets: 1.875 times as on average."""
+def test_a_move_has_minimum_jerk() -> None:
+    """It begins and ends at rest. Half-way it is half done, at its highest speed: 1.875 times the mean."""
     t = np.linspace(-0.5, 1.5, 2001)
-    way = least_jerk(t)
-    speed, change = np.gradient(way, t), np.gradient(np.gradient(way, t), t)
-    np.testing.assert_allclose(way[[0, 500, 1000, 1500, 2000]], [0.0, 0.0, 0.5, 1.0, 1.0], atol=1e-9)
+    done = least_jerk(t)
+    speed, change = np.gradient(done, t), np.gradient(np.gradient(done, t), t)
+    np.testing.assert_allclose(done[[0, 500, 1000, 1500, 2000]], [0.0, 0.0, 0.5, 1.0, 1.0], atol=1e-9)
     assert speed.max() == pytest.approx(1.875, abs=1e-3)
     np.testing.assert_allclose(speed[[500, 1500]], 0.0, atol=1e-3)
     np.testing.assert_allclose(change[[500, 1500]], 0.0, atol=0.1)

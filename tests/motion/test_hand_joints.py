@@ -27,11 +27,11 @@ from motionsplice.motion.hand_joints import (
 )
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.hand_rig import FINGERED, FINGERS
-from motionsplice.motion.procedural.variants import with_arms_turned, with_bones_above
 from motionsplice.motion.quaternion import about, rotate
 from motionsplice.motion.roles import find_roles
 from motionsplice.motion.skeleton import Skeleton
 from tests.conftest import CLIPS, COUNTING
+from tests.rigs import with_arms_turned, with_bones_above
 
 WALK = CLIPS["walk"].frames(0, 20)
 BARE, BARE_ROLES = WALK.skeleton, find_roles(WALK.skeleton)
@@ -63,15 +63,15 @@ OWN = re.compile(r"(Left|Right)Hand(\w+)(\d)")
 
 
 def renamed(skeleton: Skeleton, name: Callable[[str, str, int], str]) -> Skeleton:
-    """The built-in rig with its fingers' joints called otherwise."""
+    """Returns the built-in rig with other names for its finger joints."""
     names = [
-        name(found[1], found[2], int(found[3])) if (found := OWN.fullmatch(one)) else one for one in skeleton.names
+        name(found[1], found[2], int(found[3])) if (found := OWN.fullmatch(own)) else own for own in skeleton.names
     ]
     return replace(skeleton, names=tuple(names))
 
 
 def with_metacarpals(skeleton: Skeleton, name: str) -> Skeleton:
-    """With a bone in the palm for each finger but the thumb."""
+    """Returns the rig with a bone in the palm for each finger except the thumb."""
     above = {
         f"{side}Hand{finger}1": name.format(side=side, s=side[0].lower(), finger=finger.lower())
         for side in ("Left", "Right")
@@ -82,7 +82,7 @@ def with_metacarpals(skeleton: Skeleton, name: str) -> Skeleton:
 
 @pytest.mark.parametrize("ours", NAMES)
 @pytest.mark.parametrize("theirs", NAMES)
-def test_fingers_are_known_by_the_names_of_any_rig(ours: str, theirs: str) -> None:
+def test_fingers_are_matched_by_the_names_of_common_rigs(ours: str, theirs: str) -> None:
     rigs = renamed(FINGERED, NAMES[ours]), renamed(FINGERED, NAMES[theirs])
     for side in SIDES:
         joints = fingers_of(FINGERED, ROLES, side)
@@ -98,7 +98,7 @@ def test_fingers_are_known_by_the_names_of_any_rig(ours: str, theirs: str) -> No
         ("VRM 1", "{side}{finger}Metacarpal"),
     ],
 )
-def test_bones_of_the_palm_are_left_out_unless_both_have_them(names: str, palm: str) -> None:
+def test_metacarpals_are_left_out_unless_both_rigs_have_them(names: str, palm: str) -> None:
     rig = renamed(with_metacarpals(FINGERED, palm), NAMES[names])
     roles = find_roles(rig)
     for side in SIDES:
@@ -106,40 +106,43 @@ def test_bones_of_the_palm_are_left_out_unless_both_have_them(names: str, palm: 
         assert len(named) == 19
         ours = match_fingers(rig, roles, FINGERED, ROLES, side)
         assert sorted(ours.values()) == joints
-        told = renamed(FINGERED, NAMES[names]).names
-        assert [rig.names[joint] for joint in ours] == [told[joint] for joint in ours.values()]
-        assert match_fingers(FINGERED, ROLES, rig, roles, side) == {theirs: one for one, theirs in ours.items()}
+        renamed_joints = renamed(FINGERED, NAMES[names]).names
+        assert [rig.names[joint] for joint in ours] == [renamed_joints[joint] for joint in ours.values()]
+        assert match_fingers(FINGERED, ROLES, rig, roles, side) == {theirs: mine for mine, theirs in ours.items()}
         assert match_fingers(rig, roles, rig, roles, side) == dict(zip(named, named, strict=True))
 
 
-def test_a_hand_of_fewer_fingers_or_bones_is_matched_in_part() -> None:
-    kept = [joint for joint, name in enumerate(FINGERED.names) if "Ring" not in name and not name.endswith("3")]
+def test_a_hand_with_fewer_fingers_or_bones_is_matched_in_part() -> None:
+    left = [joint for joint, name in enumerate(FINGERED.names) if "Ring" not in name and not name.endswith("3")]
     less = replace(
         FINGERED,
-        names=tuple(FINGERED.names[joint] for joint in kept),
-        parents=np.array([kept.index(FINGERED.parents[joint]) if joint else -1 for joint in kept]),
-        offsets=FINGERED.offsets[kept],
+        names=tuple(FINGERED.names[joint] for joint in left),
+        parents=np.array([left.index(FINGERED.parents[joint]) if joint else -1 for joint in left]),
+        offsets=FINGERED.offsets[left],
         end_parents=np.zeros(0, np.int64),
         end_offsets=np.zeros((0, 3)),
     )
     match = match_fingers(FINGERED, ROLES, less, find_roles(less), "left")
     assert len(match) == 8
-    assert all(FINGERED.names[one] == less.names[other] for one, other in match.items())
+    assert all(FINGERED.names[ours] == less.names[theirs] for ours, theirs in match.items())
 
 
-def test_fingers_without_known_names_are_matched_by_the_order_of_like_chains() -> None:
+def test_fingers_with_unknown_names_are_matched_by_order_if_the_trees_are_equal() -> None:
     digits = renamed(FINGERED, lambda side, finger, number: f"Bip01 {side[0]} Digit{FINGERS.index(finger)}{number}")
     joints = fingers_of(FINGERED, ROLES, "right")
     for rigs in ((digits, FINGERED), (FINGERED, digits)):
         assert match_fingers(rigs[0], ROLES, rigs[1], ROLES, "right") == dict(zip(joints, joints, strict=True))
     longer = with_bones_above(replace(STILL, skeleton=digits), {"Bip01 R Digit21": "Bip01 R Palm2"}).skeleton
-    with pytest.raises(SkeletonError, match=r"right hand, 'Bip01 R Digit01' and so on, .* Name them thumb, index"):
+    with pytest.raises(
+        SkeletonError,
+        match=r"no finger of the right hand \('Bip01 R Digit01' \.\.\.\) matches .* Name the fingers thumb, index",
+    ):
         match_fingers(longer, find_roles(longer), FINGERED, ROLES, "right")
 
 
-def test_hands_of_rigs_alike_need_no_turn() -> None:
+def test_hands_with_similar_bind_poses_need_no_rotation() -> None:
     for side in SIDES:
-        small = with_arms_turned(FINGERED, 0.06)  # hands are not all of one shape
+        small = with_arms_turned(FINGERED, 0.06)  # hands differ in shape
         for rig in (FINGERED, FINGERED.scaled(0.8), small):
             np.testing.assert_array_equal(bind_turn(FINGERED, ROLES, rig, ROLES, side), quaternion.IDENTITY)
 
@@ -149,14 +152,14 @@ def test_fingers_point_along_the_hand_in_any_bind_pose(down: float) -> None:
     ours, bare = with_arms_turned(FINGERED, down), with_arms_turned(BARE, down)
     for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
         wanted = about([0.0, 0.0, 1.0], sign * down)
-        for rig, roles in ((ours, ROLES), (bare, BARE_ROLES)):  # the latter by its forearm alone
+        for rig, roles in ((ours, ROLES), (bare, BARE_ROLES)):  # the second by its forearm only
             turn = bind_turn(rig, roles, FINGERED, ROLES, side)
             assert quaternion.angle(turn, wanted) < 1e-6
         joints = fingers_of(FINGERED, ROLES, side)
         np.testing.assert_allclose(rotate(turn, FINGERED.offsets[joints]), ours.offsets[joints], atol=1e-9)
 
 
-def test_a_body_is_given_fingers_as_large_as_its_forearms_are() -> None:
+def test_added_fingers_are_scaled_to_the_forearms() -> None:
     theirs = FINGERED.scaled(0.7)
     rig, roles, places = graft_fingers(BARE, BARE_ROLES, theirs, ROLES)
     assert set(rig.names) == set(FINGERED.names)
@@ -166,7 +169,9 @@ def test_a_body_is_given_fingers_as_large_as_its_forearms_are() -> None:
         if joint:
             assert rig.parents[place] == places[BARE.parents[joint]]
     assert roles == find_roles(rig)
-    for joint, name in enumerate(rig.names):  # both are the same body, so that its fingers are just these
+    for joint, name in enumerate(
+        rig.names
+    ):  # both rigs are the same body at two sizes, so the fingers are the original ones
         np.testing.assert_allclose(rig.offsets[joint], FINGERED.offsets[FINGERED.index(name)], atol=1e-12)
     ends = {rig.names[joint]: offset for joint, offset in zip(rig.end_parents, rig.end_offsets, strict=True)}
     for joint, offset in zip(FINGERED.end_parents, FINGERED.end_offsets, strict=True):
@@ -174,11 +179,11 @@ def test_a_body_is_given_fingers_as_large_as_its_forearms_are() -> None:
     assert not ends
 
 
-def test_a_forearm_of_two_bones_is_as_long_as_both() -> None:
+def test_a_forearm_includes_its_twist_bone() -> None:
     above = {"LeftHand": "LeftForeArmTwist", "RightHand": "RightForeArmTwist"}
     twisting = with_bones_above(WALK, above).skeleton
     roles = find_roles(twisting)
-    assert [twisting.names[one] for one in forearm_of(twisting, roles, "left")] == [
+    assert [twisting.names[joint] for joint in forearm_of(twisting, roles, "left")] == [
         "LeftForeArm",
         "LeftForeArmTwist",
         "LeftHand",
@@ -190,7 +195,7 @@ def test_a_forearm_of_two_bones_is_as_long_as_both() -> None:
         np.testing.assert_allclose(grafted, FINGERED.offsets[joint], atol=1e-12)
 
 
-def test_grafted_fingers_lie_on_the_hand_of_another_bind_pose() -> None:
+def test_added_fingers_follow_the_hand_in_another_bind_pose() -> None:
     rig, roles, _ = graft_fingers(with_arms_turned(BARE, 0.8), BARE_ROLES, FINGERED, ROLES)
     wanted = with_arms_turned(FINGERED, 0.8)
     for side in SIDES:
@@ -198,16 +203,16 @@ def test_grafted_fingers_lie_on_the_hand_of_another_bind_pose() -> None:
             np.testing.assert_allclose(rig.offsets[joint], wanted.offsets[wanted.index(rig.names[joint])], atol=1e-6)
 
 
-def test_joints_that_are_called_as_grafted_ones_keep_their_names() -> None:
+def test_existing_joints_keep_names_that_clash_with_added_fingers() -> None:
     toe = BARE.names[BARE_ROLES.left_toe]
     odd = replace(BARE, names=tuple("RightHandThumb2" if name == toe else name for name in BARE.names))
     rig, roles, places = graft_fingers(odd, BARE_ROLES, FINGERED, ROLES)
     assert rig.names[places[BARE_ROLES.left_toe]] == "RightHandThumb2"
     match = match_fingers(rig, roles, FINGERED, ROLES, "right")
-    assert [FINGERED.names[one] for one in match.values()][1] == "RightHandThumb2"
+    assert [FINGERED.names[joint] for joint in match.values()][1] == "RightHandThumb2"
 
 
-def test_a_clip_with_fingers_moves_as_it_did() -> None:
+def test_adding_fingers_does_not_change_the_motion() -> None:
     clip, roles = fingered(WALK, BARE_ROLES, FINGERED, ROLES)
     before, after = joint_positions(WALK), joint_positions(clip)
     places = [clip.skeleton.index(name) for name in BARE.names]
@@ -217,11 +222,11 @@ def test_a_clip_with_fingers_moves_as_it_did() -> None:
         assert len(joints) == 15
         np.testing.assert_array_equal(clip.rotations[:, joints], np.tile(quaternion.IDENTITY, (20, 15, 1)))
     again = fingered(clip, roles, BARE, BARE_ROLES)
-    assert again == (clip, roles)  # who has fingers is given none
+    assert again == (clip, roles)  # a clip with fingers is returned unchanged
 
 
 def with_mittens(skeleton: Skeleton) -> Skeleton:
-    """As CMU's rig: a joint on the wrist itself and one for all fingers, a thumb, and what hand and fingers hold."""
+    """Returns a rig with mittens like CMU's: a joint for all fingers and a thumb; and with objects in its hands."""
     added = [
         (name.format(side), above.format(side), (sign * x, 0.0, z))
         for side, sign in (("Left", 1.0), ("Right", -1.0))
@@ -242,12 +247,12 @@ def with_mittens(skeleton: Skeleton) -> Skeleton:
     )
 
 
-def test_a_mitten_gives_way_to_fingers_and_what_a_hand_holds_does_not() -> None:
+def test_fingers_replace_a_mitten_and_held_objects_stay() -> None:
     mittened = with_mittens(BARE)
     assert not has_fingers(mittened, BARE_ROLES)
     rig, roles, places = graft_fingers(mittened, BARE_ROLES, FINGERED, ROLES)
-    gone = {mittened.names[joint] for joint in np.flatnonzero(places < 0)}
-    assert gone == {f"{side}{part}" for side in ("Left", "Right") for part in ("FingerBase", "HandIndex1", "Thumb")}
+    removed = {mittened.names[joint] for joint in np.flatnonzero(places < 0)}
+    assert removed == {f"{side}{part}" for side in ("Left", "Right") for part in ("FingerBase", "HandIndex1", "Thumb")}
     for side in SIDES:
         assert [rig.names[joint] for joint in fingers_of(rig, roles, side)] == [
             FINGERED.names[joint] for joint in fingers_of(FINGERED, ROLES, side)
@@ -258,11 +263,11 @@ def test_a_mitten_gives_way_to_fingers_and_what_a_hand_holds_does_not() -> None:
     rotations = np.tile(quaternion.IDENTITY, (WALK.frame_count, mittened.joint_count, 1))
     rotations[:, : BARE.joint_count] = WALK.rotations
     clip, _ = fingered(replace(WALK, skeleton=mittened, rotations=rotations), BARE_ROLES, FINGERED, ROLES)
-    kept = [clip.skeleton.index(name) for name in BARE.names]
-    np.testing.assert_allclose(joint_positions(clip)[:, kept], joint_positions(WALK), atol=1e-12)
+    joints = [clip.skeleton.index(name) for name in BARE.names]
+    np.testing.assert_allclose(joint_positions(clip)[:, joints], joint_positions(WALK), atol=1e-12)
 
 
-def test_a_rig_that_was_given_fingers_gives_another_just_these() -> None:
+def test_added_fingers_can_be_added_to_another_rig_unchanged() -> None:
     mittened = with_mittens(BARE)
     rig, roles, _ = graft_fingers(mittened, BARE_ROLES, FINGERED, ROLES)
     again, *_ = graft_fingers(mittened, BARE_ROLES, rig, roles)
@@ -270,13 +275,13 @@ def test_a_rig_that_was_given_fingers_gives_another_just_these() -> None:
     np.testing.assert_allclose(again.offsets, rig.offsets, atol=1e-12)
 
 
-def test_where_nobody_has_fingers_there_are_none_to_give() -> None:
+def test_two_rigs_without_fingers_are_refused() -> None:
     assert not has_fingers(BARE, BARE_ROLES)
     with pytest.raises(SkeletonError, match="neither the body nor the hands have fingers"):
         fingered(WALK, BARE_ROLES, BARE, BARE_ROLES)
 
 
-def test_a_clip_with_fingers_comes_back_from_a_file(tmp_path: Path) -> None:
+def test_a_clip_with_fingers_survives_writing_and_reading(tmp_path: Path) -> None:
     truth = COUNTING.truth.frames(100, 140)
     file = tmp_path / "truth.bvh"
     file.write_bytes(dump_bvh(truth))

@@ -36,13 +36,13 @@ def test_planar_distance_ignores_turns_and_floor_shifts_of_either_cloud(
 
 
 @given(seeds, st.floats(0.1, 2.0))
-def test_planar_distance_sees_heights(seed: int, height: float) -> None:
+def test_planar_distance_includes_heights(seed: int, height: float) -> None:
     a = clouds(seed, 1)
     np.testing.assert_allclose(planar_distances(a, a + np.array([0.0, height, 0.0])), 4 * height**2, rtol=1e-9)
 
 
 @given(seeds)
-def test_distance_of_pairs_is_the_grids_diagonal(seed: int) -> None:
+def test_planar_distance_is_the_diagonal_of_planar_distances(seed: int) -> None:
     a, b = clouds(seed, 6), clouds(seed + 1, 6)
     np.testing.assert_allclose(planar_distance(a, b), planar_distances(a, b).diagonal(), atol=1e-9)
 
@@ -55,14 +55,14 @@ def test_horn_finds_a_known_rotation(seed: int, points: int) -> None:
 
 
 @given(seeds)
-def test_horn_is_scipys_least_squares(seed: int) -> None:
+def test_horn_agrees_with_scipys_least_squares(seed: int) -> None:
     target, source = clouds(seed, 2)
     expected = Rotation.align_vectors(target, source)[0].as_quat()
     assert quaternion.angle(horn_rotation(target, source), expected) < 1e-5
 
 
 @given(seeds, st.lists(st.integers(0, 9), max_size=4))
-def test_distance_at_a_lag_is_that_of_pairs(seed: int, lags: list[int]) -> None:
+def test_lag_distances_are_the_distances_of_pairs(seed: int, lags: list[int]) -> None:
     a = clouds(seed, 10)
     found = planar_lag_distances(a, lags)
     assert set(found) == set(lags)

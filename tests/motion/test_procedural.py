@@ -25,7 +25,7 @@ def test_the_body_has_human_proportions() -> None:
     assert 0.48 < (points[SKELETON.index("LeftUpLeg"), 1] - points[:, 1].min()) / stature < 0.54
 
 
-def test_names_are_listed_and_unknown_ones_refused_with_near_ones() -> None:
+def test_unknown_names_and_impossible_lengths_are_refused() -> None:
     steady = {"walk", "slow_walk", "curve", "run", "stairs_up", "stairs_down", "side_step"}
     assert steady | {"turn_180", "walk_to_run", "step_up"} == set(LOCOMOTIONS)
     assert {"carry_box", "carry_cup", "punch", "push", "wave"} == set(ACTIONS)
@@ -39,14 +39,14 @@ def test_names_are_listed_and_unknown_ones_refused_with_near_ones() -> None:
         make("walk", rate=0.0)
 
 
-def test_sample_clips_are_every_locomotion_and_every_action() -> None:
+def test_sample_clips_include_every_locomotion_and_action() -> None:
     clips = sample_clips()
     assert set(clips) == {*LOCOMOTIONS, *ACTIONS}
     assert all(clip.skeleton is SKELETON for clip in clips.values())
 
 
 @pytest.mark.parametrize("locomotion", LOCOMOTIONS)
-def test_the_truth_of_every_action_is_the_samples_lower_body(locomotion: str) -> None:
+def test_the_truth_of_every_action_has_the_locomotions_root_motion(locomotion: str) -> None:
     plain = sample_clips()[locomotion]
     for action in ACTIONS:
         real = truth(locomotion, action)
@@ -55,7 +55,7 @@ def test_the_truth_of_every_action_is_the_samples_lower_body(locomotion: str) ->
 
 
 @pytest.mark.parametrize(("locomotion", "action"), PAIRS)
-def test_every_pair_is_smooth_and_its_lower_body_is_the_locomotions(locomotion: str, action: str | None) -> None:
+def test_every_pair_is_smooth_and_has_the_locomotions_lower_body(locomotion: str, action: str | None) -> None:
     clip = make(locomotion, action, seconds=4.0, seed=5)
     plain = make(locomotion, seconds=4.0, seed=5)
     lower = [joint for joint in range(SKELETON.joint_count) if "Leg" in SKELETON.names[joint] or joint == 0]
@@ -68,7 +68,7 @@ def test_every_pair_is_smooth_and_its_lower_body_is_the_locomotions(locomotion: 
         assert np.abs(clip.rotations - plain.rotations).max() > 0.05
 
 
-def test_the_same_seed_is_the_same_motion_and_another_is_another() -> None:
+def test_a_seed_determines_the_motion_and_another_seed_gives_another() -> None:
     one, same, other = (make("walk", "wave", seed=seed) for seed in (3, 3, 4))
     np.testing.assert_array_equal(one.rotations, same.rotations)
     assert np.abs(one.rotations - other.rotations).max() > 0.05
@@ -78,13 +78,13 @@ def test_the_same_seed_is_the_same_motion_and_another_is_another() -> None:
 
 
 @pytest.mark.parametrize("locomotion", ["turn_180", "walk_to_run", "step_up"])
-def test_the_rate_samples_one_motion(locomotion: str) -> None:
+def test_all_rates_sample_the_same_motion(locomotion: str) -> None:
     fine, coarse = make(locomotion, "punch", rate=120.0), make(locomotion, "punch", rate=30.0)
     np.testing.assert_allclose(joint_positions(fine)[::4], joint_positions(coarse), atol=1e-9)
 
 
 @pytest.mark.parametrize("locomotion", LOCOMOTIONS)
-def test_a_box_is_held_level_between_both_hands_and_leant_back_for(locomotion: str) -> None:
+def test_a_box_is_held_level_between_both_hands_by_a_body_that_leans_back(locomotion: str) -> None:
     clip, plain = make(locomotion, "carry_box", seed=1), make(locomotion, seed=1)
     across = at(clip, "LeftHand") - at(clip, "RightHand")
     assert np.abs(across[:, 1]).max() < 0.06
@@ -102,17 +102,17 @@ def test_a_cup_is_carried_on_a_level_forearm_while_the_other_arm_swings() -> Non
 
 
 @pytest.mark.parametrize("locomotion", ["walk", "run", "stairs_up"])
-def test_punches_alternate_one_to_a_step(locomotion: str) -> None:
+def test_punches_alternate_once_per_step(locomotion: str) -> None:
     clip = make(locomotion, "punch", rate=RATE, seed=1)
     reach = np.stack([ahead(clip, side + "Hand", "Spine") for side in SIDES])
     stride = period(at(clip, "LeftFoot")[:, 1] - clip.root_positions[:, 1])
     lead = reach[0] - reach[1]
     assert period(lead) == pytest.approx(stride, abs=2)
     assert reach.max(axis=1).min() > 0.5
-    assert np.minimum(*reach).max() < 0.45  # never both arms out
+    assert np.minimum(*reach).max() < 0.45  # never both arms extended
 
 
-def test_pushing_leans_forward_with_both_arms_out() -> None:
+def test_pushing_leans_forward_with_both_arms_extended() -> None:
     clip = make("walk", "push", seed=1)
     assert 11.0 < lean(clip) < 19.0
     assert all(ahead(clip, side + "Hand", "Spine2").min() > 0.35 for side in SIDES)

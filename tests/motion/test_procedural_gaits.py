@@ -33,7 +33,7 @@ STEADY = ("walk", "slow_walk", "run", "side_step")
 RUNNING = ("run", "walk_to_run")
 
 
-def test_a_changing_tempo_is_continuous_and_its_phase_is_that_of_its_time() -> None:
+def test_a_changing_tempo_is_continuous_and_phase_and_time_are_inverse() -> None:
     tempo = Tempo(start=0.3, period=1.1, other=0.7, change=Change(begin=2.0, lasting=1.5, back=6.0))
     time = np.linspace(0.0, 12.0, 1201)
     phase = tempo.phase(time)
@@ -64,16 +64,14 @@ def test_standing_feet_neither_slide_nor_sink(locomotion: str, seed: int) -> Non
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize(("locomotion", "climb"), [("stairs_up", 1), ("stairs_down", -1)])
-def test_feet_stand_on_stairs_of_one_rise_and_tread_and_clear_their_edges(
-    locomotion: str, climb: int, seed: int
-) -> None:
+def test_feet_stand_on_even_stairs_and_clear_their_edges(locomotion: str, climb: int, seed: int) -> None:
     clip = make(locomotion, rate=RATE, seed=seed, seconds=8.0)
     stairs = footholds(clip)
     np.testing.assert_allclose(np.diff(stairs[:, 1]), climb * 0.17, atol=1e-6)
     np.testing.assert_allclose(np.diff(stairs[:, 2]), 0.29, atol=1e-6)
     assert stairs[:, 1].min() > ANKLE_HEIGHT - 1e-6
     tops = stairs[:, 1] - ANKLE_HEIGHT
-    # Upwards the whole foot is on the stair; downwards the ball is, with the toes over the edge.
+    # Upstairs the whole foot is on the stair; downstairs only up to the ball, with the toes over the edge.
     edges = stairs[:, 2] + (HEEL[0] - 0.01 if climb > 0 else BALL[0] + 0.025)
     for side in SIDES:
         for point in soles(clip, side):
@@ -84,7 +82,7 @@ def test_feet_stand_on_stairs_of_one_rise_and_tread_and_clear_their_edges(
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_walking_follows_the_norms(seed: int) -> None:
+def test_a_walk_follows_the_norms(seed: int) -> None:
     clip = make("walk", rate=RATE, seed=seed)
     for side in SIDES:
         bent = knee(clip, side)
@@ -102,7 +100,7 @@ def test_walking_follows_the_norms(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_running_follows_the_norms_and_flies(seed: int) -> None:
+def test_a_run_follows_the_norms_and_has_a_flight_phase(seed: int) -> None:
     clip = make("run", rate=RATE, seed=seed)
     lowest = np.stack([np.stack(soles(clip, side))[..., 1].min(axis=0) for side in SIDES])
     assert 0.1 < np.mean(lowest.min(axis=0) > 0.03) < 0.5
@@ -138,7 +136,7 @@ def test_a_walk_becomes_a_run(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_step_up_is_leant_into_and_cleared_by_both_feet(seed: int) -> None:
+def test_both_feet_clear_a_step_and_the_body_leans_into_it(seed: int) -> None:
     clip = make("step_up", rate=RATE, seed=seed)
     placed = footholds(clip)
     lead = int(np.argmax(placed[:, 1] > ANKLE_HEIGHT + 0.1))
@@ -151,7 +149,7 @@ def test_a_step_up_is_leant_into_and_cleared_by_both_feet(seed: int) -> None:
         for point, sole in zip(soles(clip, side), (0.0, 0.02, 0.0), strict=True):
             ground = np.where(point[:, 2] > edge, 0.26, 0.0) + sole
             assert (point[:, 1] - ground).min() > -0.002
-            assert np.interp(edge, point[:, 2], point[:, 1]) > 0.26 + 0.025  # on its way over it
+            assert np.interp(edge, point[:, 2], point[:, 1]) > 0.26 + 0.025  # above the edge as it passes
         assert 80.0 < knee(clip, side).max() < 110.0
         assert resting(clip, side) > 0.45
     height = clip.root_positions[:, 1]
@@ -162,7 +160,7 @@ def test_a_step_up_is_leant_into_and_cleared_by_both_feet(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_going_downstairs_is_upright_onto_the_forefoot_and_lowered_by_a_bent_knee(seed: int) -> None:
+def test_walking_downstairs_is_upright_on_the_forefoot_with_bent_knees(seed: int) -> None:
     clip = make("stairs_down", rate=RATE, seed=seed)
     assert -4.0 < lean(clip) < 1.0
     for side in SIDES:
@@ -171,18 +169,18 @@ def test_going_downstairs_is_upright_onto_the_forefoot_and_lowered_by_a_bent_kne
         heel, ball, tip = soles(clip, side)
         arriving = np.flatnonzero((np.diff(ball[:, 1])[:-1] < -0.001) & (np.diff(ball[:, 1])[1:] >= -0.001))
         assert len(arriving) > 3
-        assert np.all(heel[arriving, 1] > ball[arriving, 1] - 0.024 + 0.01)  # the heel comes down after the ball
-        assert np.all(tip[arriving, 1] > ball[arriving, 1] - 0.018)  # the toes lie as flat as they can
+        assert np.all(heel[arriving, 1] > ball[arriving, 1] - 0.024 + 0.01)  # the ball lands before the heel
+        assert np.all(tip[arriving, 1] > ball[arriving, 1] - 0.018)  # the toes land flat
     assert np.diff(clip.root_positions[:, 1]).max() * RATE < 0.2
 
 
 @pytest.mark.parametrize("locomotion", LOCOMOTIONS)
-def test_knees_and_elbows_bend_one_way_and_without_pops(locomotion: str) -> None:
+def test_knees_and_elbows_bend_one_way_without_pops(locomotion: str) -> None:
     clip = make(locomotion, rate=60.0, seed=1)
     for side in SIDES:
         assert (ahead(clip, side + "Leg", side + "UpLeg") - 0.49 * ahead(clip, side + "Foot", side + "UpLeg")).min() > 0
         hand, arm = ahead(clip, side + "Hand", side + "Arm"), ahead(clip, side + "ForeArm", side + "Arm")
-        if locomotion != "turn_180":  # there the shoulders turn before the pelvis, which is what `ahead` goes by
+        if locomotion != "turn_180":  # there the shoulders turn before the pelvis, to which `ahead` is relative
             assert (0.56 * hand - arm).min() > 0.0
         bent = knee(clip, side)
         assert np.abs(np.diff(bent, 2)).max() * 60.0**2 < (60000.0 if locomotion in RUNNING else 30000.0)
@@ -220,7 +218,7 @@ def test_a_curve_leans_inwards_and_turns_left() -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_an_about_turn_leads_back_and_begins_with_the_head(seed: int) -> None:
+def test_a_turn_of_180_degrees_begins_with_the_head_and_leads_back(seed: int) -> None:
     clip = make("turn_180", rate=RATE, seed=seed)
     world = world_transforms(SKELETON, clip.root_positions, clip.rotations)[1]
     half = []
@@ -230,9 +228,9 @@ def test_an_about_turn_leads_back_and_begins_with_the_head(seed: int) -> None:
         assert yaw[-1] - yaw[0] == pytest.approx(np.pi, abs=0.35)
         half.append(int(np.argmax(yaw > np.pi / 2)))
     assert half[0] < half[1] < half[2]
-    ways = clip.root_positions[[0, clip.frame_count // 2, -1], 2]
-    assert ways[1] > ways[0] + 1.0
-    assert ways[2] < ways[1] - 1.0
+    places = clip.root_positions[[0, clip.frame_count // 2, -1], 2]
+    assert places[1] > places[0] + 1.0
+    assert places[2] < places[1] - 1.0
     assert np.linalg.norm(np.diff(clip.root_positions, axis=0), axis=-1).max() * RATE < 2.2
 
 

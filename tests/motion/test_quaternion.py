@@ -27,27 +27,27 @@ def test_conjugate_is_the_inverse(q: Floats) -> None:
 
 
 @given(rotations, rotations)
-def test_angle_is_scipys(a: Floats, b: Floats) -> None:
+def test_angle_agrees_with_scipy(a: Floats, b: Floats) -> None:
     expected = (Rotation.from_quat(a).inv() * Rotation.from_quat(b)).magnitude()
     np.testing.assert_allclose(quaternion.angle(a, b), expected, atol=1e-7)
 
 
 @given(rotations, rotations, st.floats(0.0, 1.0))
-def test_slerp_is_scipys(a: Floats, b: Floats, t: float) -> None:
+def test_slerp_agrees_with_scipy(a: Floats, b: Floats, t: float) -> None:
     if quaternion.angle(a, b) > np.pi - 1e-3:
-        return  # halfway round, both arcs are as short
+        return  # half a turn: both arcs are equally short
     expected = Slerp([0.0, 1.0], Rotation.from_quat(np.stack([a, b])))(t).as_quat()
     assert quaternion.angle(quaternion.slerp(a, b, t), expected) < 1e-7
 
 
 @given(vectors.filter(lambda v: float(np.linalg.norm(v)) > 0.1), st.floats(-3.0, 3.0))
-def test_about_an_axis_is_scipys(axis: Floats, radians: float) -> None:
+def test_about_agrees_with_scipy(axis: Floats, radians: float) -> None:
     unit = axis / np.linalg.norm(axis)
     expected = Rotation.from_rotvec(unit * radians).as_quat()
     assert quaternion.angle(quaternion.about(unit, radians), expected) < 1e-7
 
 
-def test_one_hemisphere_keeps_rotations_and_makes_neighbours_near() -> None:
+def test_one_hemisphere_keeps_rotations_and_aligns_successive_frames() -> None:
     turns = Rotation.from_rotvec(np.linspace([0.0, 0.0, 0.0], [20.0, 0.0, 0.0], 200)).as_quat()
     signs = np.where(np.random.default_rng(0).random(200) < 0.5, -1.0, 1.0)
     mended = quaternion.one_hemisphere((turns * signs[:, None])[:, None])[:, 0]
@@ -56,7 +56,7 @@ def test_one_hemisphere_keeps_rotations_and_makes_neighbours_near() -> None:
 
 
 @given(st.permutations("xyz"), st.integers(0, 3), vectors)
-def test_euler_angles_are_scipys_intrinsic_ones(order: list[str], count: int, angles: Floats) -> None:
+def test_euler_angles_agree_with_scipys_intrinsic_ones(order: list[str], count: int, angles: Floats) -> None:
     axes, halves = "".join(order)[:count], 0.5 * angles[:count]
     found = quaternion.from_euler(axes, np.sin(halves), np.cos(halves))
     expected = Rotation.from_euler(axes.upper(), angles[:count]).as_quat() if count else quaternion.IDENTITY
@@ -64,19 +64,19 @@ def test_euler_angles_are_scipys_intrinsic_ones(order: list[str], count: int, an
 
 
 @given(rotations)
-def test_log_and_exp_are_scipys(q: Floats) -> None:
+def test_log_and_exp_agree_with_scipy(q: Floats) -> None:
     vector = Rotation.from_quat(q).as_rotvec()
-    if np.linalg.norm(vector) < np.pi - 1e-6:  # else its sign is open
+    if np.linalg.norm(vector) < np.pi - 1e-6:  # at half a turn the sign is ambiguous
         np.testing.assert_allclose(quaternion.log(q), vector, atol=1e-9)
     np.testing.assert_allclose(quaternion.exp(vector), Rotation.from_rotvec(vector).as_quat(), atol=1e-9)
 
 
 @given(st.sampled_from([0.0, 1e-300, 1e-13, 1e-9]))
-def test_log_and_exp_are_exact_for_hardly_any_turn(angle: float) -> None:
+def test_log_and_exp_are_exact_for_tiny_rotations(angle: float) -> None:
     np.testing.assert_allclose(quaternion.log(quaternion.exp([0.0, angle, 0.0])), [0.0, angle, 0.0], rtol=1e-12)
 
 
-def test_one_hemisphere_joins_neighbours() -> None:
+def test_one_hemisphere_undoes_random_signs() -> None:
     q = quaternion.about([0.0, 1.0, 0.0], np.linspace(0.0, 5.0, 20))
     signs = np.random.default_rng(1).choice([-1.0, 1.0], (20, 1))
     joined = quaternion.one_hemisphere(q * signs)

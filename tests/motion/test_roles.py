@@ -14,7 +14,7 @@ from motionsplice.motion.roles import ENDS, check_shape, common_ancestor, find_r
 from motionsplice.motion.skeleton import Skeleton
 from tests.conftest import CLIPS
 
-# Each rig as its chains below the joint that is named first.
+# Each rig as chains of joints; the first joint of a chain is the parent of the rest.
 RIGS: Mapping[str, tuple[str, ...]] = {
     "CMU (BVH)": (
         "Hips LHipJoint LeftUpLeg LeftLeg LeftFoot LeftToeBase",
@@ -129,7 +129,7 @@ EXPECTED = {  # root, pelvis, top of the spine, left hip, left knee, left should
 
 
 def rig(chains: tuple[str, ...]) -> Skeleton:
-    """A rig of joints one metre apart; where they are does not matter to names."""
+    """A rig of these chains. The offsets are arbitrary, because only names matter here."""
     names: list[str] = []
     parents: list[int] = []
     for chain in chains:
@@ -151,7 +151,7 @@ def folded(skeleton: Skeleton) -> Skeleton:
 
 
 @pytest.mark.parametrize("name", RIGS)
-def test_the_common_rigs_are_known_by_name(name: str) -> None:
+def test_the_roles_of_common_rigs_are_found_by_name(name: str) -> None:
     skeleton = folded(rig(RIGS[name]))
     roles = find_roles(skeleton)
     joints = [roles.root, roles.pelvis, roles.spine[-1], roles.left_hip, roles.left_knee]
@@ -164,7 +164,7 @@ def test_the_common_rigs_are_known_by_name(name: str) -> None:
         assert right == ("r" + left[1:] if name == "CMU (ASF)" else mirrored)
 
 
-def test_given_roles_win_over_names() -> None:
+def test_given_roles_take_precedence_over_names() -> None:
     skeleton = rig(RIGS["Mixamo"])
     roles = find_roles(skeleton, {"left_wrist": "mixamorig:LeftHand", "spine": ["mixamorig:Spine2"]})
     assert roles.left_wrist == skeleton.index("mixamorig:LeftHand")
@@ -173,44 +173,44 @@ def test_given_roles_win_over_names() -> None:
         find_roles(skeleton, {"left_wrist": "mixamorig:LeftHnd"})
 
 
-def test_of_ankle_and_foot_the_ankle_is_taken() -> None:
+def test_the_ankle_is_preferred_to_the_foot() -> None:
     skeleton = rig(RIGS["SMPL"])
     assert skeleton.names[find_roles(skeleton).left_ankle] == "L_Ankle"
 
 
-def test_twist_joints_count_to_the_leg() -> None:
-    skeleton = rig(RIGS["Rigify"])  # thigh, thigh twist, shin, shin twist, foot: four bones of the square root of three
+def test_twist_joints_count_towards_the_leg() -> None:
+    skeleton = rig(RIGS["Rigify"])  # thigh, thigh twist, shin, shin twist, foot: four bones of length sqrt(3)
     assert find_roles(skeleton).leg_length(skeleton) == pytest.approx(4.0 * np.sqrt(3.0))
 
 
 @pytest.mark.parametrize("role", ["left_nee", "root"])
-def test_a_role_that_there_is_not_is_refused(role: str) -> None:
+def test_an_unknown_role_is_refused(role: str) -> None:
     with pytest.raises(SettingsError, match=f"unknown role '{role}'"):
         find_roles(rig(RIGS["Mixamo"]), {role: "mixamorig:Hips"})
 
 
 @pytest.mark.parametrize("role", ["pelvis", "spine"])
-def test_a_trunk_that_is_no_joint_is_refused(role: str) -> None:
-    with pytest.raises(RoleError, match=f"{role} is given as 'Belly', which is no joint"):
+def test_an_unknown_joint_for_the_trunk_is_refused(role: str) -> None:
+    with pytest.raises(RoleError, match=f"unknown joint 'Belly' for role {role}"):
         find_roles(rig(RIGS["Mixamo"]), {role: "Belly"})
 
 
-def test_what_is_missing_is_told_with_all_joints_and_a_file_to_fill_in() -> None:
+def test_missing_roles_are_reported_with_all_joints_and_a_file_to_fill_in() -> None:
     skeleton = rig(tuple(chain.replace("LeftLeg", "Alpha").replace("RightArm", "Beta") for chain in RIGS["LAFAN1"]))
     with pytest.raises(RoleError) as error:
         find_roles(skeleton)
-    told = str(error.value)
+    message = str(error.value)
     for words in ("left_knee, right_shoulder", "Alpha", "left_hip = LeftUpLeg", '[roles]\nleft_knee = ""'):
-        assert words in told
+        assert words in message
 
 
 def test_a_rig_without_a_trunk_is_refused() -> None:
     chains = tuple(chain.replace("Spine2 ", "Hips ") for chain in RIGS["LAFAN1"] if not chain.startswith("Hips Spine"))
-    with pytest.raises(RoleError, match="no trunk"):
+    with pytest.raises(RoleError, match="no trunk found"):
         find_roles(rig(chains))
 
 
-def test_roles_that_do_not_fit_the_body_are_refused() -> None:
+def test_roles_that_do_not_fit_the_motion_are_refused() -> None:
     clip = CLIPS["walk"]
     positions = joint_positions(clip)
     names = clip.skeleton.names
@@ -223,24 +223,24 @@ def test_roles_that_do_not_fit_the_body_are_refused() -> None:
     with pytest.raises(RoleError, match="left knee is above"):
         check_shape(-positions, find_roles(clip.skeleton))
     for given in ({"left_knee": "Head"}, {"left_hip": "RightUpLeg"}, {"left_shoulder": "RightArm"}):
-        with pytest.raises(RoleError, match=r"do not hang on each other|no trunk"):
+        with pytest.raises(RoleError, match=r"are not one chain of joints|no trunk"):
             find_roles(clip.skeleton, given)
     for pelvis in ("Hips", "LeftUpLeg"):
-        with pytest.raises(RoleError, match="does not lie between the root and the arms"):
+        with pytest.raises(RoleError, match="is not between the root and the arms"):
             find_roles(clip.skeleton, {"pelvis": pelvis})
     assert names[find_roles(clip.skeleton).pelvis] == "Spine"
 
 
 def test_a_roles_file_is_checked(tmp_path: Path) -> None:
     file = tmp_path / "roles.toml"
-    with pytest.raises(SettingsError, match=r"roles\.toml: it cannot be read"):
+    with pytest.raises(SettingsError, match=r"roles\.toml: the file cannot be read"):
         read_roles_file(file)
     file.write_text('[roles]\nleft_knee = "Alpha"\nspine = ["A", "B"]\n')
     assert read_roles_file(file) == {"left_knee": "Alpha", "spine": ["A", "B"]}
     for text, words in {
         "[roles]\nleft_nee = 'x'": "Did you mean 'left_knee'",
         "[roles]\nleft_knee = 3": "not the name of a joint",
-        "[rolls]\nleft_knee = 'x'": "needs one table",
+        "[rolls]\nleft_knee = 'x'": "expected one table",
         "[roles": "not TOML",
     }.items():
         file.write_text(text)

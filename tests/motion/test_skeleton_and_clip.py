@@ -35,7 +35,7 @@ def test_kinematics_of_a_bent_arm() -> None:
     np.testing.assert_allclose(end_positions(skeleton, positions, world)[0], [[0, 3, 0]], atol=1e-12)
 
 
-def test_kinematics_keeps_bone_lengths() -> None:
+def test_kinematics_keep_bone_lengths() -> None:
     rotations = Rotation.random(30, random_state=1).as_quat().reshape(10, 3, 4)
     positions = world_transforms(arm(), np.zeros((10, 3)), rotations)[0]
     np.testing.assert_allclose(np.linalg.norm(np.diff(positions, axis=1), axis=-1), 1.0)
@@ -44,13 +44,13 @@ def test_kinematics_keeps_bone_lengths() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"names": ("a", "b", "a")}, "one name"),
+        ({"names": ("a", "b", "a")}, "same name"),
         ({"names": ("a", "b")}, "parents"),
         ({"parents": np.array([-1, 2, 0])}, "parent before child"),
         ({"parents": np.array([-1, -1, 0])}, "single root"),
         ({"offsets": np.full((3, 3), np.nan)}, "finite"),
         ({"end_offsets": np.zeros((2, 3))}, "end site"),
-        ({"end_parents": np.array([3])}, "joint that is not there"),
+        ({"end_parents": np.array([3])}, "parent of an end site does not exist"),
     ],
 )
 def test_a_broken_skeleton_is_refused(change: dict[str, NDArray[np.float64]], words: str) -> None:
@@ -74,12 +74,12 @@ def test_a_broken_clip_is_refused(change: dict[str, NDArray[np.float64]], words:
         replace(turning(), **change)  # type: ignore[arg-type]
 
 
-def test_an_unknown_joint_is_answered_with_the_near_ones() -> None:
+def test_an_unknown_joint_is_answered_with_similar_names() -> None:
     with pytest.raises(ClipError, match="joint1"):
         arm().index("jont1")
 
 
-def test_sampling_hits_frames_interpolates_between_and_holds_the_ends() -> None:
+def test_sampling_interpolates_between_frames_and_holds_the_ends() -> None:
     clip = turning()
     positions, rotations = clip.sampled([0.0, 1.5, 4.0, -3.0, 9.0])
     np.testing.assert_allclose(positions[:, 0], [0.0, 1.5, 4.0, 0.0, 4.0])

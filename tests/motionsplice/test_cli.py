@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -10,15 +12,19 @@ from PIL import Image
 from typer.testing import CliRunner, Result
 
 import motionsplice
-from motionsplice.cli import app, main
+from motionsplice.cli import COMMANDS, _load, app, main
+from motionsplice.commands import motion
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.precompute.hands.settings import read_hand_settings
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Method, Posture
+from motionsplice.runtime.splice import Splice
 
-COMMANDS = ("precompute", "inspect", "splice", "hands", "render", "study", "serve", "demo")
+ROOT = Path(__file__).parents[2]
+HEAVY = {"numba", "llvmlite", "scipy", "matplotlib", "PIL", "fastapi", "uvicorn"}
 
 
 def run(*arguments: object) -> Result:
@@ -28,15 +34,53 @@ def run(*arguments: object) -> Result:
 
 
 def failure(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
-    """What the command prints to standard error as it exits with 1."""
+    """Runs a command that exits with 1. Returns what it prints to standard error."""
     monkeypatch.setattr(sys, "argv", ["motionsplice", *(str(argument) for argument in arguments)])
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 1
-    told = capsys.readouterr().err
-    assert "Traceback" not in told
-    assert told.startswith("error: ")
-    return told
+    printed = capsys.readouterr().err
+    assert "Traceback" not in printed
+    assert printed.startswith("error: ")
+    return printed
+
+
+def imported(*arguments: object) -> tuple[int, str, set[str]]:
+    """Runs a command in a new process. Returns its status, what it prints to standard error, and its top packages."""
+    script = (
+        "import json, sys\n"
+        "from motionsplice.cli import main\n"
+        "try:\n    main()\n"
+        "finally:\n    print('\\n' + json.dumps(sorted({name.partition('.')[0] for name in sys.modules})))\n"
+    )
+    command = [sys.executable, "-c", script, *(str(argument) for argument in arguments)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.returncode, done.stderr, set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_help_imports_no_heavy_package() -> None:
+    status, _, packages = imported("--help")
+    assert status == 0
+    assert not packages & (HEAVY | {"numpy"})
+
+
+def test_an_unknown_clip_is_reported_before_heavy_packages_are_imported(bank: Bank, tmp_path: Path) -> None:
+    splice = ["splice", bank.path, "--out", tmp_path / "out.bvh"]
+    for names in (["--locomotion", "nope", "--action", "wave"], ["--locomotion", "walk", "--action", "nope"]):
+        status, printed, packages = imported(*splice, *names)
+        assert (status, "the bank has no clip 'nope'" in printed) == (1, True)
+        assert not packages & HEAVY
+
+
+def test_inspect_does_not_import_the_offline_job(bank: Bank) -> None:
+    status, _, packages = imported("inspect", bank.path)
+    assert status == 0
+    assert not packages & {"numba", "scipy", "matplotlib", "fastapi"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_list_of_commands_shows_the_first_line_of_each_help(command: str) -> None:
+    assert _load(command).help.splitlines()[0] == COMMANDS[command][1]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -44,46 +88,42 @@ def test_every_command_has_help_with_an_example(command: str) -> None:
     assert f"Example: motionsplice {command}" in run(command, "--help").output
 
 
+def test_the_command_has_every_posture_and_method() -> None:
+    assert {posture.value for posture in motion.Posture} == set(get_args(Posture))
+    assert set(motion.RUN_TIME_METHODS.values()) == set(get_args(Method))
+
+
 def test_version_is_printed_and_is_an_option_of_the_help() -> None:
     assert run("--version").output == f"motionsplice {motionsplice.__version__}\n"
     assert "--version" in run("--help").output
 
 
-def test_version_loads_neither_numba_nor_the_commands() -> None:
-    code = "import runpy, sys; sys.argv[1:] = ['--version']; runpy.run_module('motionsplice', run_name='__main__');"
-    code += "print(*{name.split('.')[0] for name in sys.modules}, 'motionsplice.cli' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    version, modules = done.stdout.splitlines()
-    assert version == f"motionsplice {motionsplice.__version__}"
-    assert not {"numba", "numpy", "typer", "True"} & set(modules.split())
-
-
-def test_precompute_shows_what_it_made(clip_folder: Path, tmp_path: Path) -> None:
-    shown = run("precompute", clip_folder, "--out", tmp_path / "bank", "--baseline", "walk", "--jobs", 1).output
+def test_precompute_lists_the_clips_of_the_bank(clip_folder: Path, tmp_path: Path) -> None:
+    output = run("precompute", clip_folder, "--out", tmp_path / "bank", "--baseline", "walk", "--jobs", 1).output
     for clip in Bank.open(tmp_path / "bank").clips:
-        assert clip.name in shown
+        assert clip.name in output
 
 
-def test_precompute_says_how_much_there_was_to_do(clip_folder: Path, tmp_path: Path) -> None:
+def test_precompute_prints_how_many_clips_were_reused(clip_folder: Path, tmp_path: Path) -> None:
     arguments = ["precompute", clip_folder, "--out", tmp_path / "bank", "--jobs", 1]
-    assert "7 clips, 0 unchanged\n" in run(*arguments).output
+    assert "7 clips, 0 reused\n" in run(*arguments).output
     again = run(*arguments).output
     assert again.replace("\n", "").endswith("bank: nothing to do, none of its 7 clips changed")
     assert "reading" not in again
     longer = tmp_path / "longer.bvh"
     longer.write_bytes((clip_folder / "walk.bvh").read_bytes() + b"\n")
-    assert "8 clips, 7 unchanged\n" in run(*arguments, longer).output
+    assert "8 clips, 7 reused\n" in run(*arguments, longer).output
 
 
-def test_the_automatic_baseline_may_be_asked_for_by_name(clip_folder: Path, tmp_path: Path) -> None:
+def test_the_automatic_baseline_can_be_requested_by_name(clip_folder: Path, tmp_path: Path) -> None:
     run("precompute", clip_folder, "--out", tmp_path / "asked", "--baseline", "auto", "--jobs", 1)
     run("precompute", clip_folder, "--out", tmp_path / "unsaid", "--jobs", 1)
     assert Bank.open(tmp_path / "asked").digest == Bank.open(tmp_path / "unsaid").digest
 
 
-def test_a_clip_that_fails_is_named_and_the_status_says_so(clip_folder: Path, tmp_path: Path) -> None:
+def test_a_clip_that_fails_is_named_and_the_exit_status_is_1(clip_folder: Path, tmp_path: Path) -> None:
     broken = tmp_path / "broken.bvh"
-    broken.write_bytes(b"nothing of the kind")
+    broken.write_bytes(b"not a motion file")
     arguments = ["precompute", str(clip_folder), str(broken), "--out", str(tmp_path / "bank"), "--jobs", "1"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 1
@@ -91,19 +131,19 @@ def test_a_clip_that_fails_is_named_and_the_status_says_so(clip_folder: Path, tm
     assert len(Bank.open(tmp_path / "bank").clips) == 7
 
 
-def test_inspect_shows_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank) -> None:
-    shown = run("inspect", hands_bank.path).output
+def test_inspect_lists_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank) -> None:
+    output = run("inspect", hands_bank.path).output
     fit = {(one.name, one.body): one.mismatch for one in hands_bank.hands}
     assert fit["counting_hands", "counting"] < 0.4 < fit["counting_hands", "run"]
-    assert f"{fit['counting_hands', 'counting']:.2f}" in shown
-    assert "counting_hands: its gestures hardly seem to be those of 'run'" in shown
+    assert f"{fit['counting_hands', 'counting']:.2f}" in output
+    assert "counting_hands: its gestures do not seem to match those of 'run'" in output
 
 
 def test_inspect_shows_clips_and_their_alignment(bank: Bank) -> None:
-    shown = run("inspect", bank.path).output
+    output = run("inspect", bank.path).output
     for clip in bank.clips:
-        assert clip.name in shown
-        assert f"{clip.cycles:.2f}" in shown
+        assert clip.name in output
+        assert f"{clip.cycles:.2f}" in output
 
 
 @pytest.mark.parametrize("method", ["splice", "naive", "exact", "none"])
@@ -114,13 +154,13 @@ def test_splice_writes_the_motion(bank: Bank, tmp_path: Path, method: str, postu
         "--posture", posture)  # fmt: skip
     clip = read_clip(out, unit="m").clip
     if method != "exact":
-        expected = Evaluator(bank).clip("walk", "carry_box", method=method, posture=posture)  # type: ignore[arg-type]
+        expected = Evaluator(bank).clip(Splice("walk", "carry_box", method=method, posture=posture))  # type: ignore[arg-type]
         np.testing.assert_allclose(joint_positions(clip), joint_positions(expected), atol=1e-4)
     else:
         assert 0.5 * bank.clip("walk").frame_count < clip.frame_count <= bank.clip("walk").frame_count
 
 
-def test_a_splice_that_ends_before_its_locomotion_says_so(bank: Bank, tmp_path: Path) -> None:
+def test_a_splice_shorter_than_its_locomotion_is_reported(bank: Bank, tmp_path: Path) -> None:
     splice = f"splice {bank.path} --locomotion walk --action wave --out {tmp_path / 'out.bvh'} --method".split()
     shorter = f"{bank.clip('walk').duration:.2f} s"
     assert f" s of {shorter}" in run(*splice, "exact").output
@@ -137,34 +177,57 @@ def test_render_draws_sheets_and_animations(clip_folder: Path, tmp_path: Path) -
 
 
 def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
-    shown = run("demo", tmp_path).output
+    output = run("demo", tmp_path).output
     for kind in ("bvh", "png", "gif"):
         assert (tmp_path / f"curve+carry_cup.{kind}").stat().st_size > 1000
     assert read_clip(tmp_path / "count_steps+hands.bvh").clip.skeleton.joint_count == 52
-    assert "http://127.0.0.1:8000" in shown
+    assert "http://127.0.0.1:8000" in output
     assert Bank.open(tmp_path / "bank").clip("carry_box").kind == "action"
-    worn = read_hand_settings(tmp_path / "gestures" / "hands.toml")
-    assert {one.label: one.settings.hand for one in worn} == {
+    entries = read_hand_settings(tmp_path / "gestures" / "hands.toml")
+    assert {one.label: one.settings.hand for one in entries} == {
         "count_steps_hands on count_steps": "right",
         "directions_hands on directions": "both",
     }
 
 
+@pytest.mark.parametrize("name", ["out.glb", "out.BVHX", "out"])
+def test_only_bvh_is_written(
+    bank: Bank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    out, absent = tmp_path / name, tmp_path / "absent"
+    for command in (
+        ["splice", bank.path, "--locomotion", "walk", "--action", "wave"],
+        ["splice", absent, "--locomotion", "walk", "--action", "wave"],  # it is refused before a file is read
+        ["hands", absent, absent],
+    ):
+        assert f"--out {out}: only .bvh can be written" in failure(monkeypatch, capsys, *command, "--out", out)
+    assert not out.exists()
+
+
+def test_the_suffix_may_be_in_capital_letters(bank: Bank, tmp_path: Path) -> None:
+    run("splice", bank.path, "--locomotion", "walk", "--action", "wave", "--out", tmp_path / "OUT.BVH")
+    assert (tmp_path / "OUT.BVH").exists()
+
+
 def test_errors_are_one_paragraph(
     bank: Bank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def told(*arguments: object) -> str:
+    def printed(*arguments: object) -> str:
         return failure(monkeypatch, capsys, *arguments)
 
     splice = ["splice", bank.path, "--action", "wave", "--out", tmp_path / "out.bvh", "--locomotion"]
-    assert "Did you mean 'walk'" in told(*splice, "wlak")
-    assert "no such folder" in told("inspect", tmp_path / "absent")
-    assert "no such file" in told("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
+    assert "Did you mean 'walk'" in printed(*splice, "wlak")
+    assert "folder not found" in printed("inspect", tmp_path / "absent")
+    assert "file or folder not found" in printed("precompute", tmp_path / "absent.bvh", "--out", tmp_path / "bank")
     unnamed = tmp_path / "unnamed.bvh"
     unnamed.write_bytes(dump_bvh(bank.motion("walk")).replace(b"LeftUpLeg", b"Alpha"))
-    assert '[roles]\nleft_hip = ""' in told("render", unnamed, "--out", tmp_path / "x.png")
-    assert "absent.bvh" in told("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
-    assert "End --out in .png or .gif" in told("render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt")
-    assert "exact splice chooses its own start" in told(*splice, "walk", "--method", "exact", "--start", 1)
-    assert "Choose --posture absolute" in told(*splice, "walk", "--method", "exact", "--posture", "running")
+    assert '[roles]\nleft_hip = ""' in printed("render", unnamed, "--out", tmp_path / "x.png")
+    assert "absent.bvh" in printed("render", tmp_path / "absent.bvh", "--out", tmp_path / "x.png")
+    assert "x.txt: only .png or .gif can be written" in printed(
+        "render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt"
+    )
+    assert "exact splice chooses its own start" in printed(*splice, "walk", "--method", "exact", "--start", 1)
+    assert "Choose --posture relative, absolute, off" in printed(
+        *splice, "walk", "--method", "exact", "--posture", "running"
+    )
     assert not (tmp_path / "out.bvh").exists()

@@ -23,6 +23,7 @@ from motionsplice.precompute.preparation.torso_offset import MeanStride, torso_o
 from motionsplice.precompute.splice import Posture, align_in_time, splice_exact, splice_naive
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 WALK, BOX, CURVE = CLIPS["walk"], CLIPS["carry_box"], CLIPS["turn_180"]
@@ -30,7 +31,7 @@ ROLES = find_roles(WALK.skeleton)
 
 
 def bank_of(folder: Path, *clips: Clip) -> Bank:
-    """A bank of clips on one skeleton, the first of them the baseline."""
+    """Returns a bank of clips on one skeleton, whose baseline is the first clip."""
     ring = find_baseline(clips[0], ROLES)
     prepared = [
         prepare(clip, ROLES, clips[0].skeleton, ROLES, ring) for clip in {clip.name: clip for clip in clips}.values()
@@ -41,7 +42,7 @@ def bank_of(folder: Path, *clips: Clip) -> Bank:
 
 
 def offsets_of(action: Clip, neutral: Clip) -> Floats:
-    """The torso offsets of an action, timed by its neutral's stride."""
+    """Returns the torso offsets of an action, aligned to its neutral's stride."""
     ring = find_baseline(neutral, ROLES)
     stride = MeanStride.of(measure_torso(neutral, ROLES).upright, align(neutral, ROLES, ring).phase)
     return torso_offsets(measure_torso(action, ROLES).upright, align(action, ROLES, ring).phase, action.rate, stride)
@@ -49,7 +50,7 @@ def offsets_of(action: Clip, neutral: Clip) -> Floats:
 
 @pytest.mark.parametrize("name", sorted(CLIPS))
 @pytest.mark.parametrize("posture", ["off", "relative", "absolute"])
-def test_a_clip_spliced_onto_itself_is_itself_to_a_tenth_of_a_millimetre(name: str, posture: Posture) -> None:
+def test_a_clip_spliced_onto_itself_changes_by_less_than_a_tenth_of_a_millimetre(name: str, posture: Posture) -> None:
     clip = CLIPS[name]
     result = splice_exact(clip, clip, ROLES, posture=posture).clip
     assert result.frame_count >= clip.frame_count - clip.rate / 30.0
@@ -58,7 +59,7 @@ def test_a_clip_spliced_onto_itself_is_itself_to_a_tenth_of_a_millimetre(name: s
 
 
 @pytest.mark.parametrize("name", sorted(CLIPS))
-def test_pairwise_alignment_gives_a_warp_back(name: str) -> None:
+def test_pairwise_alignment_recovers_a_warp(name: str) -> None:
     clip = CLIPS[name]
     frames = uneven_time(clip.frame_count)
     found = align_in_time(warped(clip, frames, "uneven"), clip, ROLES)[1]
@@ -68,7 +69,7 @@ def test_pairwise_alignment_gives_a_warp_back(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["walk", "run", "carry_box", "wave"])
-def test_the_bank_gives_a_warp_back(name: str, tmp_path: Path) -> None:
+def test_the_bank_recovers_a_warp(name: str, tmp_path: Path) -> None:
     clip = replace(CLIPS[name], name=name)
     frames = uneven_time(clip.frame_count)
     bank = bank_of(tmp_path, WALK, clip, warped(clip, frames, "uneven"))
@@ -93,15 +94,17 @@ def test_the_answer_does_not_depend_on_local_axes(posture: Posture, tmp_path: Pa
     other = splice_exact(turned[1], turned[2], ROLES, posture=posture, torso_offsets=offsets).clip
     np.testing.assert_allclose(joint_positions(other), joint_positions(plain), atol=1e-6)
     banks = bank_of(tmp_path / "plain", WALK, CURVE, BOX), bank_of(tmp_path / "turned", *turned)
-    first, second = (joint_positions(Evaluator(bank).clip(CURVE.name, BOX.name, posture=posture)) for bank in banks)
+    first, second = (
+        joint_positions(Evaluator(bank).clip(Splice(CURVE.name, BOX.name, posture=posture))) for bank in banks
+    )
     np.testing.assert_allclose(first, second, atol=1e-4)
 
 
-def test_absolute_posture_is_the_actions(bank: Bank) -> None:
+def test_absolute_posture_gives_the_actions_posture(bank: Bank) -> None:
     for locomotion in ("walk", "run", "side_step", "stairs_up"):
         exact = splice_exact(CLIPS[locomotion], BOX, ROLES, posture="absolute").clip
         assert np.degrees(posture_error(exact, BOX, ROLES)) < 0.5
-        result = Evaluator(bank).clip(locomotion, "carry_box", posture="absolute")
+        result = Evaluator(bank).clip(Splice(locomotion, "carry_box", posture="absolute"))
         assert np.degrees(posture_error(result, bank.motion("carry_box"), bank.roles)) < 1.5
 
 
@@ -138,14 +141,14 @@ def test_rigs_that_differ_are_refused() -> None:
 
 
 @pytest.mark.parametrize("frames", [(0, 40), (0, 8), (80, 82), (80, 81)])
-def test_an_action_that_ends_before_it_is_in_step_is_refused(frames: tuple[int, int]) -> None:
+def test_an_action_that_is_in_step_too_briefly_is_refused(frames: tuple[int, int]) -> None:
     with pytest.raises(ClipError, match=r"'carry_box': .* less than 0\.3 s.*--method splice.*repeats"):
         splice_exact(WALK, replace(BOX.frames(*frames), name="carry_box"), ROLES)
     with pytest.raises(ClipError, match=r"less than 0\.3 s"):
         splice_exact(WALK.frames(0, 8), BOX, ROLES)
 
 
-def test_real_walks_come_nearer_to_the_truth_than_a_naive_splice(real_motion: Path) -> None:
+def test_a_splice_of_real_walks_is_nearer_to_the_truth_than_a_naive_one(real_motion: Path) -> None:
     curve, walk = (read_clip(real_motion / f"{name}.amc") for name in ("16_17", "16_15"))
     truth, roles = curve.clip, curve.roles
     exact = splice_exact(truth, walk.clip, roles, posture="off").clip

@@ -1,4 +1,4 @@
-"""Where alignment could go wrong: which foot starts, standing about, and rates that differ in one bank."""
+"""Cases in which alignment could fail: the starting foot, standing still, and different rates in one bank."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from motionsplice.precompute.alignment.baseline import align, find_baseline
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 WALK = CLIPS["walk"]
@@ -29,7 +30,7 @@ WAVE = make("walk", "wave", seed=22, seconds=7.0)
 
 
 def bank_of(folder: Path, **actions: Clip) -> Bank:
-    """A bank of a walk, a curve and actions on the walk."""
+    """Returns a bank of a walk, a curve and actions whose neutral is the walk."""
     (folder / "clips").mkdir()
     for name, clip in {"walk": WALK, "curve": CURVE, **actions}.items():
         (folder / "clips" / f"{name}.bvh").write_bytes(dump_bvh(clip))
@@ -39,24 +40,24 @@ def bank_of(folder: Path, **actions: Clip) -> Bank:
     return Bank.open(folder / "bank")
 
 
-def test_it_makes_no_difference_which_foot_an_action_starts_with(tmp_path: Path) -> None:
-    """Nor where in the stride: the same action cut at every eighth of one is as near to the truth."""
+def test_an_action_may_start_with_either_foot(tmp_path: Path) -> None:
+    """Or anywhere in the stride: an action cut at each eighth of a stride is equally near to the truth."""
     stride = round(WAVE.rate * 1.08)
     cuts = {f"wave{eighth}": WAVE.frames(eighth * stride // 8, WAVE.frame_count) for eighth in range(8)}
     bank = bank_of(tmp_path, **cuts)
     evaluator = Evaluator(bank)
     for name in cuts:
-        lag = lag_error(evaluator.clip("curve", name), TRUTH, bank.phase("curve"), bank.roles)
+        lag = lag_error(evaluator.clip(Splice("curve", name)), TRUTH, bank.phase("curve"), bank.roles)
         assert np.degrees(lag) < 8.0, name
 
 
-def test_clips_of_any_rate_go_together(tmp_path: Path) -> None:
+def test_clips_of_different_rates_can_be_spliced(tmp_path: Path) -> None:
     bank = bank_of(tmp_path, slow=WAVE.resampled(30.0), own=WAVE, fast=WAVE.resampled(120.0))
     evaluator = Evaluator(bank)
-    results = [joint_positions(evaluator.clip("curve", name)) for name in ("slow", "own", "fast")]
+    results = [joint_positions(evaluator.clip(Splice("curve", name))) for name in ("slow", "own", "fast")]
     for result in results[1:]:
         assert np.median(np.linalg.norm(result - results[0], axis=-1)) < 0.01
-    assert np.degrees(lag_error(evaluator.clip("curve", "slow"), TRUTH, bank.phase("curve"), bank.roles)) < 8.0
+    assert np.degrees(lag_error(evaluator.clip(Splice("curve", "slow")), TRUTH, bank.phase("curve"), bank.roles)) < 8.0
 
 
 @pytest.mark.parametrize("seconds", [0.5, 1.5])
@@ -69,8 +70,8 @@ def test_a_walk_is_in_step_again_after_standing_still(seconds: float) -> None:
     assert np.abs(apart - np.round(apart))[walking].max() < 0.06
 
 
-def test_arms_keep_their_time_against_the_phase_forward_backward_and_sideways(real_motion: Path) -> None:
-    """09_12 walks forward up to 6 s, then backward and sideways; its arms go with the legs all the same."""
+def test_arms_keep_in_phase_walking_forward_backward_and_sideways(real_motion: Path) -> None:
+    """09_12 walks forward up to 6 s, then backward and sideways; its arms stay in phase with the legs."""
     reading, walk = (read_clip(real_motion / f"{name}.amc") for name in ("09_12", "16_15"))
     clip, roles = reading.clip, reading.roles
     phase = align(clip, roles, find_baseline(walk.clip, walk.roles)).phase

@@ -17,11 +17,11 @@ from motionsplice.runtime.format.manifest import MANIFEST, TABLES, VERSION, cont
 
 @pytest.fixture
 def copy(bank: Bank, tmp_path: Path) -> Path:
-    """A bank that a test may break."""
+    """A copy of the bank that a test may damage."""
     return Path(shutil.copytree(bank.path, tmp_path / "bank"))
 
 
-def test_holds_what_was_put_in(bank: Bank) -> None:
+def test_a_bank_holds_its_clips_and_their_settings(bank: Bank) -> None:
     assert {clip.name for clip in bank.clips} >= {"walk", "run", "carry_box"}
     assert bank.clip("carry_box").kind == "action"
     assert bank.clip("carry_box").tags == ("carry",)
@@ -51,33 +51,33 @@ def test_tables_are_mapped_and_cannot_be_written(bank: Bank) -> None:
             bank.tables[name].flat[0] = 0
 
 
-def test_an_unknown_clip_is_answered_with_the_near_ones(bank: Bank) -> None:
+def test_the_error_of_an_unknown_clip_suggests_similar_names(bank: Bank) -> None:
     with pytest.raises(UnknownClipError, match="Did you mean 'carry_box'"):
         bank.number("carrybox")
 
 
-def test_no_folder_and_no_bank(tmp_path: Path) -> None:
-    with pytest.raises(BankError, match=r"no such folder.*Build one"):
+def test_missing_folders_and_folders_without_a_bank_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(BankError, match=r"folder not found.*Build one"):
         Bank.open(tmp_path / "nowhere")
-    with pytest.raises(BankError, match=r"no bank here.*Build one"):
+    with pytest.raises(BankError, match=r"not a bank.*Build one"):
         Bank.open(tmp_path)
 
 
-def test_another_version_is_refused_by_name(copy: Path) -> None:
+def test_another_version_is_refused_and_named(copy: Path) -> None:
     outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
     (copy / MANIFEST).write_bytes(msgpack.packb(outer | {"version": VERSION + 1}))
-    with pytest.raises(BankError, match=rf"version {VERSION + 1} .* version {VERSION} .* is needed.*precompute"):
+    with pytest.raises(BankError, match=rf"expected version {VERSION} .* found version {VERSION + 1} .*precompute"):
         Bank.open(copy)
 
 
 @pytest.mark.parametrize("keep", [0, 1, 100, -1])
-def test_a_manifest_cut_short_is_refused(copy: Path, keep: int) -> None:
+def test_a_truncated_manifest_is_refused(copy: Path, keep: int) -> None:
     (copy / MANIFEST).write_bytes((copy / MANIFEST).read_bytes()[:keep])
     with pytest.raises(BankError, match=r"manifest\.msgpack: the manifest"):
         Bank.open(copy)
 
 
-def test_any_file_missing_cut_short_or_with_one_flipped_bit_is_refused(copy: Path) -> None:
+def test_a_missing_truncated_or_bit_flipped_file_is_refused(copy: Path) -> None:
     draw = np.random.default_rng(5)
     for file in [copy / MANIFEST, *sorted((copy / "tables").glob("*.npy"))]:
         sound = file.read_bytes()
@@ -91,15 +91,15 @@ def test_any_file_missing_cut_short_or_with_one_flipped_bit_is_refused(copy: Pat
         with pytest.raises(BankError, match="cut short"):
             Bank.open(copy)
         file.unlink()
-        with pytest.raises(BankError, match=r"missing|no bank here"):
+        with pytest.raises(BankError, match=r"missing|not a bank"):
             Bank.open(copy)
         file.write_bytes(sound)
     assert Bank.open(copy).clips
 
 
-def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None:
+def test_an_inconsistent_manifest_with_a_valid_digest_is_refused(copy: Path) -> None:
     outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
-    lies: list[Callable[[dict[str, Any]], object]] = [
+    changes: list[Callable[[dict[str, Any]], object]] = [
         lambda body: body["clips"][0].update(row_count=10**9),
         lambda body: body["clips"][1].update(first_row=0),
         lambda body: body["clips"][0].pop("rate"),
@@ -116,16 +116,16 @@ def test_a_manifest_that_lies_with_a_sound_digest_is_refused(copy: Path) -> None
         lambda body: body["skeleton"]["parents"].append(2**63),
         lambda body: body["skeleton"].update(names=list(range(len(body["skeleton"]["names"])))),
     ]
-    for lie in lies:
-        tell(copy, outer, lie)
+    for change in changes:
+        write_manifest(copy, outer, change)
         with pytest.raises(BankError):
             Bank.open(copy)
 
 
-def tell(bank: Path, outer: dict[str, Any], lie: Callable[[dict[str, Any]], object]) -> None:
-    """Writes a manifest again, with a lie in its body and a digest that fits."""
+def write_manifest(bank: Path, outer: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> None:
+    """Rewrites the manifest with a change to its body and a valid digest."""
     body = msgpack.unpackb(outer["body"])
-    lie(body)
+    change(body)
     packed = msgpack.packb(body)
     (bank / MANIFEST).write_bytes(msgpack.packb(outer | {"body": packed, "digest": content_digest(packed)}))
 
@@ -150,24 +150,24 @@ def tell(bank: Path, outer: dict[str, Any], lie: Callable[[dict[str, Any]], obje
         ("roles", "head", None),
     ],
 )
-def test_a_field_of_another_type_is_named(copy: Path, part: str, field: str, value: object) -> None:
-    def lie(body: dict[str, Any]) -> None:
+def test_a_field_of_the_wrong_type_is_refused_and_named(copy: Path, part: str, field: str, value: object) -> None:
+    def change(body: dict[str, Any]) -> None:
         (body[part][0] if part == "clips" else body[part])[field] = value
 
-    tell(copy, msgpack.unpackb((copy / MANIFEST).read_bytes()), lie)
-    with pytest.raises(BankError, match=rf"manifest\.msgpack: the manifest gives {field} = .*precompute"):
+    write_manifest(copy, msgpack.unpackb((copy / MANIFEST).read_bytes()), change)
+    with pytest.raises(BankError, match=rf"manifest\.msgpack: the manifest has {field} = .* expected .*precompute"):
         Bank.open(copy)
 
 
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
-        ("phase_of_frame", 0.0, "does not rise"),
+        ("phase_of_frame", 0.0, "does not increase"),
         ("frame_of_phase", np.nan, "not finite"),
         ("neutral", 99, "a clip that"),
     ],
 )
-def test_a_table_that_lies_with_a_sound_digest_is_refused(copy: Path, name: str, value: float, words: str) -> None:
+def test_an_inconsistent_table_with_a_valid_digest_is_refused(copy: Path, name: str, value: float, words: str) -> None:
     outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
     body = msgpack.unpackb(outer["body"])
     table = np.load(copy / "tables" / f"{body['tables'][name]}.npy")

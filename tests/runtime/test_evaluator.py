@@ -9,11 +9,12 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import POSTURES, Memory, Poses, Requests
+from motionsplice.runtime.splice import Splice
 
 
-def test_a_clip_spliced_onto_itself_is_itself_to_a_millimetre(bank: Bank) -> None:
+def test_a_self_splice_is_the_clip_within_a_millimetre(bank: Bank) -> None:
     for clip in bank.clips:
-        result = Evaluator(bank).clip(clip.name, clip.name)
+        result = Evaluator(bank).clip(Splice(clip.name, clip.name))
         apart = joint_positions(result) - joint_positions(bank.motion(clip.name))
         assert np.linalg.norm(apart, axis=-1).max() < 1e-3, clip.name
 
@@ -22,26 +23,26 @@ def test_both_halves_keep_their_rotations(bank: Bank) -> None:
     evaluator, pelvis = Evaluator(bank), bank.roles.pelvis
     upper = [joint for joint in bank.skeleton.subtree(pelvis) if joint != pelvis]
     lower = [joint for joint in range(bank.skeleton.joint_count) if joint not in bank.skeleton.subtree(pelvis)]
-    splice, walk, box = evaluator.clip("walk", "carry_box"), bank.motion("walk"), bank.motion("carry_box")
+    splice, walk, box = evaluator.clip(Splice("walk", "carry_box")), bank.motion("walk"), bank.motion("carry_box")
     np.testing.assert_allclose(splice.root_positions, walk.root_positions, atol=1e-6)
     assert quaternion.angle(splice.rotations, walk.rotations)[:, lower].max() < 1e-6
     for frame in range(0, splice.frame_count, 17):
         apart = quaternion.angle(splice.rotations[frame, upper], box.rotations[:, upper]).max(axis=1)
-        assert apart.min() < 0.05  # the whole upper body is that of one moment between two frames
+        assert apart.min() < 0.05  # the whole upper body is from one moment between two frames
 
 
-def test_none_is_the_locomotion_alone(bank: Bank) -> None:
-    alone = Evaluator(bank).clip("run")
+def test_method_none_is_the_locomotion_alone(bank: Bank) -> None:
+    alone = Evaluator(bank).clip(Splice("run"))
     assert quaternion.angle(alone.rotations, bank.motion("run").rotations).max() < 1e-6
-    none = Evaluator(bank).clip("run", "wave", method="none")
+    none = Evaluator(bank).clip(Splice("run", "wave", method="none"))
     np.testing.assert_array_equal(none.rotations, alone.rotations)
 
 
-def test_an_action_shorter_than_the_locomotion_goes_on_in_step(bank: Bank) -> None:
+def test_an_action_shorter_than_the_locomotion_loops_in_step(bank: Bank) -> None:
     walk, wave = bank.clip("walk"), bank.clip("wave")
     assert wave.duration < walk.duration
     late = walk.duration - 0.1
-    poses = Evaluator(bank).pose("walk", late, "wave")
+    poses = Evaluator(bank).pose(Splice("walk", "wave"), late)
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
     apart = quaternion.angle(bank.motion("wave").rotations[:, upper], poses.rotations[0, upper]).max(axis=1)
     frame = int(np.argmin(apart))
@@ -50,13 +51,13 @@ def test_an_action_shorter_than_the_locomotion_goes_on_in_step(bank: Bank) -> No
     assert abs((phase_u - phase_l + 0.5) % 1.0 - 0.5) < 0.05
 
 
-def test_start_is_where_the_action_begins_at_the_next_step_in_phase(bank: Bank) -> None:
+def test_an_action_begins_at_the_first_frame_in_step_after_start(bank: Bank) -> None:
     evaluator, wave, walk = Evaluator(bank), bank.clip("wave"), bank.clip("walk")
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
     rows = slice(wave.first_row, wave.first_row + wave.frame_count)
     phase = bank.tables["phase_of_frame"][rows]
     for start in (0.0, 0.4, 0.9):
-        poses = evaluator.pose("walk", 0.0, "wave", start=start)
+        poses = evaluator.pose(Splice("walk", "wave", start=start), 0.0)
         apart = quaternion.angle(bank.motion("wave").rotations[:, upper], poses.rotations[0, upper]).max(axis=1)
         frame = int(np.argmin(apart))
         assert frame / wave.rate >= start - 1.0 / wave.rate
@@ -66,14 +67,14 @@ def test_start_is_where_the_action_begins_at_the_next_step_in_phase(bank: Bank) 
 
 @pytest.mark.parametrize("time", [-0.1, 99.0, np.nan, np.inf])
 @pytest.mark.parametrize("label", ["time", "start"])
-def test_a_time_outside_the_clip_is_refused_by_name(bank: Bank, label: str, time: float) -> None:
+def test_a_time_outside_the_clip_is_refused_with_its_name(bank: Bank, label: str, time: float) -> None:
     at = {"time": 0.0, "start": 0.0, label: time}
     clip = "walk" if label == "time" else "wave"
     with pytest.raises(TimeRangeError, match=f"{label} .* outside clip '{clip}'.*Give a {label} from 0 to"):
-        Evaluator(bank).pose("walk", at["time"], "wave", start=at["start"])
+        Evaluator(bank).pose(Splice("walk", "wave", start=at["start"]), at["time"])
 
 
-def test_a_batch_names_the_character_at_fault(bank: Bank) -> None:
+def test_the_error_of_a_batch_names_the_invalid_request(bank: Bank) -> None:
     evaluator, requests = Evaluator(bank), Requests.empty(5)
     requests.time[3] = np.nan
     with pytest.raises(TimeRangeError, match="character 3"):
@@ -86,18 +87,18 @@ def test_a_batch_names_the_character_at_fault(bank: Bank) -> None:
         ({"locomotion": "wlak"}, UnknownClipError, "Did you mean 'walk'"),
         ({"action": "carrybox"}, UnknownClipError, "Did you mean 'carry_box'"),
         ({"method": "splise"}, SettingsError, "Did you mean 'splice'"),
-        ({"posture": "upright"}, SettingsError, "there is no posture"),
+        ({"posture": "upright"}, SettingsError, "unknown posture"),
     ],
 )
-def test_an_unknown_name_is_answered_with_the_near_ones(
+def test_the_error_of_an_unknown_name_suggests_similar_names(
     bank: Bank, wrong: dict[str, str], kind: type[MotionError], words: str
 ) -> None:
-    request = {"locomotion": "walk", "time": 0.0, "action": "wave"} | wrong
+    splice = Splice(**{"locomotion": "walk", "action": "wave"} | wrong)  # type: ignore[arg-type]
     with pytest.raises(kind, match=words):
-        Evaluator(bank).pose(**request)  # type: ignore[arg-type]
+        Evaluator(bank).pose(splice, 0.0)
 
 
-def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> None:
+def test_numbers_out_of_range_and_wrong_sizes_are_refused(bank: Bank) -> None:
     evaluator = Evaluator(bank)
     with pytest.raises(SettingsError, match="room for 3 poses"):
         evaluator.evaluate(Requests.empty(2), evaluator.poses(3))
@@ -108,27 +109,27 @@ def test_numbers_out_of_range_and_sizes_that_differ_are_refused(bank: Bank) -> N
             evaluator.evaluate(requests, evaluator.poses(2))
 
 
-def test_action_frames_are_the_frames_that_a_splice_shows(bank: Bank) -> None:
+def test_action_frames_are_the_frames_that_a_splice_plays(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    frames = evaluator.action_frames("walk", evaluator.frame_times("walk"), "carry_box")
-    box, splice = bank.motion("carry_box"), evaluator.clip("walk", "carry_box")
+    frames = evaluator.action_frames(Splice("walk", "carry_box"), evaluator.frame_times("walk"))
+    box, splice = bank.motion("carry_box"), evaluator.clip(Splice("walk", "carry_box"))
     own = frames <= box.frame_count - 1
     upper = [joint for joint in bank.skeleton.subtree(bank.roles.pelvis) if joint != bank.roles.pelvis]
-    shown = box.sampled(frames[own])[1]
-    assert quaternion.angle(splice.rotations[own][:, upper], shown[:, upper]).max() < 1e-4
+    played = box.sampled(frames[own])[1]
+    assert quaternion.angle(splice.rotations[own][:, upper], played[:, upper]).max() < 1e-4
     assert np.diff(frames[:120]).min() > 0.0
     assert own.sum() > 200
 
 
-def test_a_running_posture_starts_from_the_stored_one_and_follows_the_splices_own(bank: Bank) -> None:
+def test_a_running_posture_starts_from_the_stored_one_and_follows_the_splice(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    absolute, running = (evaluator.clip("walk", "carry_box", posture=form) for form in ("absolute", "running"))
+    absolute, running = (evaluator.clip(Splice("walk", "carry_box", posture=form)) for form in ("absolute", "running"))
     apart = quaternion.angle(absolute.rotations[:, bank.roles.pelvis], running.rotations[:, bank.roles.pelvis])
     assert apart[0] < np.radians(0.2)
     assert 0.0 < apart.max() < np.radians(4.0)
 
 
-def test_characters_with_running_postures_do_not_share_them(bank: Bank) -> None:
+def test_characters_do_not_share_running_postures(bank: Bank) -> None:
     evaluator, box = Evaluator(bank), bank.number("carry_box")
     requests, running, poses = Requests.empty(3), Memory.begin(3, rate=30.0), evaluator.poses(3)
     requests.posture[:] = POSTURES["running"]
@@ -142,15 +143,15 @@ def test_characters_with_running_postures_do_not_share_them(bank: Bank) -> None:
     np.testing.assert_array_equal(poses.rotations[0], poses.rotations[2])
 
 
-def test_a_running_posture_without_a_history_is_refused(bank: Bank) -> None:
-    with pytest.raises(SettingsError, match="no memory of them"):
-        Evaluator(bank).pose("walk", 1.0, "wave", posture="running")
+def test_a_running_posture_without_a_memory_is_refused(bank: Bank) -> None:
+    with pytest.raises(SettingsError, match="needs a memory of them"):
+        Evaluator(bank).pose(Splice("walk", "wave", posture="running"), 1.0)
     evaluator = Evaluator(bank)
-    with pytest.raises(SettingsError, match="Memory of as many characters"):
+    with pytest.raises(SettingsError, match="a memory of 3 characters or of 1"):
         evaluator.evaluate(Requests.empty(3), evaluator.poses(3), Memory.begin(2, rate=30.0))
 
 
-def test_arrays_that_kernels_do_not_know_are_refused(bank: Bank) -> None:
+def test_arrays_of_wrong_type_shape_or_layout_are_refused(bank: Bank) -> None:
     evaluator, joints = Evaluator(bank), bank.skeleton.joint_count
     for make in (
         lambda: Poses(np.empty((2, 3), np.float32), np.empty((2, joints, 4))),  # type: ignore[arg-type]
@@ -161,10 +162,16 @@ def test_arrays_that_kernels_do_not_know_are_refused(bank: Bank) -> None:
         lambda: Memory(np.zeros((2, 9)), 0.1),
         lambda: evaluator.world_positions(evaluator.poses(2), np.empty((2, joints, 4), np.float32)),
     ):
-        with pytest.raises(SettingsError, match="side by side in memory"):
+        with pytest.raises(SettingsError, match="expected a contiguous array"):
             make()
 
 
-def test_no_characters_are_no_work(bank: Bank) -> None:
+def test_an_empty_batch_is_valid(bank: Bank) -> None:
     evaluator = Evaluator(bank)
     evaluator.evaluate(Requests.empty(0), evaluator.poses(0))
+
+
+@pytest.mark.parametrize(("rate", "time_constant"), [(0.0, 2.0), (-5.0, 2.0), (60.0, 0.0), (np.nan, 2.0)])
+def test_a_memory_needs_a_rate_above_zero(rate: float, time_constant: float) -> None:
+    with pytest.raises(SettingsError, match="above 0"):
+        Memory.begin(1, rate, time_constant)

@@ -8,7 +8,7 @@ ABOVE = ("precompute", "service", "commands", "pictures", "cli", "runtime.charac
 HEAVY = {"scipy.spatial", "scipy.interpolate", "scipy.optimize", "scipy.sparse", "scipy.linalg", "scipy.ndimage"}
 
 
-def test_the_evaluator_imports_neither_scipy_nor_characters_nor_the_service() -> None:
+def test_the_evaluator_imports_no_scipy_no_characters_and_no_service() -> None:
     listed = subprocess.run(
         [sys.executable, "-c", "import motionsplice.runtime.evaluator, sys; print('\\n'.join(sys.modules))"],
         capture_output=True,
@@ -17,7 +17,7 @@ def test_the_evaluator_imports_neither_scipy_nor_characters_nor_the_service() ->
     )
     modules = set(listed.stdout.split())
     assert "motionsplice.runtime.kernels.evaluate" in modules
-    assert not modules & (FOREIGN | HEAVY)  # Numba itself asks SciPy for its version
+    assert not modules & (FOREIGN | HEAVY)  # Numba itself imports SciPy for its version
     assert not [one for one in modules if one.startswith(tuple(f"motionsplice.{name}" for name in ABOVE))]
 
 

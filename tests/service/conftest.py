@@ -25,27 +25,27 @@ def warm_client(bank: Bank) -> Iterator[TestClient]:
 
 @pytest.fixture(scope="session")
 def client(bank: Bank) -> Iterator[TestClient]:
-    """A client of a warm service, without sockets."""
+    """A client of a ready service, without sockets."""
     with warm_client(bank) as client:
         yield client
 
 
 @pytest.fixture(scope="session")
 def hands_client(hands_bank: Bank) -> Iterator[TestClient]:
-    """The same of a bank with hands."""
+    """A client of a service with hands."""
     with warm_client(hands_bank) as client:
         yield client
 
 
 @pytest.fixture(scope="module")
 def service(bank: Bank) -> Iterator[Running]:
-    """A running, warm service."""
-    with running(bank.path, Settings(stall_seconds=2.0, idle_seconds=1.0, max_load=20_000.0)) as service:
+    """A running, ready service."""
+    with running(bank.path, Settings(stall_seconds=2.0, idle_seconds=1.0, max_load=20_000)) as service:
         yield service
 
 
 @pytest.fixture(scope="module")
 def hands_service(hands_bank: Bank) -> Iterator[Running]:
-    """A running, warm service of a bank with hands."""
+    """A running, ready service with hands."""
     with running(hands_bank.path, Settings()) as service:
         yield service

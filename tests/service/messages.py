@@ -1,4 +1,4 @@
-"""Reading what the service sends, as docs/protocol.md says, and not by the service's own code."""
+"""Decodes messages of the service as docs/protocol.md describes, without the service's own code."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def unpacked(stream: bytes) -> list[dict[str, Any]]:
-    """The messages of a length-delimited stream."""
+    """Returns the messages of a length-delimited stream."""
     read = []
     while stream:
         size = int.from_bytes(stream[:4], "big")
@@ -20,7 +20,7 @@ def unpacked(stream: bytes) -> list[dict[str, Any]]:
 
 
 def arrays(message: dict[str, Any], joints: int, *leading: int, short: bool = False) -> dict[str, Any]:
-    """A message's blobs as arrays of leading shape, int16 made numbers from -1 to 1."""
+    """Returns a message's blobs as arrays with leading dimensions; int16 is converted to -1 to 1."""
     found = {}
     for name, inner in (("root_positions", (3,)), ("rotations", (joints, 4)), ("world_positions", (joints, 3))):
         if name in message:

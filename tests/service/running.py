@@ -16,12 +16,12 @@ from motionsplice.service.edge.config import EdgeConfig
 from motionsplice.service.server import listen
 from motionsplice.service.settings import Settings
 
-PATIENCE = 30.0  # seconds: far more than anything takes
-COMPILING = 600.0  # but for kernels that are compiled for the first time
+PATIENCE = 30.0  # seconds, far more than any step takes
+COMPILING = 600.0  # if kernels are compiled for the first time
 
 
 class Running:
-    """A running service, and what it holds."""
+    """A running service, and access to its state."""
 
     def __init__(self, config: EdgeConfig, server: uvicorn.Server, port: int) -> None:
         self.config = config
@@ -31,7 +31,7 @@ class Running:
         self.peers: list[socket.socket] = []
 
     def connect(self, *sent: bytes, receive_buffer: int | None = None) -> socket.socket:
-        """A connection on which something was sent; closed with the service at the latest."""
+        """Connects, sends bytes, and returns the socket, which is closed when the service ends."""
         peer = socket.socket()
         self.peers.append(peer)
         if receive_buffer is not None:
@@ -44,13 +44,13 @@ class Running:
 
     @property
     def held(self) -> tuple[int, int, int, int]:
-        """Connections in the ledger and at uvicorn, tasks, streams."""
+        """Numbers of connections in the ledger and in uvicorn, of tasks, and of streams."""
         state, front = self.server.server_state, self.config.front
         return len(self.config.ledger), len(state.connections), len(state.tasks), len(front.shared.streams)
 
 
 def eventually(holds: Callable[[], bool], patience: float = PATIENCE) -> None:
-    """Waits until something holds, and fails if it does not come to that."""
+    """Waits until a condition holds, and fails after `patience` seconds."""
     deadline = time.monotonic() + patience
     while not holds():
         assert time.monotonic() < deadline
@@ -58,7 +58,7 @@ def eventually(holds: Callable[[], bool], patience: float = PATIENCE) -> None:
 
 
 def received(peer: socket.socket) -> bytes:
-    """All that a peer gets until the connection is closed; then closes it."""
+    """Returns all bytes received until the connection is closed, and closes the socket."""
     chunks = []
     with peer, suppress(ConnectionResetError):
         while chunk := peer.recv(65536):
@@ -68,7 +68,7 @@ def received(peer: socket.socket) -> bytes:
 
 @contextmanager
 def running(path: Path, settings: Settings) -> Iterator[Running]:
-    """Serves a bank until left."""
+    """Serves a bank while the context lasts."""
     settings = settings.model_copy(update={"port": 0})
     listener, config = listen(settings), EdgeConfig(path, settings)
     server, port = uvicorn.Server(config), listener.getsockname()[1]

@@ -29,7 +29,7 @@ def guarded(bank: Bank) -> Any:
     [{}, {"authorization": "Bearer wrong"}, {"authorization": f"Basic {TOKEN}"}, {"authorization": f"Bearer {TOKEN}x"}],
 )
 @pytest.mark.parametrize("path", ["/v1/bank", "/v1/pose?locomotion=walk&time=0", "/metrics", "/v1/nothing"])
-def test_without_the_token_nothing_is_told(guarded: TestClient, path: str, header: dict[str, str]) -> None:
+def test_without_the_token_requests_are_refused(guarded: TestClient, path: str, header: dict[str, str]) -> None:
     answer = guarded.get(path, headers=header)
     assert (answer.status_code, answer.json()["type"]) == (401, "urn:motionsplice:token")
     assert answer.headers["www-authenticate"] == "Bearer"
@@ -37,11 +37,11 @@ def test_without_the_token_nothing_is_told(guarded: TestClient, path: str, heade
 
 
 @pytest.mark.parametrize("path", ["/healthz", "/docs", "/openapi.json"])
-def test_health_and_documentation_need_none(guarded: TestClient, path: str) -> None:
+def test_health_and_documentation_need_no_token(guarded: TestClient, path: str) -> None:
     assert guarded.get(path).is_success
 
 
-def test_with_the_token_all_is_answered_and_kept_to_oneself(guarded: TestClient, bank: Bank) -> None:
+def test_with_the_token_requests_are_answered_and_cached_privately(guarded: TestClient, bank: Bank) -> None:
     for name in ("Bearer", "bearer"):
         answer = guarded.get(f"/v1/banks/{bank.digest}/clips", headers={"authorization": f"{name} {TOKEN}"})
         assert answer.is_success
@@ -61,7 +61,7 @@ def test_a_browser_offers_the_token_as_a_subprotocol(bank: Bank) -> None:
 @pytest.mark.parametrize(
     ("origin", "status"), [(None, 200), (PAGE, 200), ("http://testserver", 200), ("https://evil.example", 403)]
 )
-def test_pages_have_to_be_allowed(guarded: TestClient, origin: str | None, status: int) -> None:
+def test_only_allowed_origins_are_answered(guarded: TestClient, origin: str | None, status: int) -> None:
     headers = {"authorization": f"Bearer {TOKEN}"} | ({"origin": origin} if origin else {})
     answer = guarded.get("/v1/bank", headers=headers)
     assert answer.status_code == status
@@ -72,8 +72,8 @@ def test_pages_have_to_be_allowed(guarded: TestClient, origin: str | None, statu
     assert answer.headers["access-control-allow-origin"] == PAGE
 
 
-def test_a_token_is_not_told_by_its_settings() -> None:
+def test_settings_do_not_reveal_the_token() -> None:
     assert TOKEN not in repr(Settings(token=SecretStr(TOKEN)))
-    with pytest.raises(SettingsError, match="MOTIONSPLICE_TOKEN cannot be used") as caught:
+    with pytest.raises(SettingsError, match="MOTIONSPLICE_TOKEN is invalid") as caught:
         Settings(token=SecretStr("shorty"))
     assert "shorty" not in str(caught.value)

@@ -18,6 +18,7 @@ from motionsplice.motion.formats.bvh import parse
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Posture
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.answers.frames import Frames
 from motionsplice.service.answers.stream import STREAM, Clock, messages
 from motionsplice.service.app import create_app
@@ -28,10 +29,10 @@ from motionsplice.service.wire.encoding import Encoding
 from tests.service.messages import arrays, unpacked
 
 
-def test_the_bank_and_its_clips_are_told(client: TestClient, bank: Bank) -> None:
-    told = client.get("/v1/bank").json()
-    assert told["digest"] == bank.digest
-    assert {table["name"] for table in told["tables"]} == set(bank.tables)
+def test_the_bank_and_its_clips_are_listed(client: TestClient, bank: Bank) -> None:
+    body = client.get("/v1/bank").json()
+    assert body["digest"] == bank.digest
+    assert {table["name"] for table in body["tables"]} == set(bank.tables)
     skeleton = client.get("/v1/skeleton").json()
     assert skeleton["joints"] == list(bank.skeleton.names)
     assert skeleton["parents"][0] == -1
@@ -45,11 +46,11 @@ def test_the_bank_and_its_clips_are_told(client: TestClient, bank: Bank) -> None
     assert (box["kind"], box["neutral"], box["tags"]) == ("action", "walk", ["carry"])
 
 
-def test_a_clip_tells_when_its_feet_stand(client: TestClient, bank: Bank) -> None:
+def test_a_clip_lists_when_its_feet_stand(client: TestClient, bank: Bank) -> None:
     clips = {clip["name"]: clip for clip in client.get("/v1/clips").json()}
     assert client.get("/v1/clips/walk").json() == clips["walk"]
-    for name, told in clips.items():
-        feet = told["contacts"]
+    for name, body in clips.items():
+        feet = body["contacts"]
         found = sorted((down, foot, up) for foot in ("left", "right") for down, up in feet[foot])
         wanted = [(one.down, one.foot, one.up) for one in bank.contacts(name)]
         assert [one[1] for one in found] == [one[1] for one in wanted]
@@ -57,21 +58,35 @@ def test_a_clip_tells_when_its_feet_stand(client: TestClient, bank: Bank) -> Non
     assert len(clips["walk"]["contacts"]["left"]) >= 4
 
 
-def test_the_service_tells_its_limits(client: TestClient, bank: Bank) -> None:
-    told = client.get("/v1/server").json()
-    assert (told["bank"], told["ready"], told["uploads"]) == (bank.digest, True, False)
-    assert told["limits"]["max_frames"] == 5000
-    assert [axes["name"] for axes in told["axes"]] == ["gltf", "unity", "unreal", "godot"]
+def test_the_service_states_its_protocol_and_limits(client: TestClient, bank: Bank) -> None:
+    body = client.get("/v1/server").json()
+    assert (body["bank"], body["ready"], body["uploads"]) == (bank.digest, True, False)
+    assert body["protocol"] == 3
+    assert [axes["name"] for axes in body["axes"]] == ["gltf", "unity", "unreal", "godot"]
+    assert body["axes"][1]["description"] == "left-handed, Y up, Z forward"
+
+
+def test_limits_are_whole_numbers_where_the_settings_are(client: TestClient) -> None:
+    settings, limits = Settings(max_frames=5000), client.get("/v1/server").json()["limits"]
+    for name, limit in limits.items():
+        assert (limit, type(limit)) == (getattr(settings, name), type(getattr(settings, name)))
+    assert (type(limits["max_frames"]), type(limits["max_load"]), type(limits["max_rate"])) == (int, int, float)
+    document = client.get("/openapi.json").json()
+    example = document["paths"]["/v1/server"]["get"]["responses"]["200"]["content"]["application/json"]["example"]
+    assert example["limits"] == limits
+    assert type(example["limits"]["max_frames"]) is int
+    limit = document["components"]["schemas"]["ServerInfo"]["properties"]["limits"]["additionalProperties"]
+    assert limit == {"anyOf": [{"type": "integer"}, {"type": "number"}]}
 
 
 @pytest.mark.parametrize("method", ["splice", "naive", "none"])
 @pytest.mark.parametrize("posture", ["relative", "absolute", "off"])
-def test_a_pose_is_the_evaluators(client: TestClient, bank: Bank, method: Any, posture: Any) -> None:
+def test_a_pose_is_that_of_the_evaluator(client: TestClient, bank: Bank, method: Any, posture: Any) -> None:
     query = f"locomotion=run&time=1.25&action=wave&start=0.5&method={method}&posture={posture}&parts=both"
-    told = client.get(f"/v1/pose?{query}").json()
+    body = client.get(f"/v1/pose?{query}").json()
     blobs = arrays(msgpack.unpackb(client.get(f"/v1/pose?{query}&format=msgpack").content), bank.skeleton.joint_count)
     evaluator = Evaluator(bank)
-    poses = evaluator.pose("run", 1.25, "wave", start=0.5, method=method, posture=posture)
+    poses = evaluator.pose(Splice("run", "wave", start=0.5, method=method, posture=posture), 1.25)
     world = np.empty((1, bank.skeleton.joint_count, 3), np.float32)
     evaluator.world_positions(poses, world)
     for name, wanted in (
@@ -79,42 +94,42 @@ def test_a_pose_is_the_evaluators(client: TestClient, bank: Bank, method: Any, p
         ("rotations", poses.rotations),
         ("world_positions", world),
     ):
-        np.testing.assert_allclose(told[name], wanted[0], atol=1e-7)
+        np.testing.assert_allclose(body[name], wanted[0], atol=1e-7)
         np.testing.assert_array_equal(blobs[name], wanted[0])
 
 
-def test_a_query_that_is_kept_ready_is_answered_as_one_that_is_not(client: TestClient) -> None:
+def test_a_cached_query_is_answered_like_a_new_one(client: TestClient) -> None:
     for time_, wave in ((0.5, "wave"), (1.25, "wave"), (0.5, "carry_box"), (1.25, "wave")):
         ready = client.get(f"/v1/pose?locomotion=walk&time={time_}&action={wave}").json()
         fresh = client.get(f"/v1/pose?action={wave}&locomotion=walk&start=0.0&posture=relative&time=%30{time_}").json()
         assert ready == fresh
     answer = client.get("/v1/pose?locomotion=walk&time=0.5&action=wave&time=0.5")
-    assert "time: it is given twice" in answer.json()["detail"]
+    assert "time: given twice" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize("form", ["json", "msgpack"])
 @pytest.mark.parametrize("axes", ["gltf", "unity"])
-def test_a_batch_is_its_poses_one_by_one(client: TestClient, bank: Bank, form: str, axes: str) -> None:
+def test_a_batch_has_the_same_poses_as_single_requests(client: TestClient, bank: Bank, form: str, axes: str) -> None:
     joints, times = bank.skeleton.joint_count, [0.0, 0.7, 1.9]
     batch: dict[str, Any] = {"clips": ["run", "wave"], "locomotion": [0, 0, 0], "action": [1, -1, 1], "time": times}
     options = f"axes={axes}&parts=both&format={form}"
     if form == "json":
-        told = client.post(f"/v1/poses?{options}", json=batch).json()
+        body = client.post(f"/v1/poses?{options}", json=batch).json()
     else:
         kinds = {"locomotion": "<i4", "action": "<i4", "time": "<f8"}
         packed = {key: np.array(one, kinds[key]).tobytes() if key in kinds else one for key, one in batch.items()}
         headers = {"content-type": "application/msgpack"}
         answer = client.post(f"/v1/poses?{options}", content=msgpack.packb(packed), headers=headers)
-        told = arrays(msgpack.unpackb(answer.content), joints, 3)
+        body = arrays(msgpack.unpackb(answer.content), joints, 3)
     for number, action in enumerate(("&action=wave", "", "&action=wave")):
         alone = client.get(
             f"/v1/pose?locomotion=run&time={times[number]}{action}&{options.replace(form, 'json')}"
         ).json()
         for name in ("root_positions", "rotations", "world_positions"):
-            np.testing.assert_allclose(told[name][number], alone[name], atol=1e-7)
+            np.testing.assert_allclose(body[name][number], alone[name], atol=1e-7)
 
 
-def test_a_batch_has_to_be_of_a_known_type_and_size(client: TestClient) -> None:
+def test_a_batch_of_another_type_or_size_is_refused(client: TestClient) -> None:
     assert client.post("/v1/poses", content=b"x", headers={"content-type": "text/plain"}).status_code == 415
     big = client.post("/v1/poses", content=b"x" * 5_000_000, headers={"content-type": "application/msgpack"})
     assert (big.status_code, big.json()["type"]) == (413, "urn:motionsplice:too-large")
@@ -126,18 +141,18 @@ def test_a_batch_has_to_be_of_a_known_type_and_size(client: TestClient) -> None:
 def expected(bank: Bank, locomotion: str, action: str, posture: Posture = "relative") -> Any:
     evaluator = Evaluator(bank)
     times, memory = evaluator.frame_times(locomotion), Memory.begin(1, bank.clip(locomotion).rate)
-    return evaluator.sequence(locomotion, times, action, posture=posture, memory=memory)
+    return evaluator.sequence(Splice(locomotion, action, posture=posture), times, memory=memory)
 
 
 @pytest.mark.parametrize("posture", ["relative", "running"])
-def test_a_splice_is_the_evaluators_frames_to_the_bit(client: TestClient, bank: Bank, posture: Posture) -> None:
+def test_a_splice_has_the_frames_of_the_evaluator_to_the_bit(client: TestClient, bank: Bank, posture: Posture) -> None:
     query = f"/v1/splice?locomotion=run&action=carry_box&posture={posture}"
     poses, joints = expected(bank, "run", "carry_box", posture), bank.skeleton.joint_count
-    told = msgpack.unpackb(client.get(f"{query}&format=msgpack").content)
+    body = msgpack.unpackb(client.get(f"{query}&format=msgpack").content)
     count = len(poses.rotations)
-    assert (told["bank"], told["frame"], told["count"]) == (bank.digest, 0, count)
-    assert told["rate"] == bank.clip("run").rate
-    found = arrays(told, joints, count)
+    assert (body["bank"], body["frame"], body["count"]) == (bank.digest, 0, count)
+    assert body["rate"] == bank.clip("run").rate
+    found = arrays(body, joints, count)
     np.testing.assert_array_equal(found["rotations"], poses.rotations)
     np.testing.assert_array_equal(found["root_positions"], poses.root_positions)
     some = client.get(f"{query}&first=70&count=80").json()
@@ -166,7 +181,7 @@ def test_a_stream_is_the_splice_in_messages(client: TestClient, bank: Bank, ahea
     answer = client.get(f"/v1/stream?{query}&parts=both&axes=unity&encoding=int16")
     assert answer.headers["content-type"] == "application/vnd.motionsplice.stream"
     header, *frames = unpacked(answer.content)
-    assert (header["stream"], header["bank"], header["first"], header["frames"]) == (2, bank.digest, 10, 150)
+    assert (header["stream"], header["bank"], header["first"], header["frames"]) == (3, bank.digest, 10, 150)
     assert (header["axes"], header["encoding"], header["parts"]) == ("unity", "int16", "both")
     assert header["joints"] == list(bank.skeleton.names)
     assert header["parents"] == bank.skeleton.parents.tolist()
@@ -182,9 +197,9 @@ def test_a_stream_is_the_splice_in_messages(client: TestClient, bank: Bank, ahea
         assert b"".join(frame[name] for frame in frames) == whole[name]
 
 
-def test_a_paced_stream_keeps_the_clips_time_without_drift(bank: Bank) -> None:
+def test_a_paced_stream_does_not_drift_from_the_clips_time(bank: Bank) -> None:
     edition = Edition.warm(bank)
-    frames = Frames.asked(edition, STREAM.read(b"locomotion=walk&action=wave"), 10**6)
+    frames = Frames.from_query(edition, STREAM.read(b"locomotion=walk&action=wave"), 10**6)
     now, sent = 100.0, []
 
     async def sleep(seconds: float) -> None:
@@ -202,7 +217,7 @@ def test_a_paced_stream_keeps_the_clips_time_without_drift(bank: Bank) -> None:
 
 
 def test_a_fast_stream_yields_to_others_between_blocks(bank: Bank) -> None:
-    frames = Frames.asked(Edition.warm(bank), STREAM.read(b"locomotion=walk&rate=1000"), 10**6)
+    frames = Frames.from_query(Edition.warm(bank), STREAM.read(b"locomotion=walk&rate=1000"), 10**6)
     yields = 0
 
     async def sleep(seconds: float) -> None:
@@ -237,20 +252,20 @@ def test_a_fast_stream_yields_to_others_between_blocks(bank: Bank) -> None:
         ("/v1/pose?locomotion=walk&time=0&acton=wave", 422, "request", "Did you mean 'action'"),
         ("/v1/splice?locomotion=walk&acton=wave", 422, "request", "Did you mean 'action'"),
         ("/v1/skeleton?axis=unity", 422, "request", "Did you mean 'axes'"),
-        ("/v1/clips?name=walk", 422, "request", "It takes none"),
+        ("/v1/clips?name=walk", 422, "request", "This request has no parameters"),
         ("/v1/splice?locomotion=wlak", 404, "unknown-clip", "Did you mean 'walk'"),
         ("/v1/splice?locomotion=walk&rate=0", 422, "request", "rate: "),
         ("/v1/splice?locomotion=walk&rate=1e9", 422, "request", "rate: "),
         ("/v1/splice?locomotion=walk&rate=100&action=wave&start=9", 422, "time-range", "start 9.0 s"),
-        ("/v1/splice?locomotion=turn_180&rate=1000", 422, "limit", "more than the 5000"),
-        ("/v1/splice?locomotion=walk&first=301", 422, "request", "first: frame 301 lies behind the last, 300"),
-        ("/v1/splice?locomotion=walk&format=bvh&axes=unity", 422, "request", "Leave axes and parts out"),
+        ("/v1/splice?locomotion=turn_180&rate=1000", 422, "limit", "exceed the 5000 frames"),
+        ("/v1/splice?locomotion=walk&first=301", 422, "request", "first: frame 301 is after the last, 300"),
+        ("/v1/splice?locomotion=walk&format=bvh&axes=unity", 422, "request", "Leave out axes and parts"),
         ("/v1/splice?locomotion=walk&format=xml", 422, "request", "format: "),
         ("/v1/stream?locomotion=walk&ahead=121", 422, "limit", "ahead: 121 is more than 120"),
         ("/v1/stream?locomotion=walk&rate=500&pace=realtime", 422, "limit", "rate: 500 is more than 120"),
         ("/v1/tables/lowe", 404, "unknown-bank", "Did you mean 'lower'"),
         ("/v1/tables/..%2Fmanifest.msgpack", 404, "http", "Not Found"),
-        ("/v1/banks/00ff/pose?locomotion=walk&time=0", 404, "unknown-bank", "no bank '00ff'"),
+        ("/v1/banks/00ff/pose?locomotion=walk&time=0", 404, "unknown-bank", "the bank '00ff' is not served"),
         ("/v1/nothing", 404, "http", "Not Found"),
     ],
 )
@@ -266,9 +281,7 @@ def test_errors_are_problems_that_say_what_to_do(
 
 
 @pytest.mark.parametrize("path", ["pose?locomotion=walk&time=1", "splice?locomotion=walk", "clips", "tables/lower"])
-def test_what_depends_on_the_bank_alone_can_be_cached_for_ever_under_its_digest(
-    client: TestClient, bank: Bank, path: str
-) -> None:
+def test_answers_below_the_digest_of_the_bank_can_be_cached_for_ever(client: TestClient, bank: Bank, path: str) -> None:
     below = client.get(f"/v1/banks/{bank.digest}/{path}")
     assert below.headers["cache-control"] == "public, max-age=31536000, immutable"
     tag = below.headers["etag"]
@@ -281,7 +294,7 @@ def test_what_depends_on_the_bank_alone_can_be_cached_for_ever_under_its_digest(
 
 
 @pytest.mark.parametrize("path", ["splice?locomotion=walk", "clips", "tables/lower"])
-def test_without_the_digest_a_cache_has_to_ask_again(client: TestClient, path: str) -> None:
+def test_answers_without_the_digest_must_be_revalidated(client: TestClient, path: str) -> None:
     plain = client.get(f"/v1/{path}")
     assert plain.headers["cache-control"] == "no-cache"
     again = client.get(f"/v1/{path}", headers={"if-none-match": plain.headers["etag"]})
@@ -304,7 +317,9 @@ def test_tables_are_the_banks_files(client: TestClient, bank: Bank) -> None:
     assert client.get("/v1/tables/lower", headers={"range": "bytes=999999999-"}).status_code == 416
 
 
-def test_it_lives_at_once_and_is_ready_when_kernels_are_warm(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_alive_at_once_and_ready_when_the_kernels_are_compiled(
+    bank: Bank, monkeypatch: pytest.MonkeyPatch
+) -> None:
     compiled = threading.Event()
     monkeypatch.setattr(Evaluator, "warm", lambda _: compiled.wait(30))
     with TestClient(create_app(bank)) as client:
@@ -320,7 +335,7 @@ def test_it_lives_at_once_and_is_ready_when_kernels_are_warm(bank: Bank, monkeyp
         assert client.get("/v1/pose?locomotion=walk&time=0").status_code == 200
 
 
-def test_kernels_that_cannot_be_compiled_are_told(
+def test_kernels_that_cannot_be_compiled_are_reported(
     bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def warm(_: Evaluator) -> None:
@@ -336,7 +351,7 @@ def test_kernels_that_cannot_be_compiled_are_told(
     assert "no compiler here" in caplog.text
 
 
-def test_what_no_client_caused_is_a_problem_too(
+def test_a_failure_of_the_service_is_a_problem_too(
     bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def fail(*_: Any) -> None:
@@ -350,13 +365,13 @@ def test_what_no_client_caused_is_a_problem_too(
     assert "secret" in caplog.text
 
 
-def test_a_method_that_is_not_allowed_says_which_is(client: TestClient) -> None:
+def test_a_refused_method_lists_the_allowed_ones(client: TestClient) -> None:
     answer = client.post("/v1/bank")
     assert answer.status_code == answer.json()["status"] == 405
     assert answer.headers["allow"] == "GET"
 
 
-def test_streams_are_counted_and_too_many_refused(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_streams_are_refused(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
     front = create_app(bank, Settings(max_streams=1))
     with TestClient(front) as client:
         wait_until_ready(client)
@@ -411,7 +426,7 @@ def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -
                     assert "application/problem+json" in answer["content"], path
 
 
-def test_what_the_interactive_page_fills_in_can_be_answered(client: TestClient) -> None:
+def test_the_examples_of_the_interactive_page_are_answered(client: TestClient) -> None:
     for path, operations in client.get("/openapi.json").json()["paths"].items():
         if path in ("/v1/characters", "/v1/job", "/v1/job/events"):
             continue

@@ -1,20 +1,36 @@
-"""What docs/protocol.md says, tried out."""
+"""Checks docs/protocol.md against the service: its programs, its examples, and that it names everything."""
 
 from __future__ import annotations
 
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
 
+from motionsplice.runtime.characters.state import EVENT_NAMES
 from motionsplice.service.answers.batch import COLUMNS
 from motionsplice.service.characters.commands import KEYS, NEEDED
+from motionsplice.service.exchange.job import JobInfo
 from motionsplice.service.problems import PROBLEMS
+from motionsplice.service.wire.messages import PROTOCOL
+from tests.service.characters.player import Player
 from tests.service.running import Running
 
 PAGE = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text()
+
+
+EXAMPLES = [json.loads(block) for block in re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL)]
+COMMANDS = [json.loads(command) for command in re.findall(r"^\| `({\"do\":.*?})` \|", PAGE, re.MULTILINE)]
+EVENTS = {
+    event["event"]: event
+    for event in (
+        *(example for example in EXAMPLES if "event" in example),
+        *map(json.loads, re.findall(r"`({\"event\":.*?})` \|$", PAGE, re.MULTILINE)),
+    )
+}
 
 
 def test_its_clients_work(service: Running, capsys: pytest.CaptureFixture[str]) -> None:
@@ -22,18 +38,68 @@ def test_its_clients_work(service: Running, capsys: pytest.CaptureFixture[str]) 
     assert len(examples) == 2
     for example in examples:
         exec(example.replace("127.0.0.1:8000", f"127.0.0.1:{service.port}").replace("curve", "run"), {})
-    told = capsys.readouterr().out
-    assert "22 joints" in told
-    assert "frame 60 of 2 characters" in told
+    printed = capsys.readouterr().out
+    assert "22 joints" in printed
+    assert "frame 60 of 2 characters" in printed
 
 
 def test_its_batch_is_answered(hands_client: TestClient) -> None:
-    (batch,) = re.findall(r"```json\n({\"clips\".*?)```", PAGE, re.DOTALL)
-    told = hands_client.post("/v1/poses", json=json.loads(batch.replace("directions", "counting"))).json()
-    shown, bare, walk = told["rotations"]
-    assert shown != bare
-    assert shown != walk
-    assert bare != walk
+    (batch,) = (example for example in EXAMPLES if "locomotion" in example)
+    batch = json.loads(json.dumps(batch).replace("directions", "counting"))
+    with_hands, without, walk = hands_client.post("/v1/poses", json=batch).json()["rotations"]
+    assert with_hands != without
+    assert with_hands != walk
+    assert without != walk
+
+
+def test_its_commands_are_done(hands_service: Running) -> None:
+    assert {command["do"] for command in COMMANDS} == set(NEEDED)
+    with Player(hands_service) as player:
+        for command in COMMANDS:
+            fitting = json.loads(json.dumps(command).replace("directions", "counting"))
+            reply = player.do({**fitting, "ref": "a1"})
+            assert reply["event"] == "done", reply
+            assert reply.keys() == EVENTS["done"].keys()
+
+
+def test_its_events_have_the_keys_of_the_services(service: Running) -> None:
+    with Player(service) as player:
+        assert player.welcome.keys() == EVENTS["welcome"].keys()
+        refused = player.do({"do": "create", "id": 7, "locomotion": "wlak", "ref": "a1"})
+        assert {**refused, "detail": ""} == {**EVENTS["refused"], "detail": ""}
+        player.do({"do": "set", "events": list(EVENT_NAMES.values())})
+        player.do({"do": "create", "id": 7, "locomotion": "run", "loop": False})
+        player.do({"do": "act", "id": 7, "action": "wave", "when": "foot", "loop": False})
+        for name in EVENT_NAMES.values():
+            player.events = [event for event in player.events if event["event"] != "done"]
+            assert _event(player, name).keys() == EVENTS[name].keys()
+
+
+def _event(player: Player, name: str) -> dict[str, Any]:
+    """Returns an event of this name, and keeps the others."""
+    while not (found := [event for event in player.events if event["event"] == name]):
+        player.take()
+    return found[0]
+
+
+def test_it_has_an_example_of_every_event() -> None:
+    connection = {"welcome", "done", "refused", "bank", "bank_kept", "closing"}
+    assert EVENTS.keys() == connection | set(EVENT_NAMES.values())
+
+
+def test_its_other_examples_have_the_keys_of_the_services(client: TestClient) -> None:
+    (job,) = (example for example in EXAMPLES if "stage" in example)
+    assert job.keys() == JobInfo(state="running").model_dump().keys()
+    (problem,) = (example for example in EXAMPLES if "title" in example)
+    answer = client.get("/v1/pose?locomotion=wlak&time=0").json()
+    assert {**problem, "detail": "", "request_id": ""} == {**answer, "detail": "", "request_id": ""}
+    (feet,) = (example for example in EXAMPLES if "left" in example)
+    assert feet.keys() == client.get("/v1/clips/walk").json()["contacts"].keys()
+
+
+def test_it_names_the_version_of_the_protocol() -> None:
+    assert f"It describes protocol {PROTOCOL}:" in PAGE
+    assert EVENTS["welcome"]["protocol"] == PROTOCOL
 
 
 def test_it_names_every_parameter_column_and_command(service: Running) -> None:

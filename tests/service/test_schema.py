@@ -1,4 +1,4 @@
-"""The whole schema against the service: no request that it allows, or nearly, is answered by a failure."""
+"""The service against its schema: no request that fits it, or nearly fits it, makes the service fail."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def test_no_request_makes_the_service_fail(operations: list[Any], data: st.DataO
     mode = data.draw(st.sampled_from(list(GenerationMode)), label="mode")
     case = data.draw(operation.as_strategy(generation_mode=mode), label="case")
     if "locomotion" in (case.query or {}) and data.draw(st.booleans(), label="fitting"):
-        case.query |= data.draw(FITTING, label="clips")  # which hardly any text is
+        case.query |= data.draw(FITTING, label="clips")  # random names hardly ever fit
     answer = case.call()
     assert answer.status_code < 500, answer.content
     if answer.status_code >= 400:
         assert answer.headers["content-type"] == ["application/problem+json"]
-        told = json.loads(answer.content)
-        assert told["status"] == answer.status_code
-        assert told["detail"]
+        document = json.loads(answer.content)
+        assert document["status"] == answer.status_code
+        assert document["detail"]

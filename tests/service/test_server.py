@@ -1,4 +1,4 @@
-"""The command as it is run: processes, signals, logs."""
+"""The command `serve` in a process: workers, signals, logs."""
 
 from __future__ import annotations
 
@@ -56,18 +56,18 @@ def _status(url: str) -> int:
         return 0
 
 
-def test_workers_share_a_port_and_their_numbers_and_stop_together(bank: Bank, tmp_path: Path) -> None:
+def test_workers_share_a_port_and_metrics_and_stop_together(bank: Bank, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with served(bank, log, "--workers", "2", "--stop-seconds", "1") as (server, url):
         for _ in range(30):
             assert _status(f"{url}/v1/pose?locomotion=walk&time=1") == 200
         _status(f"{url}/v1/pose?locomotion=wlak&time=1")
-        told = urllib.request.urlopen(f"{url}/metrics", timeout=PATIENCE).read().decode()
-        assert 'motionsplice_requests_total{route="/v1/pose",status="200"} 30.0' in told
+        metrics = urllib.request.urlopen(f"{url}/metrics", timeout=PATIENCE).read().decode()
+        assert 'motionsplice_requests_total{route="/v1/pose",status="200"} 30.0' in metrics
         with connect(url.replace("http", "ws") + "/v1/characters", compression=None) as client:
             client.send('{"do": "create", "id": 1, "locomotion": "walk"}')
             server.send_signal(signal.SIGTERM)
-            while '"bye"' not in str(client.recv(timeout=PATIENCE)):
+            while '"closing"' not in str(client.recv(timeout=PATIENCE)):
                 pass
             with pytest.raises(ConnectionClosed) as caught:
                 client.recv(timeout=PATIENCE)
@@ -81,6 +81,6 @@ def test_workers_share_a_port_and_their_numbers_and_stop_together(bank: Bank, tm
     assert "wlak" in refused["detail"]
 
 
-def test_a_port_that_is_taken_is_told(bank: Bank) -> None:
-    with listen(Settings(port=0)) as listener, pytest.raises(SettingsError, match="cannot be listened on"):
+def test_a_port_in_use_is_an_error(bank: Bank) -> None:
+    with listen(Settings(port=0)) as listener, pytest.raises(SettingsError, match=r"cannot listen on 127\.0\.0\.1:"):
         listen(Settings(port=listener.getsockname()[1]))

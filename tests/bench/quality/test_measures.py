@@ -25,7 +25,7 @@ ROLES = find_roles(WALK.skeleton)
 UPPER = WALK.skeleton.subtree(ROLES.pelvis)
 
 
-def test_a_clip_is_at_no_distance_from_itself_and_at_a_known_one_from_a_bent_copy() -> None:
+def test_the_error_is_zero_against_itself_and_known_against_a_bent_copy() -> None:
     assert upper_body_errors(WALK, WALK, ROLES).max() == 0.0
     turn = quaternion.about([0.0, 0.0, 1.0], 0.1)
     bent = WALK.rotations.copy()
@@ -57,7 +57,7 @@ def test_jitter_is_the_third_derivative() -> None:
     assert neck_jitter(replace(WALK, rotations=shaken), ROLES) > 5.0 * neck_jitter(WALK, ROLES)
 
 
-def test_excursion_is_how_far_the_neck_goes_and_turning_is_none() -> None:
+def test_excursion_measures_the_neck_and_ignores_turning() -> None:
     turned = WALK.rotations.copy()
     spin = quaternion.about([0.0, 1.0, 0.0], np.linspace(0.0, 6.0, WALK.frame_count))
     turned[:, 0] = quaternion.multiply(spin, turned[:, 0])
@@ -67,7 +67,7 @@ def test_excursion_is_how_far_the_neck_goes_and_turning_is_none() -> None:
     assert neck_excursion(replace(WALK, rotations=bowed), ROLES) > 0.15 > neck_excursion(WALK, ROLES)
 
 
-def test_a_turn_within_a_half_is_told_and_one_of_the_pelvis_is_not() -> None:
+def test_a_change_within_a_half_counts_and_one_of_the_pelvis_does_not() -> None:
     for joint, found in ((ROLES.pelvis, 0.0), (ROLES.left_elbow, 0.1), (ROLES.left_knee, 0.1)):
         bent = WALK.rotations.copy()
         bent[7, joint] = quaternion.multiply(bent[7, joint], quaternion.about([0.0, 0.0, 1.0], 0.1))
@@ -75,14 +75,14 @@ def test_a_turn_within_a_half_is_told_and_one_of_the_pelvis_is_not() -> None:
         assert change == pytest.approx(found, abs=1e-7)
 
 
-def test_legs_do_not_differ_from_themselves_and_do_half_a_stride_later() -> None:
+def test_mismatch_is_zero_at_equal_frames_and_large_half_a_stride_later() -> None:
     frames = np.arange(float(WALK.frame_count))
     assert mismatch(WALK, WALK, frames, ROLES).max() < 1e-7
     assert mismatch(WALK.frames(0, 200), WALK, frames[:200] + 33.0, ROLES).mean() > 0.03
 
 
 @pytest.mark.parametrize(("posture", "wanted"), [("off", WALK), ("absolute", BOX), ("running", BOX)])
-def test_a_posture_form_promises_one_of_the_two(posture: str, wanted: Clip) -> None:
+def test_a_posture_form_promises_the_posture_of_one_source(posture: str, wanted: Clip) -> None:
     none = np.tile(quaternion.IDENTITY, (WALK.frame_count, 1))
     promised = promised_posture(WALK, BOX, none, posture, ROLES)
     assert posture_angle(promised, measure_torso(wanted, ROLES).posture) < 1e-6

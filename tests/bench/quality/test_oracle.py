@@ -24,21 +24,21 @@ def no_offsets(*frames: int) -> tuple[quaternion.Floats, quaternion.Floats]:
     return first, second
 
 
-def test_an_oracle_finds_a_clips_own_frames_again() -> None:
+def test_an_oracle_finds_a_clips_own_frames() -> None:
     assert oracle_error(WALK, WALK, WALK, no_offsets(WALK.frame_count, WALK.frame_count), ROLES) < 1e-9
 
 
 @pytest.mark.parametrize("locomotion", ["curve", "run"])
-def test_an_oracle_is_at_least_as_near_as_a_splice(locomotion: str) -> None:
+def test_an_oracle_is_closer_than_a_splice(locomotion: str) -> None:
     clip, action = make(locomotion, seed=5), make("walk", "wave", seed=6)
     truth = make(locomotion, "wave", seed=5)
     splice = splice_exact(clip, action, ROLES, posture="off")
-    kept = splice.clip.frame_count
-    told = oracle_error(clip.frames(0, kept), action, truth, no_offsets(kept, action.frame_count), ROLES)
-    assert told < upper_body_errors(splice.clip, truth, ROLES).mean()
+    frame_count = splice.clip.frame_count
+    error = oracle_error(clip.frames(0, frame_count), action, truth, no_offsets(frame_count, action.frame_count), ROLES)
+    assert error < upper_body_errors(splice.clip, truth, ROLES).mean()
 
 
-def test_strides_that_are_all_alike_do_not_differ_and_others_do() -> None:
+def test_equal_strides_do_not_differ_and_uneven_strides_do() -> None:
     phase = align(WALK, ROLES, RING).phase
     assert stride_to_stride(WALK, phase, ROLES) < 0.01
     uneven = WALK.rotations.copy()

@@ -1,4 +1,4 @@
-"""What the built-in motions are held to: the thresholds of the quality report, as tests."""
+"""Tests of the quality report, and of its targets on the built-in motions."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from typer.testing import CliRunner
 
 from bench.quality import __main__ as quality
 from bench.quality.claims import CLAIMS, Performance
-from bench.quality.judge import claimed, judge
+from bench.quality.judge import claim_values, judge
 from bench.quality.pair_list import EXAMPLES, Pair, grid_pairs, read_pairs, truth_of
 from bench.quality.report import Cell, means_table, pair_table
 from bench.quality.scores import ClipScore, Form, MethodScore, PairScore, score_clip, score_pair, splice_pair
 from bench.quality.targets import BUILT_IN, REAL, targets
-from motionsplice.commands.sample_folder import write_sample_clips
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import SettingsError, UnknownClipError
 from motionsplice.motion.procedural.library import ACTIONS, LOCOMOTIONS
+from motionsplice.motion.samples import write_sample_clips
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
@@ -51,7 +51,7 @@ def test_splices_of_built_in_motion_meet_every_target(samples: Bank, grid: list[
     assert not [target for target in found if not target.met]
 
 
-def test_no_method_is_nearer_than_the_oracle_and_curves_never_go_back(grid: list[PairScore]) -> None:
+def test_no_splice_beats_the_oracle_and_alignments_never_go_back(grid: list[PairScore]) -> None:
     assert len(grid) == len(LOCOMOTIONS) * len(ACTIONS)
     for pair in grid:
         naive, exact, splice = pair.methods
@@ -65,7 +65,7 @@ def test_no_method_is_nearer_than_the_oracle_and_curves_never_go_back(grid: list
         assert exact.change < 1e-6
 
 
-def test_on_a_walk_every_form_keeps_what_it_promises_and_relative_is_nearest(samples: Bank) -> None:
+def test_on_a_walk_each_posture_form_keeps_its_promise_and_relative_is_closest(samples: Bank) -> None:
     evaluator, pair = Evaluator(samples), Pair("walk", "punch", "walk+punch")
     forms = [Form("naive"), *(Form("splice", form) for form in ("relative", "absolute", "off"))]
     splices = [splice_pair(evaluator, pair.locomotion, pair.action, form) for form in forms]
@@ -75,43 +75,43 @@ def test_on_a_walk_every_form_keeps_what_it_promises_and_relative_is_nearest(sam
     assert max(one.posture or 0.0 for one in score.methods) < 1.0
 
 
-def test_the_thesis_examples_are_all_there_and_come_true(samples: Bank) -> None:
+def test_the_thesis_examples_match_their_truth(samples: Bank) -> None:
     evaluator, pairs = Evaluator(samples), read_pairs(EXAMPLES)
     assert len(pairs) == 9
     assert {pair.claim for pair in pairs} <= CLAIMS.keys()
     for pair in pairs:
         if CLAIMS[pair.claim].unit != "°":
             continue
-        values = claimed(samples, judge(evaluator, pair, FORMS))
+        values = claim_values(samples, judge(evaluator, pair, FORMS))
         assert values["splice"] == pytest.approx(values["truth"], abs=4.0), pair.example
 
 
 def test_claims_have_known_answers(samples: Bank) -> None:
     walk, roles = samples.motion("walk"), samples.roles
-    shown = Performance(walk, samples.phase("walk"), roles)
+    walking = Performance(walk, samples.phase("walk"), roles)
     leaning = walk.rotations.copy()
     turn = quaternion.about([1.0, 0.0, 0.0], np.radians(10.0))
     root = quaternion.conjugate(leaning[:, 0])
     local = quaternion.multiply(quaternion.multiply(root, turn), leaning[:, 0])
     leaning[:, roles.pelvis] = quaternion.multiply(local, leaning[:, roles.pelvis])
-    bent = Performance(replace(walk, rotations=leaning), shown.phase, roles)
+    bent = Performance(replace(walk, rotations=leaning), walking.phase, roles)
     lean, tilt = CLAIMS["lean"].measure, CLAIMS["tilt"].measure
-    assert lean(bent, bent) - lean(shown, shown) == pytest.approx(10.0, abs=0.5)
-    assert tilt(bent, shown) > tilt(shown, shown) + 4.0
-    assert CLAIMS["growth"].measure(shown, shown) == pytest.approx(1.0, abs=0.1)
-    assert CLAIMS["timing"].measure(shown, shown) == 0.0
-    assert CLAIMS["steadiness"].measure(shown, shown) > 0.95
+    assert lean(bent, bent) - lean(walking, walking) == pytest.approx(10.0, abs=0.5)
+    assert tilt(bent, walking) > tilt(walking, walking) + 4.0
+    assert CLAIMS["growth"].measure(walking, walking) == pytest.approx(1.0, abs=0.1)
+    assert CLAIMS["timing"].measure(walking, walking) == 0.0
+    assert CLAIMS["steadiness"].measure(walking, walking) > 0.95
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("locomotion,action,truht\nwalk,wave,walk\n", "line 2: there is no column 'truht'"),
-        ("locomotion,action\nwalk,\n", "line 2: a pair needs a locomotion and an action"),
-        ("locomotion,action,claim\nwalk,wave,leen\n", "there is no claim 'leen'. Did you mean 'lean'"),
+        ("locomotion,action,truht\nwalk,wave,walk\n", "line 2: unknown column 'truht'"),
+        ("locomotion,action\nwalk,\n", "line 2: locomotion or action is missing"),
+        ("locomotion,action,claim\nwalk,wave,leen\n", "unknown claim 'leen'. Did you mean 'lean'"),
     ],
 )
-def test_a_pair_file_that_means_nothing_is_refused_by_line(tmp_path: Path, text: str, words: str) -> None:
+def test_an_invalid_pair_file_is_refused_with_its_line(tmp_path: Path, text: str, words: str) -> None:
     file = tmp_path / "pairs.csv"
     file.write_text(text)
     with pytest.raises(SettingsError) as raised:
@@ -122,7 +122,7 @@ def test_a_pair_file_that_means_nothing_is_refused_by_line(tmp_path: Path, text:
         read_pairs(tmp_path / "absent.csv")
 
 
-def test_a_truth_is_a_clip_or_generated_or_unknown(samples: Bank) -> None:
+def test_a_truth_is_a_clip_or_a_built_in_motion_or_unknown(samples: Bank) -> None:
     assert truth_of(Pair("walk", "wave"), samples) is None
     assert truth_of(Pair("walk", "wave", "run"), samples).name == "run"  # type: ignore[union-attr]
     assert truth_of(Pair("walk", "wave", "run+wave"), samples).name == "run+wave"  # type: ignore[union-attr]
@@ -139,19 +139,19 @@ def pair(action: str, ratio: float) -> PairScore:
     return PairScore("walk", action, "t", 0.5, 1.0, methods)
 
 
-def test_targets_name_the_worst_and_what_is_not_met() -> None:
+def test_targets_name_the_worst_pair_and_whether_they_are_met() -> None:
     clip = ClipScore("walk", "locomotion", 5.0, 5, 4.0, 0.9, None)
     found = {one.what: one for one in targets([pair("a", 0.2), pair("b", 0.8)], [clip], REAL)}
-    worst = found["error over the naive splice's, worst pair"]
+    worst = found["error / naive splice, worst pair"]
     assert (worst.found, worst.wanted, worst.met) == ("0.8 (walk <- b)", "<= 0.7", False)
-    assert found["error over the naive splice's, mean of all pairs"].found == "0.50"
-    assert found["error over that of an oracle that knows the truth"].found == "2.00"
-    assert found["phase concentration, worst locomotion"].found == "0.900 (walk)"
-    assert not found["phase concentration, worst locomotion"].met
-    assert found["neck's jitter over the larger source's, worst pair"].met
+    assert found["error / naive splice, mean of all pairs"].found == "0.50"
+    assert found["error / oracle that knows the truth"].found == "2.00"
+    assert found["phase concentration, lowest locomotion"].found == "0.900 (walk)"
+    assert not found["phase concentration, lowest locomotion"].met
+    assert found["jitter of the neck / larger source, worst pair"].met
 
 
-def test_tables_have_a_row_each_and_say_how_good_it_is() -> None:
+def test_tables_have_a_row_per_pair_with_graded_cells() -> None:
     columns, rows = pair_table([pair("a", 0.2), pair("b", 0.8)])
     assert all(len(row) == len(columns) for row in rows)
     ratio = columns.index("splice\nratio")

@@ -20,7 +20,7 @@ PHASE = align(WALK, ROLES, RING).phase
 UPPER = WALK.skeleton.subtree(ROLES.pelvis)
 
 
-def test_arms_swing_with_the_opposite_legs_and_half_a_stride_from_their_own() -> None:
+def test_arms_swing_in_phase_with_the_opposite_legs() -> None:
     assert abs(arm_lag(WALK, PHASE, ROLES)) < 0.1
     crossed = replace(ROLES, left_wrist=ROLES.right_wrist, left_shoulder=ROLES.right_shoulder,
                       right_wrist=ROLES.left_wrist, right_shoulder=ROLES.left_shoulder)  # fmt: skip
@@ -29,7 +29,7 @@ def test_arms_swing_with_the_opposite_legs_and_half_a_stride_from_their_own() ->
 
 
 @pytest.mark.parametrize("part", [0.1, 0.25, -0.2])
-def test_arms_that_are_late_are_told_by_how_much(part: float) -> None:
+def test_the_lag_of_late_arms_is_measured(part: float) -> None:
     frames = np.arange(60, WALK.frame_count - 60)
     late = np.interp(PHASE[frames] - part, PHASE, np.arange(WALK.frame_count))
     rotations = WALK.rotations[frames].copy()
@@ -40,8 +40,8 @@ def test_arms_that_are_late_are_told_by_how_much(part: float) -> None:
     assert arm_lag(result, PHASE[frames], ROLES) - arm_lag(truth, PHASE[frames], ROLES) == pytest.approx(part, abs=0.01)
 
 
-def test_an_arm_that_something_else_times_has_no_lag() -> None:
-    """As when dribbling: the arms swing enough, but not with the legs."""
+def test_an_arm_that_the_legs_do_not_time_has_no_lag() -> None:
+    """As when dribbling: the arms swing enough, but not in time with the legs."""
     frames = np.linspace(0.0, WALK.frame_count - 1.0, WALK.frame_count)
     rotations = WALK.rotations.copy()
     rotations[:, UPPER] = WALK.sampled(np.mod(2.37 * frames, WALK.frame_count - 1.0))[1][:, UPPER]
@@ -60,7 +60,7 @@ def test_the_left_knee_passes_once_a_stride_at_one_phase(locomotion: str) -> Non
     assert np.all(apart[passes - 5] < apart[passes + 5])
 
 
-def test_knees_that_only_tremble_do_not_pass() -> None:
+def test_trembling_knees_do_not_count_as_passes() -> None:
     trembling = WALK.rotations.copy()
     still = trembling[:1].repeat(WALK.frame_count, axis=0)
     half = WALK.frame_count // 2
@@ -73,6 +73,6 @@ def test_phases_a_whole_number_of_strides_apart_agree(strides: list[int], phase:
     assert concentration(np.array(strides) + phase) == pytest.approx(1.0)
 
 
-def test_phases_evenly_round_the_stride_do_not_agree_at_all() -> None:
+def test_phases_spread_evenly_over_the_stride_have_no_concentration() -> None:
     assert concentration(np.arange(8) / 8.0) == pytest.approx(0.0, abs=1e-12)
     assert np.isnan(concentration(np.empty(0)))

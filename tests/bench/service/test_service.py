@@ -21,7 +21,7 @@ RATE = 60.0
 
 
 class Wire:
-    """A transport that keeps what is written."""
+    """A transport that records all bytes written."""
 
     def __init__(self) -> None:
         self.written = b""
@@ -34,7 +34,7 @@ class Wire:
 
 
 def frame(opcode: int, payload: bytes) -> bytes:
-    """As servers send it."""
+    """A WebSocket frame as a server sends it."""
     size = len(payload)
     if size < 126:
         return bytes((0x80 | opcode, size)) + payload
@@ -44,7 +44,7 @@ def frame(opcode: int, payload: bytes) -> bytes:
 
 
 def message(number: int, size: int) -> bytes:
-    """As the service sends it, with a blob of `size` bytes."""
+    """A message as the service sends it, with a blob of `size` bytes."""
     return bytes(msgpack.packb({"bank": 32 * "a", "frame": number, "count": 1, "rotations": bytes(size)}))
 
 
@@ -59,7 +59,7 @@ def opened(**options: Any) -> tuple[Client, Wire]:
     st.lists(st.tuples(st.integers(0, 2**32 - 1), st.sampled_from([0, 30, 400, 70_000])), min_size=1, max_size=5),
     st.integers(1, 5000),
 )
-def test_messages_are_found_however_the_bytes_are_cut(sent: list[tuple[int, int]], piece: int) -> None:
+def test_messages_are_parsed_for_any_split_of_the_bytes(sent: list[tuple[int, int]], piece: int) -> None:
     client, _ = opened(keep=5)
     whole = b"".join(frame(BINARY, message(*one)) for one in sent)
     for at in range(0, len(whole), piece):
@@ -90,7 +90,7 @@ def test_commands_are_sent_once_the_handshake_is_done() -> None:
 
 
 @pytest.mark.parametrize("piece", [1, 7, 1000])
-def test_an_answer_ends_where_its_length_says_and_errors_arecounted(piece: int) -> None:
+def test_an_answer_ends_after_its_content_length_and_errors_are_counted(piece: int) -> None:
     asker, wire = Asker([b"first", b"second"], 0, float("inf")), Wire()
     asker.connection_made(wire)
     for status in (b"200 OK", b"404 Not Found"):
@@ -103,27 +103,27 @@ def test_an_answer_ends_where_its_length_says_and_errors_arecounted(piece: int) 
 
 
 @given(st.lists(st.integers(1, 4), min_size=2, max_size=30), st.floats(0.0, 1e5))
-def test_frames_that_come_when_they_should_have_no_jitter(steps: list[int], began: float) -> None:
+def test_frames_that_arrive_on_time_have_no_jitter(steps: list[int], began: float) -> None:
     numbers = np.cumsum(steps).tolist()
     arrivals = [began + number / RATE for number in numbers]
     assert jitter(arrivals, numbers, RATE) == pytest.approx(0.0, abs=1e-6)
     assert lost(numbers) == sum(step - 1 for step in steps[1:])
 
 
-def test_one_late_frame_is_the_only_one_that_is_off_the_grid() -> None:
+def test_only_the_late_frame_is_off_the_grid() -> None:
     arrivals = [number / RATE for number in range(9)]
     arrivals[0] += 0.005
     assert jitter(arrivals, range(9), RATE) == pytest.approx([5.0] + 8 * [0.0], abs=1e-9)
     assert intervals(arrivals, RATE) == pytest.approx([5.0] + 7 * [0.0], abs=1e-9)
 
 
-def test_frames_that_are_sent_anew_are_not_lost_and_messages_may_have_many() -> None:
+def test_resent_frames_are_not_lost_and_messages_may_hold_several() -> None:
     assert lost([0, 4, 8, 9, 13], ahead=4) == 0
     assert lost([0, 4, 16], ahead=4) == 8
     assert lost([5, 6, 3, 4]) == 0
 
 
-def test_messages_of_the_control_are_numbered_by_when_they_came() -> None:
+def test_messages_of_the_control_are_numbered_by_their_arrival() -> None:
     assert counted([]) == []
     assert np.diff(counted([0.1, 0.1 + 1.1 / RATE, 0.1 + 2.0 / RATE, 0.1 + 4.9 / RATE])).tolist() == [1, 1, 3]
 
@@ -132,13 +132,13 @@ def test_percentiles_are_the_median_and_the_99th() -> None:
     assert percentiles(np.arange(101.0)) == (50.0, 99.0)
 
 
-def test_what_came_before_and_after_a_window_is_left_out() -> None:
+def test_messages_outside_the_window_are_left_out() -> None:
     taken = Taken([1.0, 2.0, 3.0, 4.0], [10, 11, 12, 13], [], [], 400, lost=False)
     some = between(taken, 2.0, 4.0)
     assert (some.arrivals, some.numbers, some.bytes) == ([2.0, 3.0], [11, 12], 200)
 
 
-def test_every_character_is_made_and_acts_in_messages_that_are_short_enough() -> None:
+def test_every_character_is_created_and_acts_in_messages_below_the_size_limit() -> None:
     messages = create(1000, ["walk", "run"], ["wave"])
     assert all(len(one) < 64 * 1024 for one in messages)
     commands = [command for one in messages for command in json.loads(one)]
@@ -146,7 +146,7 @@ def test_every_character_is_made_and_acts_in_messages_that_are_short_enough() ->
         assert [one["id"] for one in commands if one["do"] == do] == list(range(1000))
 
 
-def test_findings_remember_what_is_missed() -> None:
+def test_findings_list_missed_targets() -> None:
     found = Findings("it")
     found.add("few", 1.0, most=1.0)
     found.add("many", 2.0, most=1.0)
@@ -156,7 +156,7 @@ def test_findings_remember_what_is_missed() -> None:
     assert len(found.rows) == 4
 
 
-def test_costs_are_in_order_and_the_event_loop_is_none() -> None:
+def test_costs_are_sorted_and_leave_out_the_event_loop() -> None:
     stats: dict[tuple[str, int, str], tuple[Any, ...]] = {
         ("/a/b/c.py", 7, "quick"): (1, 2, 0.5, 9.0, {}),
         ("~", 0, "<method 'run_until_complete' of 'uvloop.loop.Loop' objects>"): (1, 1, 50.0, 60.0, {}),

@@ -6,7 +6,7 @@ from bench.speed.first_call import STEPS, child, median, sealed_copy
 from motionsplice.runtime.bank import Bank
 
 
-def test_a_package_that_cannot_be_written_to_keeps_its_kernels_where_it_is_told(bank: Bank, tmp_path: Path) -> None:
+def test_a_read_only_package_caches_its_kernels_in_numba_cache_dir(bank: Bank, tmp_path: Path) -> None:
     sealed, cache = sealed_copy(tmp_path / "sealed"), tmp_path / "cache"
     first, second = (child(sealed, bank.path, {"NUMBA_CACHE_DIR": str(cache)}) for _ in range(2))
     assert len(first) == len(second) == len(STEPS)

@@ -18,6 +18,7 @@ from bench.speed.workload import SETS, Copy, Scene, request_sets
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import METHODS, Requests
+from motionsplice.runtime.splice import Splice
 
 MANY = Scene()
 
@@ -40,7 +41,7 @@ def test_the_numpy_twin_agrees_with_the_kernels(of: str, request: pytest.Fixture
         np.testing.assert_allclose(np.abs(np.sum(theirs.rotations * ours.rotations, axis=-1)), 1.0, atol=2e-5)
 
 
-def test_the_twin_says_where_characters_are(generated: Bank) -> None:
+def test_the_twin_finds_the_positions_of_characters(generated: Bank) -> None:
     requests, evaluator = request_sets(generated, 3, MANY)[0], Evaluator(generated)
     requests.method[:] = [METHODS[name] for name in ("splice", "naive", "none")]
     below, above = NumpyTwin(generated).places(requests)
@@ -48,14 +49,14 @@ def test_the_twin_says_where_characters_are(generated: Bank) -> None:
         own, other = (generated.clips[number[k]] for number in (requests.locomotion, requests.action))
         assert below.rows[k] + below.shares[k] == pytest.approx(own.first_row + requests.time[k] * own.rate)
         expected = {
-            0: other.first_row + evaluator.action_frames(own.name, requests.time[k : k + 1], other.name)[0],
+            0: other.first_row + evaluator.action_frames(Splice(own.name, other.name), requests.time[k : k + 1])[0],
             1: other.first_row + (requests.time[k] % other.duration) * other.rate,
             2: own.first_row + requests.time[k] * own.rate,
         }[k]
         assert above.rows[k] + above.shares[k] == pytest.approx(expected, abs=1e-3)
 
 
-def test_scenes_are_what_they_say(generated: Bank) -> None:
+def test_scenes_have_the_pairs_and_times_of_their_name(generated: Bank) -> None:
     for scene in (Scene(many, sequential) for many in (False, True) for sequential in (False, True)):
         sets = request_sets(generated, 50, scene)
         assert len(sets) == SETS
@@ -64,10 +65,10 @@ def test_scenes_are_what_they_say(generated: Bank) -> None:
         assert np.isclose(later[later > 0.0], 1.0 / 60.0).all() == scene.sequential
         evaluator = Evaluator(generated)
         for one in sets:
-            evaluator.evaluate(one, evaluator.poses(50))  # which raises if a time lies outside its clip
+            evaluator.evaluate(one, evaluator.poses(50))  # raises if a time lies outside its clip
 
 
-def test_the_floor_copies_the_rows_of_the_splices_and_as_much_as_the_poses(generated: Bank) -> None:
+def test_the_floor_copies_the_rows_of_the_splices_and_the_bytes_of_the_poses(generated: Bank) -> None:
     sets = request_sets(generated, 7, MANY)
     copy = Copy(generated, sets)
     columns = generated.layout.lower.columns + generated.layout.upper.columns
@@ -109,7 +110,7 @@ def test_the_roofline_counts_the_bytes_of_rows_request_and_pose(generated: Bank)
     assert (roof.from_memory, roof.from_cache, roof.computing) == pytest.approx((1e-6, 2.5e-7, 5e-8))
 
 
-def test_flatness_measures_every_x_and_draws_it(generated: Bank) -> None:
+def test_flatness_measures_and_draws_every_x(generated: Bank) -> None:
     series = flatness.measure(3, lengths=(10, 60, 160), counts=(2, 3, 4))
     assert [one.name for one in series] == [
         "clip length, everywhere",
@@ -126,12 +127,12 @@ def test_flatness_measures_every_x_and_draws_it(generated: Bank) -> None:
 
 
 @pytest.mark.parametrize("play", [flatness.everywhere, flatness.same_rows])
-def test_the_same_rows_are_few_whatever_the_bank(generated: Bank, play: Callable[[Bank], list[Requests]]) -> None:
+def test_only_same_rows_are_limited_to_the_pool(generated: Bank, play: Callable[[Bank], list[Requests]]) -> None:
     touched = {record.item() for one in play(generated) for record in one.records}
     assert (len(touched) <= flatness.POOL) == (play is flatness.same_rows)
 
 
-def test_characters_since_a_start_are_after_it_and_within_the_span(generated: Bank, tmp_path: Path) -> None:
+def test_times_since_a_start_lie_within_the_span(generated: Bank, tmp_path: Path) -> None:
     bank = generate(tmp_path / "bank", Size(joints=15, clips=2, seconds=120.0))
     times = np.concatenate([one.time for one in flatness.since(bank, 50.0)])
     assert 50.0 <= times.min() < times.max() <= 100.0
@@ -142,7 +143,7 @@ def test_state_is_the_request_and_the_memory(generated: Bank) -> None:
     assert (state.request, state.memory, state.pose) == (32, 8 * (4 + 6), 4 * (3 + 4 * 22))
 
 
-def test_pages_are_summed_over_the_tables_alone() -> None:
+def test_pages_are_summed_over_the_tables_only() -> None:
     smaps = """\
 7f00-7f01 r--s 00000000 fe:00 1  /bank/tables/a.npy
 Size:                 12 kB

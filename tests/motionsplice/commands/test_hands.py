@@ -44,7 +44,7 @@ def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(command_hands, "console", Console(width=200))
 
 
-def shown(*arguments: object) -> str:
+def output_of(*arguments: object) -> str:
     result = CliRunner().invoke(app, ["hands", *(str(argument) for argument in arguments)])
     assert result.exit_code == 0, result.output
     return result.output
@@ -52,21 +52,21 @@ def shown(*arguments: object) -> str:
 
 def test_hands_are_laid_on_a_body_from_files(hands_folder: Path, tmp_path: Path) -> None:
     files = hands_folder / "counting.bvh", hands_folder / "counting_hands.bvh"
-    output = shown(*files, "--out", tmp_path / "out.bvh", "--unit", "m", "--pair", "120:95~9")
+    output = output_of(*files, "--out", tmp_path / "out.bvh", "--unit", "m", "--pair", "120:95~9")
     found = read_clip(tmp_path / "out.bvh", unit="m").clip
     body, hands = (read_clip(file, unit="m") for file in files)
-    said = HandSettings(pairs=(FramePair(120, 95, 9),))
-    spliced = splice_hands(body.clip, body.roles, hands.clip, hands.roles, said)
+    settings = HandSettings(pairs=(FramePair(120, 95, 9),))
+    spliced = splice_hands(body.clip, body.roles, hands.clip, hands.roles, settings)
     np.testing.assert_allclose(joint_positions(found), joint_positions(spliced.clip), atol=1e-4)
-    told = re.search(r"pair 120:95~9: frame ([\d.]+) of the hands", output)
-    assert told is not None
-    assert 86.0 <= float(told[1]) <= 104.0
+    found_pair = re.search(r"pair 120:95~9: frame ([\d.]+) of the hands", output)
+    assert found_pair is not None
+    assert 86.0 <= float(found_pair[1]) <= 104.0
     assert f"{found.frame_count} frames at 60 per second, aligned and merged in" in output
 
 
 def test_phases_of_either_performer_are_counted(hands_folder: Path, tmp_path: Path) -> None:
     files = hands_folder / "counting.bvh", hands_folder / "counting_hands.bvh"
-    output = shown(*files, "--out", tmp_path / "out.bvh", "--unit", "m", "--hand", "right")
+    output = output_of(*files, "--out", tmp_path / "out.bvh", "--unit", "m", "--hand", "right")
     rows = re.findall(r"│ right │ (\S+) +│ +([\d.]+) │ +(\d+) │ +(\d+) │ +(\d+) │ +(\d+) │", output)
     assert [row[0] for row in rows] == ["counting", "counting_hands"]
     motion = hand_motion(COUNTING.body, find_roles(COUNTING.body.skeleton), "right")
@@ -79,7 +79,7 @@ def test_the_picture_shows_bands_paths_and_pairs(hands_folder: Path, tmp_path: P
     pictures = []
     for number, more in enumerate(([], ["--pair", "150:100"], ["--hand", "each"])):
         file = tmp_path / f"{number}.png"
-        shown(
+        output_of(
             hands_folder / "counting.bvh", hands_folder / "counting_hands.bvh", "--unit", "m",
             "--out", tmp_path / "out.bvh", "--picture", file, *more,
         )  # fmt: skip
@@ -94,22 +94,22 @@ def test_the_picture_shows_bands_paths_and_pairs(hands_folder: Path, tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    ("more", "words"),
     [
-        (["--pair", "12"], "pair '12': it is no pair of frames"),
+        (["--pair", "12"], "pair '12': not a pair of frames"),
         (["--pair", "9000:3"], "pair 9000:3: frame 9000 of the body lies outside the clip"),
-        (["--pair", "9:30", "--pair", "20:5"], "pair 20:5: it is crossed by the pair 9:30"),
-        (["--pair", "100:150", "--pair", "200:100"], "pair 200:100: it is crossed"),  # no emoji of ":100:"
+        (["--pair", "9:30", "--pair", "20:5"], "pair 20:5: it crosses the pair 9:30"),
+        (["--pair", "100:150", "--pair", "200:100"], "pair 200:100: it crosses"),  # no emoji of ":100:"
         (["--pair", "9:30", "--pair", "9:30"], "pair 9:30: the pair 9:30 has the same frame of the body"),
         (["--pair", "9:30", "--pair", "9:40"], "pair 9:40: the pair 9:30 has the same frame of the body"),
-        (["--band", "wide"], "--band 'wide' is no two numbers"),
-        (["--band", "0,0.1"], "bands of 0 and 0.1 of the clip mean nothing"),
-        (["--picture", "x.gif"], "End --picture in .png"),
+        (["--band", "wide"], "--band: expected two numbers, found 'wide'"),
+        (["--band", "0,0.1"], "bands must be above 0 and at most 1, not 0 and 0.1"),
+        (["--picture", "x.gif"], "--picture x.gif: only .png can be written. End the name in .png"),
     ],
 )
-def test_what_cannot_be_is_told_in_one_paragraph_and_nothing_is_written(
+def test_an_error_is_one_paragraph_and_nothing_is_written(
     more: list[str],
-    said: str,
+    words: str,
     hands_folder: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -120,9 +120,9 @@ def test_what_cannot_be_is_told_in_one_paragraph_and_nothing_is_written(
     monkeypatch.setattr(sys, "argv", ["motionsplice", *(str(one) for one in command)])
     with pytest.raises(SystemExit):
         main()
-    told = capsys.readouterr().err
-    assert told.startswith("error: ")
-    assert said in told
+    printed = capsys.readouterr().err
+    assert printed.startswith("error: ")
+    assert words in printed
     assert not (tmp_path / "out.bvh").exists()
 
 
@@ -132,7 +132,7 @@ def test_a_body_of_one_frame_has_a_picture_too(hands_folder: Path, tmp_path: Pat
     still.write_bytes(dump_bvh(replace(body, root_positions=body.root_positions[:1], rotations=body.rotations[:1])))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        shown(
+        output_of(
             still, hands_folder / "counting_hands.bvh", "--unit", "m",
             "--out", tmp_path / "out.bvh", "--picture", tmp_path / "picture.png",
         )  # fmt: skip
@@ -155,18 +155,18 @@ def where(picture: NDArray[Any], colour: tuple[int, int, int]) -> NDArray[np.boo
 
 
 def posed(pose: NDArray[np.float64]) -> Clip:
-    """The built-in humanoid, whose left hand is in a pose."""
+    """Returns the built-in humanoid with its left hand in a pose."""
     clip = make("walk", seconds=0.5)
     return with_fingers(clip, {1.0: np.tile(pose, (clip.frame_count, 1))})
 
 
 def pixels(clip: Clip, roles: Roles = ROLES) -> NDArray[Any]:
-    """The left hand alone, seen from its side."""
+    """Draws only the left hand, from its side."""
     figure = HandFigure.of(clip.skeleton, roles, "left")
     points = figure.points(clip.root_positions[:1], clip.rotations[:1])
-    seen = (points - figure.middles(points, 0.0)[:, None])[0]
+    centred = (points - figure.middles(points, 0.0)[:, None])[0]
     stage = canvas(400, 400)
-    figure.paint(Brush(stage, (200.0, 200.0), 600.0), seen[:, [2, 1, 0]])
+    figure.paint(Brush(stage, (200.0, 200.0), 600.0), centred[:, [2, 1, 0]])
     return np.asarray(reduced(stage))
 
 

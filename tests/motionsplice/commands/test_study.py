@@ -23,6 +23,7 @@ from motionsplice.precompute.study.correlation import Survival, study, survival
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Method
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 ROLES = find_roles(CLIPS["walk"].skeleton)
@@ -34,7 +35,7 @@ def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(command_study, "console", Console(width=200))
 
 
-def shown(*arguments: object) -> str:
+def output_of(*arguments: object) -> str:
     result = CliRunner().invoke(app, ["study", *(str(argument) for argument in arguments)])
     assert result.exit_code == 0, result.output
     return result.output
@@ -48,7 +49,7 @@ def written(folder: Path, **clips: Clip) -> list[Path]:
 
 
 def test_the_table_has_a_row_for_every_correlation(tmp_path: Path) -> None:
-    output = shown(*written(tmp_path, walk=CLIPS["walk"]), "--unit", "m")
+    output = output_of(*written(tmp_path, walk=CLIPS["walk"]), "--unit", "m")
     rows = [line for line in output.splitlines() if any(word in line for word in ("in phase", "opposite", "at a lag"))]
     assert len(rows) == pytest.approx(len(WALK.found), abs=2)  # BVH rounds
     assert f"walk: {len(rows)} correlations" in output
@@ -62,7 +63,7 @@ def test_what_survives_is_marked_and_counted(tmp_path: Path) -> None:
     rotations[:, upper] = walk.sampled(0.72 * np.arange(walk.frame_count))[1][:, upper]
     slow = Clip("slow", walk.skeleton, walk.rate, walk.root_positions, rotations)
     files = written(tmp_path, walk=walk, same=walk, slow=slow)
-    output = shown(*files, "--unit", "m", "--out", tmp_path / "out")
+    output = output_of(*files, "--unit", "m", "--out", tmp_path / "out")
     first, same, other = json.loads((tmp_path / "out" / "study.json").read_text())
     found = [one for one in first["correlations"] if one["verdict"] not in ("none", "still")]
     assert f"same: {len(found)} of {len(found)} correlations kept, 0 changed, 0 lost" in output
@@ -74,7 +75,7 @@ def test_what_survives_is_marked_and_counted(tmp_path: Path) -> None:
 
 
 def test_out_holds_two_plots_of_each_motion_and_the_numbers(tmp_path: Path) -> None:
-    shown(*written(tmp_path, walk=CLIPS["walk"], wave=CLIPS["wave"]), "--unit", "m", "--out", tmp_path / "a" / "b")
+    output_of(*written(tmp_path, walk=CLIPS["walk"], wave=CLIPS["wave"]), "--unit", "m", "--out", tmp_path / "a" / "b")
     plots = {f"{name}-{view}.png" for name in ("walk", "wave") for view in View}
     assert {file.name for file in (tmp_path / "a" / "b").iterdir()} == {*plots, "study.json"}
     walk, _ = json.loads((tmp_path / "a" / "b" / "study.json").read_text())
@@ -85,7 +86,7 @@ def test_out_holds_two_plots_of_each_motion_and_the_numbers(tmp_path: Path) -> N
     assert 5.0 < twist["amplitude_degrees"] < 20.0
 
 
-def test_a_chart_draws_what_goes_with_the_legs_and_the_swing(tmp_path: Path) -> None:
+def test_a_chart_draws_correlations_and_the_swing(tmp_path: Path) -> None:
     inks = []
     for name in ("walk", "carry_box"):
         draw_chart(study(CLIPS[name], ROLES), View.LOCAL, tmp_path / f"{name}.png")
@@ -99,12 +100,12 @@ def test_a_chart_draws_what_goes_with_the_legs_and_the_swing(tmp_path: Path) -> 
 @pytest.mark.parametrize(("method", "least", "most"), [("splice", 0.85, 1.0), ("naive", 0.0, 0.3)])
 def test_a_splice_keeps_what_a_naive_one_loses(bank: Bank, method: Method, least: float, most: float) -> None:
     first = study(make("walk", "wave", seed=1, seconds=5.0), ROLES)  # how the walk's own actor waves
-    other = study(Evaluator(bank).clip("walk", "wave", method=method), bank.roles)
+    other = study(Evaluator(bank).clip(Splice("walk", "wave", method=method)), bank.roles)
     fates = [survival(one, other) for one in first.found.values()]
     assert least <= fates.count(Survival.KEPT) / len(fates) <= most
 
 
-def test_a_motion_without_strides_is_told_in_a_paragraph(
+def test_an_error_is_one_paragraph(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (short,) = written(tmp_path, short=CLIPS["walk"].frames(0, 30))
@@ -112,11 +113,11 @@ def test_a_motion_without_strides_is_told_in_a_paragraph(
     twin = tmp_path / "twin" / "walk.bvh"
     twin.parent.mkdir()
     twin.write_bytes(long.read_bytes())
-    for files, words in (((short,), "'short' has no stride"), ((long, twin), "two motions are called 'walk'")):
+    for files, words in (((short,), "'short' has no stride"), ((long, twin), "two motions are named 'walk'")):
         monkeypatch.setattr(sys, "argv", ["motionsplice", "study", *map(str, files), "--unit", "m"])
         with pytest.raises(SystemExit) as end:
             main()
         assert end.value.code == 1
-        told = capsys.readouterr().err
-        assert told.startswith("error: ")
-        assert words in told.replace("\n", " ")
+        printed = capsys.readouterr().err
+        assert printed.startswith("error: ")
+        assert words in printed.replace("\n", " ")

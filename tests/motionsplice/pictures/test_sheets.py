@@ -105,7 +105,7 @@ def where(image: Image.Image, colour: Colour, tolerance: int = 12) -> NDArray[np
     return np.abs(pixels(image) - colour).max(axis=-1) <= tolerance
 
 
-def test_a_sheet_is_as_wide_as_promised_and_grows_with_its_rows() -> None:
+def test_a_sheet_is_1200_pixels_wide_and_grows_with_its_rows() -> None:
     row = ("walk", walk(), ROLES)
     one, two = contact_sheet([row]), contact_sheet([row, row])
     assert one.width == two.width == 1200
@@ -113,14 +113,14 @@ def test_a_sheet_is_as_wide_as_promised_and_grows_with_its_rows() -> None:
     assert contact_sheet([row], columns=MAX_COLUMNS).width > 4000
 
 
-def test_pictures_are_the_same_bytes_each_time() -> None:
+def test_pictures_are_reproducible_byte_for_byte() -> None:
     rows = [("walk", walk(), ROLES)]
     assert contact_sheet(rows).tobytes() == contact_sheet(rows).tobytes()
     assert animation(rows, end=0.2) == animation(rows, end=0.2)
 
 
 @pytest.mark.parametrize("view", ["side", "front", "three-quarter"])
-def test_hands_are_painted_where_they_project_in_their_own_colours(view: str) -> None:
+def test_hands_are_painted_at_their_projection_in_their_own_colours(view: str) -> None:
     clip, times = walk(swing=1.2), np.array([0.25])
     camera = Camera.beside(clip, ROLES, times, view)
     take = Take.of(clip, StickFigure.of(clip.skeleton, ROLES), times, camera)
@@ -133,7 +133,7 @@ def test_hands_are_painted_where_they_project_in_their_own_colours(view: str) ->
         assert where(picture, colour)[round(y), round(x)]
 
 
-def test_the_front_view_has_the_left_hand_on_the_right_and_the_side_view_walks_to_the_right() -> None:
+def test_the_left_hand_is_right_in_the_front_view_and_the_side_view_walks_to_the_right() -> None:
     clip, times = walk(), np.array([0.5])
     wrists = [AT["hand_l"], AT["hand_r"]]
     figure = StickFigure.of(clip.skeleton, ROLES)
@@ -147,15 +147,15 @@ def test_the_front_view_has_the_left_hand_on_the_right_and_the_side_view_walks_t
 
 def test_the_camera_turns_with_the_character() -> None:
     times = np.linspace(2.0, 3.0, 5)
-    seen = []
+    views = []
     for turn in (0.0, 0.8):
         clip = walk(5.0, turn=turn)
         camera = Camera.beside(clip, ROLES, times, "side")
-        seen.append(Take.of(clip, StickFigure.of(clip.skeleton, ROLES), times, camera).points)
-    np.testing.assert_allclose(seen[0], seen[1], atol=1e-3)
+        views.append(Take.of(clip, StickFigure.of(clip.skeleton, ROLES), times, camera).points)
+    np.testing.assert_allclose(views[0], views[1], atol=1e-3)
 
 
-def test_floor_marks_stand_still_in_the_world() -> None:
+def test_floor_marks_are_fixed_in_the_world() -> None:
     clip, times = walk(), np.array([0.5, 0.6])
     take = Take.of(clip, StickFigure.of(clip.skeleton, ROLES), times, Camera.beside(clip, ROLES, times, "side"))
     before, after = (marks[np.abs(marks[:, 0]) < 0.5] for marks in take.floor)
@@ -163,7 +163,7 @@ def test_floor_marks_stand_still_in_the_world() -> None:
     assert all(np.linalg.norm(after - mark, axis=1).min() < 1e-6 for mark in moved if mark[0] > -0.5)
 
 
-def test_all_rows_have_one_scale() -> None:
+def test_all_rows_have_the_same_scale() -> None:
     clip = walk()
     half = replace(clip, skeleton=clip.skeleton.scaled(0.5), root_positions=clip.root_positions * 0.5)
     sheet = contact_sheet([("adult", clip, ROLES), ("child", half, ROLES)], columns=1, view="front")
@@ -174,7 +174,7 @@ def test_all_rows_have_one_scale() -> None:
     assert child == pytest.approx(adult / 2, abs=3)
 
 
-def test_a_moment_between_frames_and_one_after_the_end_have_their_floor() -> None:
+def test_times_between_frames_and_after_the_end_have_a_floor() -> None:
     clip = walk()
     for time in (0.0, 0.512, 1.0, 7.0):
         camera = Camera.beside(clip, ROLES, np.array([time]), "side")
@@ -182,7 +182,7 @@ def test_a_moment_between_frames_and_one_after_the_end_have_their_floor() -> Non
         assert contact_sheet([("walk", clip, ROLES)], columns=1, start=time, end=time).width == 1200
 
 
-def test_a_motion_that_has_ended_is_held_and_paler() -> None:
+def test_a_motion_that_has_ended_is_held_and_drawn_paler() -> None:
     rows = [("long", walk(2.0), ROLES), ("short", walk(0.5), ROLES)]
     sheet = contact_sheet(rows, columns=4)
     strong = where(sheet, LEFT)[:-54]
@@ -192,13 +192,13 @@ def test_a_motion_that_has_ended_is_held_and_paler() -> None:
     assert np.array_split(strong[:, 110:350], 2)[1].any()
 
 
-def test_a_ghost_shows_where_it_differs() -> None:
+def test_a_ghost_is_visible_where_it_differs() -> None:
     rows = [("walk", walk(), ROLES)]
     same, other = contact_sheet(rows, ghost=walk()), contact_sheet(rows, ghost=walk(swing=-0.9))
     assert where(other, GHOST, 3).sum() > where(same, GHOST, 3).sum() + 200
 
 
-def test_bones_that_lead_nowhere_are_left_out() -> None:
+def test_bones_outside_the_body_are_left_out() -> None:
     plain = rig()
     names, parents = (*plain.names, "ik_target"), np.append(plain.parents, 0)
     offsets = np.vstack([plain.offsets, [[5.0, 0.0, 5.0]]])
@@ -250,15 +250,15 @@ def test_an_animation_plays_at_true_speed(rate: float, delay: int) -> None:
     assert film.info["loop"] == 0
 
 
-def test_an_animation_shows_each_moment_at_its_time() -> None:
+def test_an_animation_draws_each_pose_at_its_time() -> None:
     rows = [("walk", walk(0.8), ROLES)]
     fast, slow = (Image.open(io.BytesIO(animation(rows, rate=rate))) for rate in (25.0, 12.5))
     fast.seek(10)
-    moment = pixels(fast)
+    pose = pixels(fast)
     apart = []
     for frame in (4, 5, 6):
         slow.seek(frame)
-        apart.append(float(np.abs(pixels(slow) - moment).mean()))
+        apart.append(float(np.abs(pixels(slow) - pose).mean()))
     assert apart[1] < 0.2 * min(apart[0], apart[2])
 
 
@@ -267,24 +267,24 @@ def test_an_animation_shows_each_moment_at_its_time() -> None:
     [
         ({"rows": []}, "no motion"),
         ({"rows": [("walk", walk(), ROLES)] * 1000}, "do not fit"),
-        ({"start": 2.0, "end": 1.0}, "nothing between"),
-        ({"start": 2.0}, "nothing between"),
-        ({"start": -1.0}, "nothing between"),
-        ({"end": float("nan")}, "nothing between"),
+        ({"start": 2.0, "end": 1.0}, "cannot draw from 2 s to 1 s"),
+        ({"start": 2.0}, "cannot draw from 2 s"),
+        ({"start": -1.0}, "cannot draw from -1 s"),
+        ({"end": float("nan")}, "cannot draw from 0 s to nan s"),
         ({"view": "sid"}, "'side'"),
-        ({"ghost": walk(skeleton=rig(fingers=2))}, "other joints"),
+        ({"ghost": walk(skeleton=rig(fingers=2))}, "joints differ"),
     ],
 )
-def test_what_no_picture_can_show_is_refused(change: dict[str, Any], words: str) -> None:
-    wanted = {"rows": [("walk", walk(), ROLES)], **change}
+def test_invalid_arguments_are_refused(change: dict[str, Any], words: str) -> None:
+    arguments = {"rows": [("walk", walk(), ROLES)], **change}
     for picture in (contact_sheet, animation):
         with pytest.raises(SettingsError, match=words) as caught:
-            picture(**wanted)
+            picture(**arguments)
         assert caught.value.mend
 
 
 @pytest.mark.parametrize("columns", [0, -3, 10_000])
-def test_a_sheet_of_no_or_too_many_columns_is_refused(columns: int) -> None:
+def test_a_sheet_with_too_few_or_too_many_columns_is_refused(columns: int) -> None:
     with pytest.raises(SettingsError, match="columns"):
         contact_sheet([("walk", walk(), ROLES)], columns=columns)
 

@@ -18,7 +18,7 @@ def staircase(seed: int, count: int) -> Floats:
 
 @given(st.integers(0, 10**6), st.integers(3, 300))
 @settings(max_examples=50)
-def test_rises_everywhere(seed: int, count: int) -> None:
+def test_the_spline_rises_everywhere(seed: int, count: int) -> None:
     x, y = np.arange(float(count)), staircase(seed, count)
     curve = fit_increasing(x, y, 6.0)
     dense = curve(np.linspace(x[0], x[-1], 10 * count))
@@ -27,7 +27,7 @@ def test_rises_everywhere(seed: int, count: int) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("stiffness", [0.0, 1.0, 30.0])
-def test_is_the_bounded_least_squares_fit(seed: int, stiffness: float) -> None:
+def test_the_spline_is_the_bounded_least_squares_fit(seed: int, stiffness: float) -> None:
     x, y = np.arange(200.0), staircase(seed, 200)
     curve = fit_increasing(x, y, 6.0, stiffness)
     design = BSpline.design_matrix(x, curve.t, DEGREE).toarray()
@@ -45,6 +45,6 @@ def test_a_stiffer_spline_changes_its_speed_less() -> None:
     assert bent[0] > bent[1] > bent[2]
 
 
-def test_a_straight_line_stays_itself() -> None:
+def test_a_straight_line_is_fitted_exactly() -> None:
     x = np.linspace(0.0, 10.0, 80)
     np.testing.assert_allclose(fit_increasing(x, 3.0 * x - 2.0, 0.5)(x), 3.0 * x - 2.0, atol=1e-9)

@@ -16,7 +16,7 @@ from tests import naive
 
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(1, 6), st.integers(1, 3))
 @settings(max_examples=40)
-def test_path_costs_are_those_of_trying_every_path(seed: int, rows: int, columns: int, most_flat: int) -> None:
+def test_path_costs_equal_those_of_trying_every_path(seed: int, rows: int, columns: int, most_flat: int) -> None:
     grid = np.random.default_rng(seed).random((rows, columns))
     by_row = [cheapest_paths(grid[:stop], most_flat)[0].min(axis=1) for stop in range(1, rows + 1)]
     by_column = [cheapest_paths(grid[:, :stop], most_flat)[1].min(axis=1) for stop in range(1, columns + 1)]
@@ -26,7 +26,7 @@ def test_path_costs_are_those_of_trying_every_path(seed: int, rows: int, columns
 
 @given(st.integers(0, 10**6))
 @settings(max_examples=20)
-def test_a_traced_path_is_legal_and_costs_what_it_says(seed: int) -> None:
+def test_a_traced_path_is_legal_and_has_the_reported_cost(seed: int) -> None:
     grid = np.random.default_rng(seed).random((20, 20))
     last_row, last_column, came = cheapest_paths(grid, MOST_FLAT_STEPS)
     np.testing.assert_array_equal(last_row[19], last_column[19])
@@ -42,7 +42,7 @@ def test_a_traced_path_is_legal_and_costs_what_it_says(seed: int) -> None:
 
 @given(st.integers(0, 10**6), st.integers(2, 6), st.integers(3, 5), st.integers(1, 2), st.integers(1, 2))
 @settings(max_examples=30)
-def test_winding_costs_the_least_of_all_ways(seed: int, frames: int, cells: int, advance: int, zero: int) -> None:
+def test_winding_finds_the_cheapest_path(seed: int, frames: int, cells: int, advance: int, zero: int) -> None:
     distances = np.random.default_rng(seed).random((frames, cells))
     wound = walk_ring(distances, advance, zero).tolist()
     cost = naive.ring_cost(distances, wound)
@@ -60,7 +60,7 @@ def test_winding_keeps_its_limits(seed: int) -> None:
     assert "0" * (MOST_ZERO_STEPS + 1) not in "".join(str(step) for step in steps)
 
 
-def test_winding_follows_a_known_way_to_half_a_cell() -> None:
+def test_winding_follows_a_known_path_within_half_a_cell() -> None:
     truth = 5.0 + np.cumsum(1.2 + 0.7 * np.sin(np.linspace(0.0, 9.0, 200)))
     distances = 1.0 - np.cos(2.0 * np.pi * (truth[:, None] - np.arange(16)) / 16)
     assert np.abs(wind(distances) - truth).max() < 1.5
@@ -79,20 +79,20 @@ def test_pairwise_alignment_recovers_a_known_warp() -> None:
     assert warp.mean_cost < 0.02
 
 
-def test_the_grid_keeps_little_more_than_a_byte_for_each_state() -> None:
+def test_the_grid_takes_little_more_than_a_byte_per_state() -> None:
     grid = np.random.default_rng(1).random((100, 120))
-    kept = sum(array.nbytes for array in cheapest_paths(grid, MOST_FLAT_STEPS))
-    assert kept < 1.5 * grid.size * (2 * MOST_FLAT_STEPS + 1)
+    size = sum(array.nbytes for array in cheapest_paths(grid, MOST_FLAT_STEPS))
+    assert size < 1.5 * grid.size * (2 * MOST_FLAT_STEPS + 1)
 
 
-def test_clips_too_long_for_a_grid_are_refused_before_it_is_made() -> None:
+def test_clips_too_long_for_a_grid_are_refused_before_it_is_allocated() -> None:
     hours = pacing(np.linspace(0.0, 3600.0, 3600 * 30))
     with pytest.raises(ClipError, match=r"3600 s and 3\d{3} s are too long.*--method splice"):
         align_pair(hours, hours, 30.0)
 
 
 def pacing(phase: Floats) -> Floats:
-    """Root and knees [n, 3, 3] of something that walks on the spot, in circles."""
+    """Returns root and knees [n, 3, 3] of a body that walks on the spot; `phase` [n] in cycles."""
     swing = 2.0 * np.pi * phase
     root = np.stack([0.0 * swing, 0.02 * np.cos(2.0 * swing), 0.0 * swing], axis=-1)
     left = root + np.stack([0.1 + 0.0 * swing, -0.4 + 0.05 * np.cos(swing), 0.2 * np.sin(swing)], axis=-1)

@@ -10,7 +10,7 @@ from motionsplice.precompute.body.best_rotations import best_rotations
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 70), st.integers(1, 9))
-def test_they_are_horns_of_each_frame(seed: int, frames: int, points: int) -> None:
+def test_best_rotations_equal_horns_rotation_of_each_frame(seed: int, frames: int, points: int) -> None:
     draw = np.random.default_rng(seed)
     targets, sources = draw.normal(size=(2, frames, points, 3))
     targets[::3] = sources[::3]
@@ -22,7 +22,7 @@ def test_they_are_horns_of_each_frame(seed: int, frames: int, points: int) -> No
 
 
 def _horn_matrix(targets: quaternion.Floats, sources: quaternion.Floats) -> quaternion.Floats:
-    """The matrix [n, 4, 4] whose quadratic form is the sum of target . q source, from four and six values of it."""
+    """Returns the matrix [n, 4, 4] of the quadratic form sum(target . q source), from values of the form."""
 
     def value(q: quaternion.Floats) -> quaternion.Floats:
         return np.asarray(np.sum(targets * _turned(q, sources), axis=(1, 2)))
@@ -36,6 +36,6 @@ def _horn_matrix(targets: quaternion.Floats, sources: quaternion.Floats) -> quat
 
 
 def _turned(q: quaternion.Floats, vectors: quaternion.Floats) -> quaternion.Floats:
-    """q v q^*, quadratic in q, of any length."""
+    """Returns q v q^*, quadratic in q, which need not be a unit quaternion."""
     pure = np.concatenate([vectors, np.zeros((*vectors.shape[:-1], 1))], axis=-1)
     return quaternion.multiply(quaternion.multiply(q, pure), quaternion.conjugate(q))[..., :3]

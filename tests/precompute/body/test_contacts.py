@@ -15,7 +15,7 @@ DUTY = {"walk": 0.62, "slow_walk": 0.62, "run": 0.335, "stairs_up": 0.63, "stair
 
 
 def phases_of(clip_name: str, seed: int) -> tuple[list[Contact], float]:
-    """The contacts of a built-in motion, and how long a stride of it takes."""
+    """Returns the contacts of a built-in motion, and the duration of its stride in seconds."""
     clip = make(clip_name, seed=seed)
     roles = find_roles(clip.skeleton)
     contacts = contacts_of(foot_contacts(clip, roles), clip.rate)
@@ -25,7 +25,7 @@ def phases_of(clip_name: str, seed: int) -> tuple[list[Contact], float]:
 
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("gait", DUTY)
-def test_feet_take_turns_and_stand_for_about_as_long_as_the_gait_has_them(gait: str, seed: int) -> None:
+def test_feet_alternate_and_stand_about_as_long_as_the_gait_says(gait: str, seed: int) -> None:
     contacts, stride = phases_of(gait, seed)
     whole = [one for one in contacts if one.down > 0.1 and one.up < 5.8]
     assert [one.foot for one in whole] in (
@@ -37,7 +37,7 @@ def test_feet_take_turns_and_stand_for_about_as_long_as_the_gait_has_them(gait: 
     np.testing.assert_allclose(between, 0.5 * stride, atol=0.1 * stride)
 
 
-def test_a_phase_is_whole_where_the_left_foot_comes_down() -> None:
+def test_phase_is_a_whole_number_where_the_left_foot_comes_down() -> None:
     clip = make("walk", seed=3)
     roles = find_roles(clip.skeleton)
     phase = align(clip, roles, find_baseline(clip, roles)).phase

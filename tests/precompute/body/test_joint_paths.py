@@ -15,7 +15,7 @@ JOINTS = st.lists(st.integers(0, WALK.skeleton.joint_count - 1), min_size=1, max
 
 @given(JOINTS)
 @settings(max_examples=30)
-def test_a_few_joints_are_where_forward_kinematics_of_all_puts_them(joints: list[int]) -> None:
+def test_a_few_joints_match_forward_kinematics_of_all_joints(joints: list[int]) -> None:
     positions, world = world_transforms(WALK.skeleton, WALK.root_positions, WALK.rotations)
     found_positions, found_world = joint_transforms(WALK, joints)
     np.testing.assert_allclose(found_positions, positions[:, joints], atol=1e-13)

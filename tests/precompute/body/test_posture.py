@@ -15,7 +15,7 @@ WALK = replace(CLIPS["walk"].frames(0, 20), name="walk")
 ROLES = find_roles(WALK.skeleton)
 
 
-def test_a_frame_in_which_one_hip_is_above_the_other_is_named() -> None:
+def test_the_error_names_the_frame_where_one_hip_is_above_the_other() -> None:
     rotations = WALK.rotations.copy()
     rotations[7, 0] = quaternion.about([0.0, 0.0, 1.0], 0.5 * np.pi)
     with pytest.raises(ClipError, match=r"clip 'walk', frame 7: one hip is straight above the other"):
@@ -25,5 +25,5 @@ def test_a_frame_in_which_one_hip_is_above_the_other_is_named() -> None:
 def test_hips_in_one_place_are_refused() -> None:
     offsets = WALK.skeleton.offsets.copy()
     offsets[ROLES.left_hip] = offsets[ROLES.right_hip]
-    with pytest.raises(ClipError, match=r"clip 'walk', frame 0: .* in its place"):
+    with pytest.raises(ClipError, match=r"clip 'walk', frame 0: .* in the same place"):
         measure_torso(replace(WALK, skeleton=replace(WALK.skeleton, offsets=offsets)), ROLES)

@@ -42,7 +42,7 @@ def whole(frames: int, others: int) -> Band:
     return Band(np.zeros(frames, np.int64), np.full(frames, others - 1))
 
 
-def test_costs_are_those_of_the_twin(both: tuple[HandMotion, HandMotion]) -> None:
+def test_costs_equal_those_of_the_readable_twin(both: tuple[HandMotion, HandMotion]) -> None:
     body, hands = both
     compared, band = Comparison(body, hands, RATE), straight_band(len(body.points), len(hands.points), 0.3, [])
     phase_costs, palm_costs, pace_costs = compared.phases(band), compared.palms(band), compared.paces(band)
@@ -55,10 +55,10 @@ def test_costs_are_those_of_the_twin(both: tuple[HandMotion, HandMotion]) -> Non
         unequal += phase_costs[at] != naive_hands.phase_cost(body, hands, RATE, i, j, turned)
         assert pace_costs[at] == pytest.approx(naive_hands.pace_cost(body, hands, RATE, i, j, turned), rel=5e-3)
         assert palm_costs[at] == pytest.approx(naive_hands.palm_cost(body, hands, i, j, turned), abs=2e-3)
-    assert unequal <= 2  # the twin's turn is one of 7,200, and a sign may change between them
+    assert unequal <= 2  # the twin tries 7,200 turns; between two of them a sign may change
 
 
-def test_the_trunk_turns_hands_too(both: tuple[HandMotion, HandMotion]) -> None:
+def test_hands_can_be_turned_by_the_trunk(both: tuple[HandMotion, HandMotion]) -> None:
     body, hands = both
     assert body.trunk is not None
     assert hands.trunk is not None
@@ -67,37 +67,37 @@ def test_the_trunk_turns_hands_too(both: tuple[HandMotion, HandMotion]) -> None:
     for i, j in ((20, 30), (100, 90), (200, 201)):
         turned = about(naive_hands.UP, float(body.trunk[i] - hands.trunk[j]))
         assert costs[i, j] == naive_hands.phase_cost(body, hands, RATE, i, j, turned)
-    with pytest.raises(SettingsError, match="which way the trunk faces is not known"):
+    with pytest.raises(SettingsError, match="the heading of the trunk is unknown"):
         Comparison(HandMotion(body.points), hands, RATE, by_trunk=True)
 
 
 @pytest.mark.parametrize(
-    ("pairs", "said"),
+    ("pairs", "words"),
     [
-        ([FramePair(10, 5), FramePair(20, 4)], "pair 20:4: it is crossed by the pair 10:5"),
+        ([FramePair(10, 5), FramePair(20, 4)], "pair 20:4: it crosses the pair 10:5"),
         ([FramePair(10, 5, 2), FramePair(10, 9)], "pair 10:9: the pair 10:5~2 has the same frame"),
-        ([FramePair(50, 5)], "pair 50:5: frame 50 of the body lies outside the clip, whose last is 49"),
-        ([FramePair(5, 40, 3)], "pair 5:40~3: frame 40 of the hands lies outside the clip, whose last is 39"),
+        ([FramePair(50, 5)], "pair 50:5: frame 50 of the body lies outside the clip, whose last frame is 49"),
+        ([FramePair(5, 40, 3)], "pair 5:40~3: frame 40 of the hands lies outside the clip, whose last frame is 39"),
     ],
 )
-def test_pairs_that_cannot_be_are_named(pairs: list[FramePair], said: str) -> None:
+def test_impossible_pairs_are_named_in_the_error(pairs: list[FramePair], words: str) -> None:
     hand = HandMotion(np.random.default_rng(0).normal(size=(50, 4, 3)))
     with pytest.raises(SettingsError) as raised:
         align_hands([hand], [HandMotion(hand.points[:40])], RATE, pairs=pairs)
-    assert said in str(raised.value)
+    assert words in str(raised.value)
 
 
-def test_bands_that_mean_nothing_or_take_too_much_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_invalid_and_too_large_bands_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     hand = HandMotion(np.zeros((50, 4, 3)) + np.arange(3.0))
     for bands in ((0.0, 0.1), (0.3, -1.0), (np.nan, 0.1), (0.3, 2.0)):
-        with pytest.raises(SettingsError, match="mean nothing"):
+        with pytest.raises(SettingsError, match="bands must be above 0 and at most 1"):
             align_hands([hand], [hand], RATE, bands=bands)
     monkeypatch.setattr(banded_warp, "MOST_CELLS", 100)
-    with pytest.raises(ClipError, match="too long for a band of 2,150 cells, of which there may be 100"):
+    with pytest.raises(ClipError, match="need a band of 2,150 cells, more than the limit of 100"):
         align_hands([hand], [hand], RATE)
 
 
-def test_a_hand_goes_with_itself(both: tuple[HandMotion, HandMotion]) -> None:
+def test_a_hand_aligned_with_itself_keeps_its_frames(both: tuple[HandMotion, HandMotion]) -> None:
     for hand in both:
         found = align_hands([hand], [hand], RATE)
         np.testing.assert_allclose(found.frames, np.arange(len(hand.points)), atol=0.5)
@@ -105,7 +105,7 @@ def test_a_hand_goes_with_itself(both: tuple[HandMotion, HandMotion]) -> None:
 
 @given(st.floats(0.7, 1.4), st.floats(0.25, 1.0), st.floats(-3.0, 3.0))
 @settings(max_examples=12)
-def test_a_copy_in_other_time_size_and_place_gives_its_time_back(tempo: float, size: float, facing: float) -> None:
+def test_the_timing_of_a_warped_scaled_and_turned_copy_is_recovered(tempo: float, size: float, facing: float) -> None:
     hand = motions(gesture_pair(9, kinds=["point", "wave", "count"], seconds=4.0, hand="right"))[0]
     count = len(hand.points)
     bend = 0.12 * np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, count))
@@ -119,7 +119,7 @@ def test_a_copy_in_other_time_size_and_place_gives_its_time_back(tempo: float, s
     assert np.percentile(apart, 95.0) < 5.0
 
 
-def test_generated_truth_is_found_and_neither_size_nor_noise_hide_it() -> None:
+def test_generated_timing_is_found_at_any_size_and_with_noise() -> None:
     for seed, size in ((1, (0.2, 0.3)), (2, (0.5, 1.0))):
         draw, pair = np.random.default_rng(seed), gesture_pair(seed, gestures=9, seconds=6.0, amplitude=size)
         noisy: list[list[HandMotion]] = [[], []]
@@ -131,7 +131,7 @@ def test_generated_truth_is_found_and_neither_size_nor_noise_hide_it() -> None:
         assert np.percentile(apart, 95.0) < 6.0
 
 
-def test_an_alignment_does_not_depend_on_where_and_which_way_performers_face(
+def test_an_alignment_does_not_depend_on_the_performers_facing(
     both: tuple[HandMotion, HandMotion],
 ) -> None:
     body, hands = both
@@ -140,7 +140,7 @@ def test_an_alignment_does_not_depend_on_where_and_which_way_performers_face(
     np.testing.assert_allclose(align_hands([body], [turned], RATE).frames, found.frames, atol=0.6)
 
 
-def test_a_still_hand_has_no_phases_and_goes_along_evenly() -> None:
+def test_a_still_hand_is_one_hold_and_is_aligned_evenly() -> None:
     draw = np.random.default_rng(3)
     place = draw.normal(size=(1, 4, 3))
     still = HandMotion(place + draw.normal(0.0, 0.002, (240, 4, 3)))
@@ -163,7 +163,7 @@ def test_clips_of_few_frames_are_aligned(counts: tuple[int, int]) -> None:
     assert np.all(np.diff(frames) >= 0.0)
 
 
-def test_pairs_at_both_ends_shift_them(both: tuple[HandMotion, HandMotion]) -> None:
+def test_pairs_at_both_ends_move_the_ends(both: tuple[HandMotion, HandMotion]) -> None:
     body, hands = both
     last = len(body.points) - 1
     frames = align_hands([body], [hands], RATE, pairs=[FramePair(0, 9, 1), FramePair(last, 120)]).frames
@@ -171,7 +171,7 @@ def test_pairs_at_both_ends_shift_them(both: tuple[HandMotion, HandMotion]) -> N
     assert frames[-1] == 120.0
 
 
-def test_pairs_help_where_gestures_are_alike() -> None:
+def test_pairs_help_where_gestures_repeat() -> None:
     better = 0
     for seed in range(6):
         pair = gesture_pair(seed, kinds=["count"] * 5, seconds=6.0, hand="right")
@@ -192,18 +192,18 @@ def test_pairs_help_where_gestures_are_alike() -> None:
 def out_and_back() -> HandMotion:
     """A hand that goes out, holds, and comes back at half the speed."""
     time = np.arange(181) / RATE
-    way = 0.3 * (least_jerk((time - 0.5) / 0.4) - least_jerk((time - 1.5) / 0.8))
+    distance = 0.3 * (least_jerk((time - 0.5) / 0.4) - least_jerk((time - 1.5) / 0.8))
     hand = np.array([[0.0, -0.3, 0.2], [0.04, -0.3, 0.2], [0.0, -0.2, 0.1], [0.0, -0.32, 0.28]])
-    return HandMotion(hand + way[:, None, None] * [0.0, 0.0, 1.0])
+    return HandMotion(hand + distance[:, None, None] * [0.0, 0.0, 1.0])
 
 
 def test_a_gesture_has_the_phases_of_table_1() -> None:
-    told = phases(out_and_back(), RATE)
-    assert [phase.kind for phase in told] == ["hold", "preparation", "hold", "retraction", "hold"]
-    assert count_phases(told) == {"hold": 3, "preparation": 1, "retraction": 1}
-    np.testing.assert_allclose([phase.begin for phase in told], [0, 30, 54, 90, 138], atol=5)
-    assert [one.end for one in told[:-1]] == [one.begin for one in told[1:]]
-    assert told[-1].end == 181
+    found = phases(out_and_back(), RATE)
+    assert [phase.kind for phase in found] == ["hold", "preparation", "hold", "retraction", "hold"]
+    assert count_phases(found) == {"hold": 3, "preparation": 1, "retraction": 1}
+    np.testing.assert_allclose([phase.begin for phase in found], [0, 30, 54, 90, 138], atol=5)
+    assert [phase.end for phase in found[:-1]] == [phase.begin for phase in found[1:]]
+    assert found[-1].end == 181
 
 
 def test_phases_of_a_short_clip_are_one_hold() -> None:
@@ -211,7 +211,7 @@ def test_phases_of_a_short_clip_are_one_hold() -> None:
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-200, 1e200])
-def test_points_of_no_or_boundless_size_are_aligned_all_the_same(size: float) -> None:
+def test_points_of_zero_or_huge_size_can_be_aligned(size: float) -> None:
     draw = np.random.default_rng(0)
     body, hands = (HandMotion(draw.normal(size=(count, 4, 3)) * size) for count in (20, 30))
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
@@ -220,7 +220,7 @@ def test_points_of_no_or_boundless_size_are_aligned_all_the_same(size: float) ->
     assert 0.0 <= frames[0] <= frames[-1] <= 29.0
 
 
-def test_motion_without_bounds_is_refused() -> None:
+def test_motion_too_large_to_compare_is_refused() -> None:
     far = HandMotion(np.random.default_rng(0).normal(size=(20, 4, 3)) * 1e306)
     with np.errstate(all="ignore"), pytest.raises(ClipError, match="too far to be compared"):
         align_hands([far], [far], RATE)

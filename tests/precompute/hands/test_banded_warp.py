@@ -28,7 +28,7 @@ def test_paths_are_the_cheapest_in_their_band(seed: int, frames: int, others: in
 
 @given(seeds, st.integers(2, 200), st.integers(2, 200), st.sampled_from([0.02, 0.1, 0.3, 1.0]), st.data())
 @settings(max_examples=100)
-def test_pairs_bend_any_band_and_are_hit(
+def test_pairs_bend_any_band_and_are_met(
     seed: int, frames: int, others: int, width: float, data: st.DataObject
 ) -> None:
     draw, count = np.random.default_rng(seed), data.draw(st.integers(0, min(6, frames)))
@@ -46,9 +46,9 @@ def test_pairs_bend_any_band_and_are_hit(
         assert abs(taken[one.body] - one.hands) <= one.tolerance
 
 
-def test_pairs_are_read_and_written() -> None:
+def test_pairs_are_parsed_and_formatted() -> None:
     assert FramePair.parse("300:288~5") == FramePair(300, 288, 5)
     assert [str(FramePair.parse(text)) for text in ("120:95", " 3 : 4 ~ 0 ")] == ["120:95", "3:4"]
     for text in ("120", "a:b", "1:2~", "-1:3", "1:2:3", "1:99999999999"):
-        with pytest.raises(SettingsError, match="no pair of frames"):
+        with pytest.raises(SettingsError, match="not a pair of frames"):
             FramePair.parse(text)

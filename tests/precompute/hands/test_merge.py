@@ -12,11 +12,11 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.hand_joints import SIDES, Side, elbow_of, fingers_of, forearm, forearm_of, wrist_of
 from motionsplice.motion.kinematics import world_transforms
-from motionsplice.motion.procedural.variants import with_arms_turned, with_bones_above
 from motionsplice.motion.quaternion import Floats, about, conjugate, multiply, rotate
 from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.precompute.hands.merge import merge_hands, radians_about, twist_about
 from tests.conftest import CLIPS, COUNTING, OTHERS
+from tests.rigs import with_arms_turned, with_bones_above
 
 BODY, HANDS, TRUTH = COUNTING.body, COUNTING.hands, COUNTING.truth
 ROLES = find_roles(BODY.skeleton)
@@ -41,11 +41,11 @@ def test_a_rotation_is_a_twist_and_then_a_swing(turn: Floats, axis: Floats) -> N
     np.testing.assert_allclose(rotate(twist, axis), axis, atol=1e-9)
     np.testing.assert_allclose(multiply(swing, twist), q, atol=1e-12)
     assert swing[:3] @ axis == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_allclose(rotate(swing, axis), rotate(q, axis), atol=1e-9)  # where the bone points is the swing's
+    np.testing.assert_allclose(rotate(swing, axis), rotate(q, axis), atol=1e-9)  # a twist does not move the bone
 
 
 @given(st.floats(-3.0, 3.0), axes)
-def test_the_twist_of_a_twist_is_itself_and_of_half_a_swing_none(radians: float, axis: Floats) -> None:
+def test_the_twist_of_a_twist_is_itself_and_of_a_half_turn_swing_identity(radians: float, axis: Floats) -> None:
     axis = unit(axis)
     twist = about(axis, radians)
     np.testing.assert_allclose(twist_about(twist, axis), twist, atol=1e-9)
@@ -54,7 +54,7 @@ def test_the_twist_of_a_twist_is_itself_and_of_half_a_swing_none(radians: float,
 
 
 @given(st.floats(-3.1, 3.1), st.lists(st.floats(-2.0, 2.0), max_size=20), st.lists(st.booleans(), min_size=21))
-def test_how_far_a_twist_turns_is_told_without_jumps_whatever_the_signs(
+def test_twist_angles_have_no_jumps_for_any_signs_of_the_quaternions(
     begin: float, steps: list[float], signs: list[bool]
 ) -> None:
     radians = np.cumsum([begin, *steps])
@@ -62,7 +62,7 @@ def test_how_far_a_twist_turns_is_told_without_jumps_whatever_the_signs(
     np.testing.assert_allclose(radians_about(q[:, None], np.array([0.6, 0.0, 0.8]))[:, 0], radians, atol=1e-6)
 
 
-def test_of_rigs_and_times_alike_the_fingers_of_the_truth_come_back() -> None:
+def test_equal_rigs_and_times_give_exactly_the_true_fingers() -> None:
     same = np.arange(BODY.frame_count, dtype=np.float64)
     merged, roles = merge_hands(BODY, ROLES, TRUTH, ROLES, dict.fromkeys(SIDES, same))
     assert roles == ROLES
@@ -71,12 +71,12 @@ def test_of_rigs_and_times_alike_the_fingers_of_the_truth_come_back() -> None:
     assert np.array_equal(merged.root_positions, BODY.root_positions)
 
 
-def test_at_the_true_frames_the_fingers_are_the_truths_but_for_keys_between() -> None:
+def test_at_the_true_frames_the_fingers_equal_the_truth_within_interpolation() -> None:
     merged, _ = merge_hands(BODY, ROLES, HANDS, find_roles(HANDS.skeleton), FRAMES)
     assert quaternion.angle(merged.rotations, TRUTH.rotations).max() < 0.02
 
 
-def test_bones_of_the_palm_that_a_body_lacks_turn_its_fingers_all_the_same() -> None:
+def test_rotations_of_missing_palm_bones_are_passed_to_the_fingers() -> None:
     palm = {f"RightHand{finger}1": f"right{finger}Metacarpal" for finger in ("Index", "Middle", "Ring", "Pinky")}
     hands = with_bones_above(TRUTH, palm)
     cupped = hands.rotations.copy()
@@ -97,23 +97,23 @@ def test_bones_of_the_palm_that_a_body_lacks_turn_its_fingers_all_the_same() -> 
 
 @pytest.mark.parametrize("wrist", [False, True])
 @pytest.mark.parametrize("side", SIDES)
-def test_what_is_not_asked_for_stays_to_the_last_bit(side: Side, wrist: bool) -> None:
+def test_joints_that_are_not_merged_stay_exactly_the_same(side: Side, wrist: bool) -> None:
     merged, _ = merge_hands(BODY, ROLES, HANDS, find_roles(HANDS.skeleton), {side: COUNTING.hand_frames}, wrist=wrist)
     driven = fingers_of(BODY.skeleton, ROLES, side) + ([elbow_of(ROLES, side), wrist_of(ROLES, side)] if wrist else [])
     others = [joint for joint in range(BODY.skeleton.joint_count) if joint not in driven]
     assert np.array_equal(merged.rotations[:, others], BODY.rotations[:, others])
     assert quaternion.angle(merged.rotations[:, driven], BODY.rotations[:, driven]).max(axis=0).all()
     steps = np.sum(merged.rotations[1:] * merged.rotations[:-1], axis=-1)
-    assert steps.min() > 0.0  # of one hemisphere
+    assert steps.min() > 0.0  # in one hemisphere
 
 
-def test_hands_of_one_rotate_nothing_if_there_is_no_side() -> None:
+def test_merging_no_side_changes_nothing() -> None:
     merged, _ = merge_hands(BODY, ROLES, HANDS, find_roles(HANDS.skeleton), {}, wrist=True)
     assert np.array_equal(merged.rotations, BODY.rotations)
 
 
 def held(clip: Clip, roles: Roles, side: Side) -> Floats:
-    """How the hand is held [F, 4] as seen from where the forearm points, whichever of its bones twist."""
+    """Returns the hand's orientation [F, 4] relative to the forearm's direction, whichever of its bones twist."""
     _, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
     elbow, bone = elbow_of(roles, side), unit(forearm(clip.skeleton, roles, side))
     own = clip.rotations[:, elbow]
@@ -123,7 +123,7 @@ def held(clip: Clip, roles: Roles, side: Side) -> Floats:
 
 
 def twisting(clip: Clip) -> Clip:
-    """The same motion on a rig whose forearms are two bones, the second of which twists."""
+    """Returns the same motion on a rig whose forearms have two bones, of which the second twists."""
     split = with_bones_above(clip, TWIST)
     roles, rotations = find_roles(split.skeleton), split.rotations.copy()
     for side in SIDES:
@@ -135,7 +135,7 @@ def twisting(clip: Clip) -> Clip:
 
 @pytest.mark.parametrize("ours", [BODY, twisting(BODY)], ids=["one bone", "two bones"])
 @pytest.mark.parametrize("theirs", [HANDS, twisting(HANDS)], ids=["one bone", "two bones"])
-def test_with_the_wrist_hands_are_held_as_theirs_and_joints_stay_where_they_are(ours: Clip, theirs: Clip) -> None:
+def test_wrist_gives_the_hands_orientation_and_moves_no_joint(ours: Clip, theirs: Clip) -> None:
     roles, their_roles = find_roles(ours.skeleton), find_roles(theirs.skeleton)
     merged, _ = merge_hands(ours, roles, theirs, their_roles, FRAMES, wrist=True)
     sampled = Clip("sampled", theirs.skeleton, ours.rate, *theirs.sampled(COUNTING.hand_frames))
@@ -160,8 +160,8 @@ def test_bones_of_a_forearm_share_its_twist() -> None:
         assert np.ptp(shares[:, 0]) > 0.1
 
 
-def test_hands_of_another_bind_pose_are_held_as_they_were() -> None:
-    """The same captured motion, told from an A-pose."""
+def test_hands_of_another_bind_pose_keep_their_orientation() -> None:
+    """The same captured motion, relative to an A-pose."""
     down, apart = 0.7, HANDS.skeleton
     rotations = HANDS.rotations.copy()
     for side, sign in (("Left", -1.0), ("Right", 1.0)):
@@ -169,17 +169,17 @@ def test_hands_of_another_bind_pose_are_held_as_they_were() -> None:
         turn = about([0.0, 0.0, 1.0], sign * down)
         rotations[:, arm[0]] = multiply(rotations[:, arm[0]], conjugate(turn))
         rotations[:, arm[1:]] = multiply(multiply(turn, rotations[:, arm[1:]]), conjugate(turn))
-    told = replace(HANDS, skeleton=with_arms_turned(apart, down), rotations=rotations)
-    clips = [world_transforms(one.skeleton, one.root_positions, one.rotations)[0] for one in (HANDS, told)]
-    np.testing.assert_allclose(clips[1], clips[0], atol=1e-9)  # the same motion indeed
+    posed = replace(HANDS, skeleton=with_arms_turned(apart, down), rotations=rotations)
+    clips = [world_transforms(one.skeleton, one.root_positions, one.rotations)[0] for one in (HANDS, posed)]
+    np.testing.assert_allclose(clips[1], clips[0], atol=1e-9)  # the same motion
     merged = [
         merge_hands(BODY, ROLES, one, find_roles(one.skeleton), FRAMES, wrist=True)[0].rotations
-        for one in (HANDS, told)
+        for one in (HANDS, posed)
     ]
     assert quaternion.angle(merged[0], merged[1]).max() < 1e-6
 
 
-def test_a_body_without_fingers_is_given_them() -> None:
+def test_a_body_without_fingers_gets_those_of_the_hands() -> None:
     walk = CLIPS["walk"].frames(0, 60)
     frames = np.linspace(100.0, 160.0, 60)
     merged, roles = merge_hands(

@@ -16,7 +16,7 @@ from tests.conftest import CLIPS
 
 
 def below_the_left_wrist(clip: Clip, names: Sequence[str], above: Sequence[int], tip: Floats) -> Clip:
-    """A clip with joints more, all at the left wrist, which hang on it or on each other, and the tip of the last."""
+    """Returns the clip with more joints, all at the left wrist, and an end site at `tip` of the last one."""
     skeleton = clip.skeleton
     more = Skeleton(
         names=(*skeleton.names, *names),
@@ -31,15 +31,15 @@ def below_the_left_wrist(clip: Clip, names: Sequence[str], above: Sequence[int],
 
 
 def with_left_forearm(clip: Clip, offset: Sequence[float]) -> Clip:
-    """The same motion of a rig whose left forearm is this [3], metres, in the bind pose."""
+    """Returns the same motion on a rig whose left forearm in the bind pose is `offset` [3], metres."""
     skeleton, offsets = clip.skeleton, clip.skeleton.offsets.copy()
     offsets[find_roles(skeleton).left_wrist] = offset
     return replace(clip, skeleton=replace(skeleton, offsets=offsets))
 
 
 @pytest.mark.parametrize("count", [2, 3000])
-def test_joints_that_lie_on_the_wrist_are_no_hand(count: int) -> None:
-    """Neither side by side, nor each on the one before, however many."""
+def test_joints_at_the_wrist_are_not_the_hands_point(count: int) -> None:
+    """Neither siblings, nor a chain of any length."""
     clip = CLIPS["walk"].frames(0, 20)
     wrist, first = clip.skeleton.index("LeftHand"), clip.skeleton.joint_count
     above = [wrist, wrist, *range(first + 1, first + count - 1)]
@@ -50,7 +50,7 @@ def test_joints_that_lie_on_the_wrist_are_no_hand(count: int) -> None:
     np.testing.assert_allclose(np.linalg.norm(moves.points[:, 3] - wrists, axis=1), 0.04, atol=1e-9)
 
 
-def test_a_joint_that_lies_on_the_wrist_bends_the_palm() -> None:
+def test_a_joint_at_the_wrist_bends_the_palm() -> None:
     clip = CLIPS["walk"].frames(0, 20)
     wrist = clip.skeleton.index("LeftHand")
     mitten = below_the_left_wrist(clip, ["LeftMitten"], [wrist], np.array([0.04, 0.0, 0.0]))
@@ -72,14 +72,14 @@ def test_a_forearm_that_points_ahead_in_the_bind_pose_has_its_thumb_above(ahead:
     np.testing.assert_allclose(across, np.tile([0.0, -0.06, 0.0], (clip.frame_count, 1)), atol=1e-9)
 
 
-def test_a_forearm_of_no_length_is_named() -> None:
+def test_a_forearm_without_length_is_refused() -> None:
     clip = with_left_forearm(CLIPS["walk"], [0.0, 0.0, 0.0])
     with pytest.raises(SkeletonError, match="the left forearm has no length"):
         hand_motion(clip, find_roles(clip.skeleton), "left")
     hand_motion(clip, find_roles(clip.skeleton), "right")
 
 
-def test_points_must_be_points() -> None:
+def test_points_of_a_wrong_shape_or_not_finite_are_refused() -> None:
     with pytest.raises(ClipError, match="four points"):
         HandMotion(np.zeros((3, 5, 3)))
     with pytest.raises(ClipError, match="not a finite number"):

@@ -18,8 +18,8 @@ from motionsplice.precompute.hands.splice import splice_hands
 def test_hands_of_another_rate_are_aligned_in_their_own_frames(rate: float) -> None:
     pair = gesture_pair(31, kinds=["point", "count", "thumbs_up"], seconds=4.5, hand_rate=rate, hand="right")
     rigs = find_roles(pair.body.skeleton), find_roles(pair.hands.skeleton)
-    said = HandSettings("right", pairs=(FramePair(140, round(pair.hand_frames[140])),))
-    spliced = splice_hands(pair.body, rigs[0], pair.hands, rigs[1], said)
+    settings = HandSettings("right", pairs=(FramePair(140, round(pair.hand_frames[140])),))
+    spliced = splice_hands(pair.body, rigs[0], pair.hands, rigs[1], settings)
     assert set(spliced.frames) == {"right"}
     apart = np.abs(spliced.frames["right"] - pair.hand_frames) / rate
     assert np.median(apart) < 0.02
@@ -29,7 +29,7 @@ def test_hands_of_another_rate_are_aligned_in_their_own_frames(rate: float) -> N
         splice_hands(pair.body, rigs[0], pair.hands, rigs[1], outside)
 
 
-def test_each_hand_may_have_its_own_time() -> None:
+def test_each_hand_can_have_its_own_timing() -> None:
     pair = gesture_pair(8, gestures=6, seconds=5.0)
     rigs = find_roles(pair.body.skeleton), find_roles(pair.hands.skeleton)
     for choice, groups in (("each", 2), ("both", 1)):
@@ -38,7 +38,7 @@ def test_each_hand_may_have_its_own_time() -> None:
         assert np.array_equal(spliced.frames["left"], spliced.frames["right"]) == (choice == "both")
 
 
-def test_hands_that_do_other_gestures_are_told_apart() -> None:
+def test_hands_with_other_gestures_are_detected() -> None:
     pairs = [gesture_pair(seed, gestures=7, seconds=6.0) for seed in (40, 41, 42)]
     for number, pair in enumerate(pairs):
         roles, other = find_roles(pair.body.skeleton), pairs[number - 1].hands
@@ -47,11 +47,11 @@ def test_hands_that_do_other_gestures_are_told_apart() -> None:
         assert own.warnings == ()
         strange = splice_hands(pair.body, roles, other, find_roles(other.skeleton), HandSettings())
         assert strange.mismatch > STRANGE
-        (said,) = strange.warnings
-        assert "hardly seem to be those of 'body'" in said
+        (warning,) = strange.warnings
+        assert "do not seem to match those of 'body'" in warning
 
 
-def test_hands_that_rest_both_do_the_same() -> None:
+def test_two_resting_hands_have_no_mismatch() -> None:
     hands = gesture_pair(8, gestures=2, seconds=2.0).hands
     still, roles = (
         replace(hands, rotations=np.tile(hands.rotations[:1], (hands.frame_count, 1, 1))),
@@ -60,9 +60,9 @@ def test_hands_that_rest_both_do_the_same() -> None:
     assert splice_hands(still, roles, still, roles, HandSettings()).mismatch == 0.0
 
 
-def test_hands_that_last_for_hours_are_refused_before_they_take_the_memory() -> None:
-    """As where a file gives milliseconds for seconds."""
+def test_hands_that_last_for_hours_are_refused_before_resampling() -> None:
+    """As when a file gives milliseconds as seconds."""
     pair = gesture_pair(8, gestures=2, seconds=2.0)
     rigs = find_roles(pair.body.skeleton), find_roles(pair.hands.skeleton)
-    with pytest.raises(ClipError, match=r"1,9\d\d,\d{3} frames at the body's 60 a second"):
+    with pytest.raises(ClipError, match=r"1,9\d\d,\d{3} frames at the body's 60 per second"):
         splice_hands(pair.body, rigs[0], replace(pair.hands, rate=pair.hands.rate / 16_000.0), rigs[1], HandSettings())

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import motionsplice
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError, MotionError, SettingsError
@@ -28,12 +29,12 @@ def write(folder: Path, **clips: Clip) -> Path:
 
 
 def files_of(bank: Path) -> dict[str, bytes]:
-    """The manifest and the tables, which are the bank, by name."""
+    """Returns the bank's manifest and tables by name."""
     files = [bank / MANIFEST, *sorted((bank / TABLE_FOLDER).iterdir())]
     return {str(file.relative_to(bank)): file.read_bytes() for file in files}
 
 
-def test_same_clips_make_the_same_bytes_however_and_wherever(clip_folder: Path, bank: Bank, tmp_path: Path) -> None:
+def test_same_clips_make_the_same_bytes_in_any_order_and_folder(clip_folder: Path, bank: Bank, tmp_path: Path) -> None:
     elsewhere = Path(shutil.copytree(clip_folder, tmp_path / "elsewhere"))
     files = sorted(elsewhere.glob("*.bvh"), reverse=True)
     build_bank(files, tmp_path / "bank", baseline="walk")
@@ -53,7 +54,7 @@ def test_a_clip_that_fails_is_named_and_the_others_finish(tmp_path: Path) -> Non
     assert [clip.name for clip in Bank.open(tmp_path / "bank").clips] == ["run", "walk"]
 
 
-def test_if_all_clips_are_actions_it_is_told(tmp_path: Path) -> None:
+def test_a_bank_of_actions_only_is_refused(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"])
     (clips / "clips.toml").write_text('[walk]\nkind = "action"\n')
     with pytest.raises(BaselineError, match=r"all clips are actions.*\. Add a plain walk"):
@@ -73,7 +74,7 @@ def test_without_a_baseline_the_most_typical_stride_is_taken(tmp_path: Path) -> 
     assert build_bank([clips], tmp_path / "bank", jobs=1).baseline.name in walks
 
 
-def test_a_bank_that_exists_stays_whole_if_the_job_fails(tmp_path: Path) -> None:
+def test_a_failed_job_leaves_the_existing_bank_unchanged(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"])
     build_bank([clips], tmp_path / "bank", jobs=1)
     before = files_of(tmp_path / "bank")
@@ -82,7 +83,7 @@ def test_a_bank_that_exists_stays_whole_if_the_job_fails(tmp_path: Path) -> None
     assert files_of(tmp_path / "bank") == before
 
 
-def test_a_changed_bank_keeps_the_tables_of_the_one_before_and_no_older(tmp_path: Path) -> None:
+def test_a_changed_bank_keeps_the_previous_banks_tables_but_no_older_ones(tmp_path: Path) -> None:
     counts = []
     for number, name in enumerate(("walk", "run", "side_step")):
         clips = write(tmp_path / f"clips{number}", **{name: CLIPS[name]})
@@ -91,7 +92,7 @@ def test_a_changed_bank_keeps_the_tables_of_the_one_before_and_no_older(tmp_path
     assert counts[2] == counts[1] > counts[0]
 
 
-def test_files_that_are_not_a_banks_stay(tmp_path: Path) -> None:
+def test_files_that_are_not_part_of_a_bank_stay(tmp_path: Path) -> None:
     mine = tmp_path / "bank" / "tables" / "mine.npy"
     mine.parent.mkdir(parents=True)
     mine.write_bytes(b"mine")
@@ -99,7 +100,7 @@ def test_files_that_are_not_a_banks_stay(tmp_path: Path) -> None:
     assert mine.read_bytes() == b"mine"
 
 
-def test_what_a_killed_job_left_behind_is_removed_and_what_a_running_one_writes_is_not(tmp_path: Path) -> None:
+def test_partial_files_of_killed_jobs_are_removed_and_those_of_running_jobs_stay(tmp_path: Path) -> None:
     tables = tmp_path / "bank" / "tables"
     tables.mkdir(parents=True)
     old, fresh, mine = (tables / name for name in (".table.12", ".table.34", ".mine.npy.56"))
@@ -111,7 +112,7 @@ def test_what_a_killed_job_left_behind_is_removed_and_what_a_running_one_writes_
     assert [file.exists() for file in (old, fresh, mine)] == [False, True, True]
 
 
-def test_people_of_other_size_are_brought_to_the_banks_skeleton(tmp_path: Path) -> None:
+def test_performers_of_other_sizes_are_moved_to_the_banks_skeleton(tmp_path: Path) -> None:
     walk = CLIPS["walk"]
     tall = replace(walk, skeleton=walk.skeleton.scaled(1.3), root_positions=walk.root_positions * 1.3)
     clips = write(tmp_path / "clips", walk=walk, tall=tall)
@@ -123,17 +124,17 @@ def test_people_of_other_size_are_brought_to_the_banks_skeleton(tmp_path: Path) 
 def test_another_topology_is_a_clear_error(tmp_path: Path) -> None:
     walk = CLIPS["walk"]
     leaf = int(walk.skeleton.end_parents[-1])
-    kept = [joint for joint in range(walk.skeleton.joint_count) if joint != leaf]
-    places = {joint: number for number, joint in enumerate(kept)}
+    remaining = [joint for joint in range(walk.skeleton.joint_count) if joint != leaf]
+    places = {joint: number for number, joint in enumerate(remaining)}
     skeleton = replace(
         walk.skeleton,
-        names=tuple(walk.skeleton.names[joint] for joint in kept),
-        parents=np.array([-1] + [places[int(walk.skeleton.parents[joint])] for joint in kept[1:]]),
-        offsets=walk.skeleton.offsets[kept],
+        names=tuple(walk.skeleton.names[joint] for joint in remaining),
+        parents=np.array([-1] + [places[int(walk.skeleton.parents[joint])] for joint in remaining[1:]]),
+        offsets=walk.skeleton.offsets[remaining],
         end_parents=np.zeros(0, np.int64),
         end_offsets=np.zeros((0, 3)),
     )
-    fewer = Clip("fewer", skeleton, walk.rate, walk.root_positions, walk.rotations[:, kept])
+    fewer = Clip("fewer", skeleton, walk.rate, walk.root_positions, walk.rotations[:, remaining])
     clips = write(tmp_path / "clips", walk=walk, fewer=fewer)
     outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=1)
     assert "different topologies" in str(outcome.failed["fewer"])
@@ -176,44 +177,44 @@ def test_a_baseline_without_a_cycle_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("baseline", "words"),
     [
-        (None, r"^not one of the locomotions can be read\. broken0: .*\. broken2: .*\. And 2 more"),
+        (None, r"^none of the locomotions can be read\. broken0: .*\. broken2: .*\. And 2 more"),
         ("broken0", r"^the baseline cannot be read: .*broken0\.bvh"),
         ("brokn0", r"^the baseline 'brokn0' is not among the clips\. Did you mean 'broken0'"),
     ],
 )
-def test_if_no_clip_can_be_read_the_reasons_are_told(tmp_path: Path, baseline: str | None, words: str) -> None:
+def test_if_no_clip_can_be_read_the_error_lists_the_reasons(tmp_path: Path, baseline: str | None, words: str) -> None:
     for number in range(5):
         (tmp_path / f"broken{number}.bvh").write_bytes(b"HIERARCHY\nROOT")
-    with pytest.raises(BaselineError, match=words) as told:
+    with pytest.raises(BaselineError, match=words) as raised:
         build_bank([tmp_path], tmp_path / "bank", baseline=baseline)
-    assert "stride" not in str(told.value)
+    assert "stride" not in str(raised.value)
 
 
-def test_two_clips_of_one_name_are_refused(tmp_path: Path) -> None:
+def test_two_clips_with_the_same_name_are_refused(tmp_path: Path) -> None:
     a, b = write(tmp_path / "a", walk=CLIPS["walk"]), write(tmp_path / "b", walk=CLIPS["walk"])
-    with pytest.raises(ClipError, match=r"two clips are called 'walk'.*Rename"):
+    with pytest.raises(ClipError, match=r"two clips are named 'walk'.*Rename"):
         build_bank([a, b], tmp_path / "bank")
     assert not (tmp_path / "bank").exists()
 
 
 def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(ClipError, match="no clips here"):
+    with pytest.raises(ClipError, match="no clips found"):
         build_bank([tmp_path], tmp_path / "bank")
-    with pytest.raises(ClipError, match="no such file"):
+    with pytest.raises(ClipError, match="file or folder not found"):
         build_bank([tmp_path / "absent.bvh"], tmp_path / "bank")
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("[walkk]\nkind = 'action'", "no clip 'walkk' beside it. Did you mean 'walk'"),
+        ("[walkk]\nkind = 'action'", "clip 'walkk' not found in its folder. Did you mean 'walk'"),
         ("[walk]\nkindd = 'action'", "unknown key 'kindd'.*Did you mean 'kind'"),
-        ("[walk]\nkind = 'dance'", "kind = 'dance' means nothing"),
+        ("[walk]\nkind = 'dance'", 'invalid value kind = \'dance\'.*Use "locomotion" or "action"'),
         ("[walk]\nskip_frames = -1", "skip_frames = -1"),
         ("[walk]\nskip_frames = true", "skip_frames = True"),
         ("[walk]\ntags = 'one'", "tags"),
         ("[walk]\ntags = 5", "tags = 5"),
-        ("walk = 3", "not a table"),
+        ("walk = 3", r"expected a table, found 3. Begin it with \[walk\]"),
         ("[walk", "not TOML"),
     ],
 )
@@ -224,7 +225,7 @@ def test_a_bad_clips_toml_is_refused(tmp_path: Path, text: str, words: str) -> N
         build_bank([clips], tmp_path / "bank")
 
 
-def test_settings_reach_the_clip(tmp_path: Path) -> None:
+def test_settings_are_applied_to_the_clip(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], box=CLIPS["carry_box"], run=CLIPS["run"])
     (clips / "clips.toml").write_text("[box]\nkind = 'action'\ntags = ['a', 'b']\nskip_frames = 7\nunit = 'm'\n")
     build_bank([clips], tmp_path / "bank", jobs=1)
@@ -234,21 +235,21 @@ def test_settings_reach_the_clip(tmp_path: Path) -> None:
     assert bank.neutral("box") == "walk"  # nearer in gait than the run
 
 
-def test_a_leading_bind_pose_is_a_warning_until_it_is_left_out(tmp_path: Path) -> None:
+def test_a_leading_bind_pose_is_a_warning_until_it_is_skipped(tmp_path: Path) -> None:
     walk = CLIPS["walk"]
     posed = walk.rotations.copy()
     posed[0] = quaternion.IDENTITY
     clips = write(tmp_path / "clips", walk=walk, posed=replace(walk, rotations=posed))
     build_bank([clips], tmp_path / "bank", baseline="walk")
     bank = Bank.open(tmp_path / "bank")
-    assert any("--skip-frames 1" in said for said in bank.clip("posed").warnings)
+    assert any("--skip-frames 1" in warning for warning in bank.clip("posed").warnings)
     assert not bank.clip("walk").warnings
     (clips / "clips.toml").write_text("[posed]\nskip_frames = 1\n")
     build_bank([clips], tmp_path / "bank", baseline="walk")
     assert not Bank.open(tmp_path / "bank").clip("posed").warnings
 
 
-def test_a_neutral_that_is_not_there_fails_that_clip_only(tmp_path: Path) -> None:
+def test_a_missing_neutral_fails_only_its_own_clip(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], box=CLIPS["carry_box"])
     (clips / "clips.toml").write_text("[box]\nkind = 'action'\nneutral = 'wallk'\n")
     outcome = build_bank([clips], tmp_path / "bank", jobs=1)
@@ -267,7 +268,7 @@ def test_real_clips_of_several_people_and_formats_share_a_bank(real_motion: Path
         assert clip.cycles == pytest.approx(clip.duration / 1.13, rel=0.2)
 
 
-def test_errors_survive_the_way_back_from_a_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_errors_survive_the_return_from_a_worker_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(job, "WORTH_A_PROCESS", 1)
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"])
     (clips / "broken.bvh").write_bytes(b"\x00\xff" * 100)
@@ -281,3 +282,12 @@ def test_without_any_locomotion_the_baseline_is_the_neutral(tmp_path: Path) -> N
     (clips / "clips.toml").write_text("[box]\nkind = 'action'\n[wave]\nkind = 'action'\n")
     build_bank([clips], tmp_path / "bank", baseline="box")
     assert Bank.open(tmp_path / "bank").neutral("wave") == "box"
+
+
+def test_paths_may_be_text(tmp_path: Path) -> None:
+    motionsplice.write_sample_gestures(str(tmp_path / "gestures"))
+    walk = write(tmp_path / "clips", walk=CLIPS["walk"]) / "walk.bvh"
+    outcome = motionsplice.build_bank(str(walk), str(tmp_path / "bank"))
+    assert outcome.clips == ("walk",)
+    assert motionsplice.read_clip(str(walk)).clip.name == "walk"
+    assert motionsplice.Bank.open(str(tmp_path / "bank")).digest == outcome.digest

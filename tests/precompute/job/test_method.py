@@ -8,7 +8,7 @@ from motionsplice.precompute.job import method
 from motionsplice.precompute.job.method import version_of
 
 
-def test_any_source_counts_wherever_it_lies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_version_depends_on_every_source_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "ours" / "inner").mkdir(parents=True)
     (tmp_path / "ours" / "__init__.py").write_text("")
     (tmp_path / "ours" / "inner" / "deep.py").write_text("ONE = 1\n")

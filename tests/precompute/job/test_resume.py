@@ -1,4 +1,4 @@
-"""What the offline job does not do again."""
+"""The offline job does not repeat work whose results it has."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import clip_work, job
 from motionsplice.precompute.job.clip_work import Identified, Preparation
-from motionsplice.precompute.job.job import CACHE, Outcome, build_bank
+from motionsplice.precompute.job.job import CACHE, build_bank
+from motionsplice.precompute.job.outcome import Outcome
 from motionsplice.runtime.bank import Bank
 from tests.conftest import CLIPS
 from tests.precompute.job.test_job import files_of
@@ -37,7 +38,7 @@ def clips(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def aligned(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of the clips that were aligned."""
+    """Collects the names of the clips that are aligned."""
     names: list[str] = []
     run = Preparation.run
 
@@ -54,14 +55,14 @@ def build(clips: Path, baseline: str | None = "walk") -> Outcome:
 
 
 def afresh(clips: Path, baseline: str | None = "walk") -> dict[str, bytes]:
-    """The bank as a job makes it that has not worked before."""
+    """Returns the files of the bank that a job without a cache makes."""
     out = clips.parent / "afresh"
     build_bank([clips], out, baseline=baseline)
     return files_of(out)
 
 
 def tables_and_manifest(bank: Path) -> dict[str, bytes]:
-    """The current bank's files, without those of the one before it."""
+    """Returns the current bank's files, without the previous bank's."""
     used = {f"{digest}.npy" for digest in Bank.open(bank).manifest.tables.values()}
     return {
         name: data for name, data in files_of(bank).items() if Path(name).suffix != ".npy" or Path(name).name in used
@@ -73,7 +74,7 @@ def test_a_second_run_does_nothing(
     clips: Path, aligned: list[str], baseline: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = build(clips, baseline)
-    assert (first.kept, first.unchanged, sorted(aligned)) == (0, False, list(NAMES))
+    assert (first.reused, first.unchanged, sorted(aligned)) == (0, False, list(NAMES))
     bank = clips.parent / "bank"
     before = {file: file.stat().st_mtime_ns for file in bank.rglob("*") if file.is_file()}
     aligned.clear()
@@ -81,19 +82,19 @@ def test_a_second_run_does_nothing(
     monkeypatch.setattr(job, "write_bank", None)
     steps: list[str] = []
     second = build_bank([clips], bank, baseline=baseline, progress=lambda stage, done, total: steps.append(stage))
-    assert (second.kept, second.unchanged) == (len(NAMES), True)
+    assert (second.reused, second.unchanged) == (len(NAMES), True)
     assert (second.digest, second.clips) == (first.digest, first.clips)
     assert not aligned + steps
     assert {file: file.stat().st_mtime_ns for file in bank.rglob("*") if file.is_file()} == before
 
 
-def test_a_changed_clip_costs_only_itself(clips: Path, aligned: list[str]) -> None:
+def test_a_changed_clip_is_the_only_one_aligned_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=9, seconds=3.0)))
     aligned.clear()
     outcome = build(clips)
     assert aligned == ["run"]
-    assert (outcome.kept, outcome.unchanged) == (len(NAMES) - 1, False)
+    assert (outcome.reused, outcome.unchanged) == (len(NAMES) - 1, False)
     assert tables_and_manifest(clips.parent / "bank") == afresh(clips)
 
 
@@ -107,7 +108,7 @@ def test_a_changed_clip_costs_only_itself(clips: Path, aligned: list[str]) -> No
         ("", []),
     ],
 )
-def test_changed_settings_cost_what_depends_on_them(
+def test_changed_settings_align_only_dependent_clips_again(
     clips: Path, aligned: list[str], settings: str, costs: list[str]
 ) -> None:
     build(clips)
@@ -118,7 +119,7 @@ def test_changed_settings_cost_what_depends_on_them(
     assert tables_and_manifest(clips.parent / "bank") == afresh(clips)
 
 
-def test_a_changed_baseline_costs_all(clips: Path, aligned: list[str]) -> None:
+def test_a_changed_baseline_aligns_all_clips_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     aligned.clear()
     build(clips, "run")
@@ -130,7 +131,7 @@ def test_a_changed_baseline_costs_all(clips: Path, aligned: list[str]) -> None:
     assert tables_and_manifest(clips.parent / "bank") == afresh(clips, "run")
 
 
-def test_another_version_of_the_method_costs_all(
+def test_another_version_of_the_method_aligns_all_clips_again(
     clips: Path, aligned: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     build(clips)
@@ -140,7 +141,7 @@ def test_another_version_of_the_method_costs_all(
     assert sorted(aligned) == list(NAMES)
 
 
-def test_a_clip_by_another_name_costs_nothing(clips: Path, aligned: list[str]) -> None:
+def test_a_renamed_clip_is_not_aligned_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     aligned.clear()
     (clips / "run.bvh").rename(clips / "sprint.bvh")
@@ -159,7 +160,7 @@ def test_damaged_results_are_made_again(clips: Path, content: bytes) -> None:
     assert tables_and_manifest(bank) == afresh(clips, None)
 
 
-def test_a_damaged_or_missing_bank_is_written_anew(clips: Path, aligned: list[str]) -> None:
+def test_a_damaged_or_missing_bank_is_written_again(clips: Path, aligned: list[str]) -> None:
     build(clips)
     bank = clips.parent / "bank"
     before = files_of(bank)
@@ -174,7 +175,7 @@ def test_a_damaged_or_missing_bank_is_written_anew(clips: Path, aligned: list[st
     assert not aligned
 
 
-def test_results_of_clips_that_are_gone_go_too(clips: Path) -> None:
+def test_results_of_removed_clips_are_removed(clips: Path) -> None:
     build(clips)
     before = len(list((clips.parent / "bank" / CACHE).iterdir()))
     (clips / "run.bvh").unlink()
@@ -182,7 +183,7 @@ def test_results_of_clips_that_are_gone_go_too(clips: Path) -> None:
     assert len(list((clips.parent / "bank" / CACHE).iterdir())) == before - 1
 
 
-def test_a_clip_that_failed_is_tried_and_told_again(clips: Path) -> None:
+def test_a_failed_clip_is_tried_and_reported_again(clips: Path) -> None:
     (clips / "broken.bvh").write_bytes(b"HIERARCHY\nROOT")
     first, second = build(clips), build(clips)
     assert second.unchanged
@@ -199,9 +200,9 @@ def test_a_clip_that_changes_while_it_is_read_fails(clips: Path, monkeypatch: py
     monkeypatch.setattr(clip_work, "read_clip", changing)
     outcome = build(clips)
     assert isinstance(outcome.failed["run"], ClipError)
-    assert "changed while it was read. Start again" in str(outcome.failed["run"])
+    assert "it changed while it was read. Start again" in str(outcome.failed["run"])
     monkeypatch.undo()
-    assert build(clips).kept == len(NAMES) - 1
+    assert build(clips).reused == len(NAMES) - 1
 
 
 KILLED = """
@@ -217,14 +218,14 @@ build_bank([Path(sys.argv[1])], Path(sys.argv[2]), baseline="walk", progress=kil
 """
 
 
-def test_a_killed_job_goes_on_where_it_stopped(clips: Path, aligned: list[str]) -> None:
+def test_a_killed_job_resumes_where_it_stopped(clips: Path, aligned: list[str]) -> None:
     bank = clips.parent / "bank"
     project = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
     killed = subprocess.run([sys.executable, "-c", KILLED, str(clips), str(bank)], env=project, check=False)
     assert killed.returncode == -signal.SIGKILL
     assert not (bank / "manifest.msgpack").exists()
     outcome = build(clips)
-    assert outcome.kept == 2
+    assert outcome.reused == 2
     assert sorted(aligned) == list(NAMES)[2:]
     assert files_of(bank) == afresh(clips)
 

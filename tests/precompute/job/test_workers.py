@@ -23,23 +23,23 @@ def task(number: int) -> int:
 
 
 @pytest.mark.parametrize("processes", [1, 2])
-def test_an_error_of_our_own_fails_one_task_and_the_others_finish(processes: int) -> None:
+def test_an_unexpected_error_fails_one_task_and_the_others_finish(processes: int) -> None:
     with workers(processes) as pool:
         made = dict(outcomes(pool, task, [1, 2, 3, 4]))
     assert (made[3], made[4]) == (3, 4)
     assert isinstance(made[1], MotionError)
     assert "not enough memory" in str(made[1])
     assert isinstance(made[2], MotionError)
-    assert "an unexpected ValueError: two. This is a bug" in str(made[2])
+    assert "unexpected ValueError: two. This is a bug" in str(made[2])
 
 
 def of_a_program(number: int) -> list[str]:
-    """What of the program that asked for it this process has imported."""
+    """Returns which parts of the program that started it this process has imported."""
     main = [str(sys.modules["__main__"].__file__)] if hasattr(sys.modules["__main__"], "__file__") else []
     return main + [name for name in ("matplotlib", "typer", "fastapi", "scipy.stats") if name in sys.modules]
 
 
-def test_a_process_imports_what_its_tasks_need_and_no_program() -> None:
+def test_a_worker_imports_what_its_tasks_need_but_not_the_program() -> None:
     with workers(2) as pool:
         assert [made for _, made in outcomes(pool, of_a_program, [1, 2])] == [[], []]
 
@@ -48,7 +48,7 @@ def threads(number: int) -> str:
     return os.environ["OPENBLAS_NUM_THREADS"]
 
 
-def test_a_process_has_one_thread_and_ours_stays_as_it_was() -> None:
+def test_a_worker_has_one_thread_and_our_environment_stays_unchanged() -> None:
     before = dict(os.environ)
     with workers(2) as pool:
         assert [made for _, made in outcomes(pool, threads, [1, 2])] == ["1", "1"]
@@ -66,7 +66,7 @@ with workers(2) as pool:
 """
 
 
-def test_processes_end_with_the_one_that_started_them() -> None:
+def test_workers_end_with_their_parent() -> None:
     project = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
     killed = subprocess.run([sys.executable, "-c", KILLED], env=project, capture_output=True, text=True, check=False)
     left = [int(number) for number in killed.stdout.split()]
@@ -75,7 +75,7 @@ def test_processes_end_with_the_one_that_started_them() -> None:
         if not (left := [one for one in left if Path(f"/proc/{one}").exists()]):
             return
         time.sleep(0.1)
-    pytest.fail(f"processes {left} are still there")
+    pytest.fail(f"processes {left} are still running")
 
 
 def test_an_interrupt_ends_the_job() -> None:

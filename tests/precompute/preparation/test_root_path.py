@@ -26,12 +26,12 @@ def path_of(one: Seamed, roles: Roles = ROLES) -> Floats:
 
 
 def seen_from(path: Floats, root: Floats) -> Floats:
-    """Roots [n, 3] as seen from a path [n, 4]."""
+    """Returns roots [n, 3] relative to a path [n, 4]."""
     return quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], -path[:, 3]), root - path[:, :3])
 
 
 @pytest.mark.parametrize("name", ["walk", "run", "curve", "side_step", "turn_180"])
-def test_a_root_stays_near_its_path_and_the_path_is_smoother(name: str) -> None:
+def test_the_root_stays_near_its_path_and_the_path_is_smooth(name: str) -> None:
     one = seamed(name)
     path, roots = path_of(one), one.clip.root_positions
     local = seen_from(path, roots)
@@ -41,7 +41,7 @@ def test_a_root_stays_near_its_path_and_the_path_is_smoother(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["walk", "run", "curve", "stairs_up", "stairs_down"])
-def test_a_step_is_at_a_loops_end_what_it_is_where_the_loop_goes_on(name: str) -> None:
+def test_the_step_at_a_loops_end_equals_the_step_where_it_continues(name: str) -> None:
     one = seamed(name)
     assert one.strides > 0
     local = seen_from(path_of(one), one.clip.root_positions)
@@ -50,13 +50,13 @@ def test_a_step_is_at_a_loops_end_what_it_is_where_the_loop_goes_on(name: str) -
     np.testing.assert_allclose(local[-1], begun, atol=1e-4)
 
 
-def test_stairs_rise_and_a_turn_turns() -> None:
+def test_the_path_of_stairs_rises_and_the_path_of_a_turn_turns() -> None:
     up, turn = path_of(seamed("stairs_up")), path_of(seamed("turn_180"))
     assert up[-1, 1] - up[0, 1] > 1.0
     assert abs(turn[-1, 3] - turn[0, 3]) == pytest.approx(np.pi, abs=0.3)
 
 
-def test_who_stands_has_no_way_to_go() -> None:
+def test_the_path_of_a_standing_clip_does_not_move() -> None:
     one = seamed("walk")
     still = one.clip.frames(0, 2)
     path = root_path(still, one.phase[:2], 0, ROLES, gait=False)

@@ -14,6 +14,7 @@ from motionsplice.precompute.alignment.baseline import align, find_baseline
 from motionsplice.precompute.preparation.seam import Seamed, add_seam
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 
 ROLES = find_roles(CLIPS["walk"].skeleton)
@@ -26,7 +27,7 @@ def seamed(clip: Clip) -> Seamed:
 
 
 @pytest.mark.parametrize("name", LOOPED)
-def test_a_seam_is_added_to_frames_that_stay_as_they_are(name: str) -> None:
+def test_a_seam_leaves_the_clips_own_frames_unchanged(name: str) -> None:
     clip, result = CLIPS[name], seamed(CLIPS[name])
     assert result.strides >= 1
     np.testing.assert_array_equal(result.clip.root_positions[: clip.frame_count], clip.root_positions)
@@ -35,7 +36,7 @@ def test_a_seam_is_added_to_frames_that_stay_as_they_are(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LOOPED)
-def test_a_seam_ends_where_the_clip_was_whole_strides_before(name: str) -> None:
+def test_a_seam_ends_at_the_pose_of_whole_strides_before(name: str) -> None:
     clip, result = CLIPS[name], seamed(CLIPS[name])
     at = np.interp(result.phase[-1] - result.strides, result.phase, np.arange(len(result.phase)))
     there = clip.sampled([at])[1][0]
@@ -49,7 +50,7 @@ def test_nothing_jumps_at_a_seam(name: str) -> None:
     assert accelerations(result.clip)[len(accelerations(clip)) - 1 :].max() < 1.3 * own
 
 
-def test_root_motion_goes_on_round_a_curve() -> None:
+def test_root_motion_continues_around_a_curve() -> None:
     curve = make("curve", seed=3, seconds=5.0)
     result = seamed(curve)
     steps = np.linalg.norm(np.diff(result.clip.root_positions[:, [0, 2]], axis=0), axis=1)
@@ -60,12 +61,12 @@ def test_root_motion_goes_on_round_a_curve() -> None:
     assert turns[curve.frame_count - 2 :].max() < 1.5 * turns[: curve.frame_count - 2].max()
 
 
-def test_a_clip_of_less_than_a_stride_has_no_seam() -> None:
+def test_a_clip_shorter_than_a_stride_has_no_seam() -> None:
     result = seamed(CLIPS["walk"].frames(0, 40))
     assert (result.strides, result.clip.frame_count) == (0, 40)
 
 
-def test_a_clip_whose_strides_are_not_alike_has_no_seam() -> None:
+def test_a_clip_with_unlike_strides_has_no_seam() -> None:
     clip = CLIPS["walk"]
     bent = clip.rotations.copy()
     turn = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 6.0, clip.frame_count))
@@ -73,7 +74,7 @@ def test_a_clip_whose_strides_are_not_alike_has_no_seam() -> None:
     assert add_seam(replace(clip, rotations=bent), align(clip, ROLES, RING).phase, ROLES).strides == 0
 
 
-def test_one_arm_that_is_elsewhere_a_stride_before_makes_no_seam() -> None:
+def test_one_arm_in_another_place_prevents_a_seam() -> None:
     clip = CLIPS["walk"]
     raised = clip.rotations.copy()
     turn = quaternion.about([0.0, 0.0, 1.0], 2.0 * (np.arange(clip.frame_count) > clip.frame_count - 25))
@@ -82,8 +83,8 @@ def test_one_arm_that_is_elsewhere_a_stride_before_makes_no_seam() -> None:
     assert add_seam(replace(clip, rotations=raised), align(clip, ROLES, RING).phase, ROLES).strides == 0
 
 
-def test_an_action_goes_on_past_its_end_without_a_jump(bank: Bank) -> None:
+def test_an_action_continues_past_its_end_without_a_jump(bank: Bank) -> None:
     assert bank.clip("wave").duration < 0.6 * bank.clip("walk").duration
-    splice = Evaluator(bank).clip("walk", "wave")
+    splice = Evaluator(bank).clip(Splice("walk", "wave"))
     own = max(np.percentile(accelerations(bank.motion(name)), 99) for name in ("walk", "wave"))
     assert accelerations(splice).max() < 2.0 * own

@@ -26,18 +26,18 @@ STRIDE = MeanStride.of(TORSO, PHASE)
 
 @given(st.integers(0, 2**32 - 1), st.floats(2.0, 6.0))
 @settings(max_examples=25)
-def test_a_cloud_that_repeats_each_stride_is_its_own_mean(seed: int, strides: float) -> None:
+def test_a_cloud_that_repeats_every_stride_equals_its_mean_stride(seed: int, strides: float) -> None:
     draw = np.random.default_rng(seed)
     shape = MeanStride(draw.normal(size=(9, 5, 3)))
     phase = np.linspace(0.3, 0.3 + strides, 400)
     np.testing.assert_allclose(MeanStride.of(shape.at(phase), phase).at(phase), shape.at(phase), atol=2e-3)
 
 
-def test_a_plain_gait_does_nothing_beyond_itself() -> None:
+def test_a_plain_gait_has_hardly_any_torso_offset() -> None:
     assert np.degrees(shoulder_motion(torso_offsets(TORSO, PHASE, WALK.rate, STRIDE))) < 0.6
 
 
-def test_what_is_laid_over_a_gait_is_found_again() -> None:
+def test_motion_added_to_a_gait_is_recovered_as_torso_offset() -> None:
     seconds = np.arange(WALK.frame_count) / WALK.rate
     swayed = Rotation.from_euler("YX", np.stack([0.25 * np.sin(3.0 * seconds), 0.2 + 0.0 * seconds], axis=1)).as_quat()
     offsets = torso_offsets(quaternion.rotate(swayed[:, None], TORSO), PHASE, WALK.rate, STRIDE)
@@ -45,14 +45,14 @@ def test_what_is_laid_over_a_gait_is_found_again() -> None:
     assert shoulder_motion(offsets) == pytest.approx(0.25 / np.sqrt(2.0), abs=0.03)
 
 
-def test_a_clip_of_less_than_a_stride_has_a_mean_stride_all_the_same() -> None:
+def test_a_clip_shorter_than_a_stride_still_has_a_mean_stride() -> None:
     part = slice(0, int(np.searchsorted(PHASE, PHASE[0] + 0.6)))
     elsewhere = MeanStride.of(TORSO[part], PHASE[part]).at(np.linspace(0.0, 1.0, 50))
     assert np.abs(elsewhere - TORSO.mean(axis=0)).max() < 0.3
 
 
-def test_a_punch_keeps_its_shoulders_by_relative_and_loses_them_without() -> None:
-    """The papers' own limitation (Heck et al. 2006, section 5): shoulders that move on purpose."""
+def test_relative_posture_keeps_the_shoulder_motion_of_a_punch() -> None:
+    """Deliberate shoulder motion is a limitation of the papers (Heck et al. 2006, section 5)."""
     offsets = torso_offsets(measure_torso(PUNCH, ROLES).upright, align(PUNCH, ROLES, RING).phase, PUNCH.rate, STRIDE)
     curve, truth = make("curve", seed=11), make("curve", "punch", seed=11)
     errors = {}

@@ -42,7 +42,7 @@ REAL_WALKS = {"16_15.amc": 0, "16_11.amc": 0, "06_01.bvh": 1, "02_01.amc": 0, "0
 
 
 def phase_of(strides: float, frames: int = 400) -> Floats:
-    """A gait that hurries and tarries."""
+    """Returns the phase of a gait of uneven speed."""
     part = np.linspace(0.0, 1.0, frames)
     return np.asarray(0.3 + strides * (part + 0.02 * np.sin(2.0 * np.pi * part)))
 
@@ -63,7 +63,7 @@ def at(period: Period, *curves: Curve, phase: Floats) -> list[Correlation]:
     strides=st.floats(2.0, 6.0),
     slope=st.floats(-1.0, 1.0),
 )
-def test_a_wave_gives_its_lag_and_amplitude_back(
+def test_lag_and_amplitude_of_a_wave_are_recovered(
     period: Period, lag: float, amplitude: float, strides: float, slope: float
 ) -> None:
     phase = phase_of(strides)
@@ -80,13 +80,13 @@ def test_a_wave_gives_its_lag_and_amplitude_back(
     [(0, Verdict.IN_PHASE), (-40, Verdict.IN_PHASE), (180, Verdict.OPPOSITE), (-140, Verdict.OPPOSITE),
      (90, Verdict.AT_A_LAG), (-90, Verdict.AT_A_LAG)],
 )  # fmt: skip
-def test_the_lag_decides_how_a_curve_goes_with_the_legs(degrees: float, verdict: Verdict) -> None:
+def test_the_lag_decides_the_verdict(degrees: float, verdict: Verdict) -> None:
     phase = phase_of(3.4)
     (found,) = at(Period.STRIDE, curve(0.1 * np.cos(2.0 * np.pi * phase - np.radians(degrees))), phase=phase)
     assert found.verdict is verdict
 
 
-def test_a_curve_that_hardly_moves_is_still_however_well_it_keeps_time() -> None:
+def test_a_curve_that_hardly_moves_is_still_even_if_perfectly_in_time() -> None:
     phase = phase_of(4.0)
     (found,) = at(Period.STEP, curve(np.radians(0.25) * np.cos(4.0 * np.pi * phase)), phase=phase)
     assert found.verdict is Verdict.STILL
@@ -103,11 +103,11 @@ def test_noise_passes_about_as_often_as_the_level_says(strides: float, smoothnes
     lines = [curve(line) for line in smooth[:, 200:-200]]
     for period in Period:
         p = np.array([one.p for one in at(period, *lines, phase=phase)])
-        assert np.mean(p <= LEVEL) < most * LEVEL  # of 150; what is as slow as a step passes twice as often
+        assert np.mean(p <= LEVEL) < most * LEVEL  # of 150 curves; noise as slow as a step passes twice as often
         assert np.mean(p <= 0.5) > 0.3
 
 
-def test_noise_alone_is_found_in_few_of_many_motions() -> None:
+def test_few_motions_of_pure_noise_have_a_correlation() -> None:
     random = np.random.default_rng(5)
     phase = phase_of(3.0, 300)
     found = [
@@ -118,14 +118,14 @@ def test_noise_alone_is_found_in_few_of_many_motions() -> None:
 
 
 @pytest.mark.parametrize("frequency", [0.4, 0.6, 1.4, 1.6, 2.5])
-def test_a_curve_of_another_rhythm_goes_with_nothing(frequency: float) -> None:
+def test_a_curve_of_another_rhythm_is_not_correlated(frequency: float) -> None:
     phase = phase_of(4.2)
     starts = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
     lines = [curve(0.2 * np.cos(2.0 * np.pi * frequency * phase + start)) for start in starts]
     assert not any(one.verdict.correlated for one in correlate(tuple(lines), phase))
 
 
-def test_strides_that_were_each_shifted_go_with_nothing() -> None:
+def test_randomly_shifted_strides_are_not_correlated() -> None:
     phase = phase_of(5.0, 650)
     shifts = np.array([0.0, 2.1, 4.4, 1.0, 3.5])[np.minimum((phase - phase[0]).astype(int), 4)]
     (found,) = at(Period.STRIDE, curve(0.2 * np.cos(2.0 * np.pi * phase + shifts)), phase=phase)
@@ -139,7 +139,7 @@ def test_the_bound_on_p_lies_between_bonferroni_and_the_level(p: list[float]) ->
     assert bound >= max((one for one in p if one <= LEVEL / len(p)), default=0.0)
 
 
-def test_the_trend_keeps_both_periods_and_drops_noise() -> None:
+def test_the_trend_keeps_both_periods_and_removes_noise() -> None:
     phase = phase_of(3.0)
     wave = np.cos(2.0 * np.pi * phase) + 0.3 * np.sin(4.0 * np.pi * phase)
     noise = np.random.default_rng(2).normal(scale=0.2, size=len(phase))
@@ -148,7 +148,7 @@ def test_the_trend_keeps_both_periods_and_drops_noise() -> None:
 
 
 @given(strides=st.floats(2.0, 8.0), size=st.floats(-3.0, 3.0))
-def test_the_drift_of_a_turn_leaves_out_the_sway(strides: float, size: float) -> None:
+def test_the_drift_of_a_turn_excludes_the_sway(strides: float, size: float) -> None:
     phase = phase_of(strides)
     turn = size * (phase - phase[0]) ** 2 / strides**2
     found = drift(turn + 0.1 * np.cos(2.0 * np.pi * phase) + 0.05 * np.sin(4.0 * np.pi * phase), phase)
@@ -156,12 +156,12 @@ def test_the_drift_of_a_turn_leaves_out_the_sway(strides: float, size: float) ->
 
 
 def check_walk(found: Study, *, head: bool = True) -> None:
-    """What the thesis saw in all its examples."""
-    kept = found.found
-    assert any(bob in kept for bob in BOBS)
-    assert kept[SPINE_TWIST].verdict is Verdict.IN_PHASE
+    """Checks what the thesis found in all its examples."""
+    correlations = found.found
+    assert any(bob in correlations for bob in BOBS)
+    assert correlations[SPINE_TWIST].verdict is Verdict.IN_PHASE
     if head:
-        assert abs(lag_between(kept[SPINE_TWIST], kept[HEAD_TWIST])) > np.radians(140.0)
+        assert abs(lag_between(correlations[SPINE_TWIST], correlations[HEAD_TWIST])) > np.radians(140.0)
 
 
 def test_the_built_in_walk_bobs_and_twists_and_its_head_turns_back() -> None:
@@ -173,7 +173,8 @@ def test_the_built_in_walk_bobs_and_twists_and_its_head_turns_back() -> None:
 @pytest.mark.parametrize("name", REAL_WALKS)
 def test_real_walks_bob_and_twist_and_their_heads_turn_back(name: str, real_motion: Path) -> None:
     reading = read_clip(real_motion / name, skip_frames=REAL_WALKS[name])
-    # 02_01 lasts 2.5 strides, and its head turns a quarter of a stride after the spine: too little to tell from chance.
+    # 02_01 has 2.5 strides, and its head turns a quarter of a stride after the spine. These are too few strides to
+    # distinguish its head turn from chance.
     check_walk(study(reading.clip, reading.roles), head=name != "02_01.amc")
 
 
@@ -198,7 +199,7 @@ def test_the_answer_does_not_depend_on_local_axes() -> None:
             assert one.p == pytest.approx(other.p, abs=0.002)
 
 
-def test_a_walk_that_hurries_and_tarries_keeps_what_comes_with_the_stride() -> None:
+def test_a_walk_of_uneven_speed_keeps_its_correlations_with_the_stride() -> None:
     clip = CLIPS["walk"]
     other = study(warped(clip, uneven_time(clip.frame_count), "uneven"), ROLES)
     for key, one in WALK.found.items():
@@ -236,7 +237,7 @@ def test_a_late_upper_body_is_changed_and_a_shuffled_one_is_lost() -> None:
         assert np.degrees(lag_between(one, early.found[key])) == pytest.approx(-144.0, abs=8.0)
 
 
-def test_a_motion_without_two_strides_is_refused() -> None:
+def test_a_motion_of_less_than_two_strides_is_refused() -> None:
     clip = CLIPS["walk"]
     stride = int(np.searchsorted(WALK.phase, WALK.phase[0] + 1.0))
     for count in (1, 2, 20):

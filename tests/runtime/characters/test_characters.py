@@ -18,16 +18,19 @@ from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import POSTURES
+from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 from tests import naive_character
-from tests.playing import RATE, Setup, layer, passed, shown, slot
+from tests.playing import RATE, Setup, evaluated, layer, run_frames, slot
 
 seeds = st.integers(0, 2**32 - 1)
 
 
 def commanded(characters: Characters, draw: np.random.Generator, frames: int) -> None:
-    """One command of any kind to each character in about 25 frames, for so many frames."""
+    """Advances by `frames`, with random commands: one per character in about 25 frames."""
     for _ in range(frames):
         for row in np.flatnonzero(draw.random(len(characters)) < 0.04):
             command(characters, [int(row)], draw)
@@ -45,24 +48,24 @@ def command(characters: Characters, rows: list[int], draw: np.random.Generator) 
         characters.play(rows, {first: 0.4, second: 0.6}, blend=blend)
     elif kind == 2:
         when: Any = draw.choice(list(col.WHENS))
-        characters.act(rows, first, blend=blend, blend_out=blend, loop=bool(draw.integers(2)), when=when)
+        characters.act(rows, Action(first, blend=blend, blend_out=blend, loop=bool(draw.integers(2)), when=when))
     elif kind == 3:
         mask: Any = draw.choice(list(col.MASKS))
-        posture: Any = draw.choice(["relative", "absolute", "off"])
-        characters.act(rows, first, blend=blend, mask=mask, weight=draw.uniform(0.3, 1.0), posture=posture)
+        posture: Any = draw.choice(sorted(POSTURES.keys() - {"running"}))
+        characters.act(rows, Action(first, blend=blend, mask=mask, weight=draw.uniform(0.3, 1.0), posture=posture))
     elif kind == 4:
         characters.stop(rows, blend=blend)
     else:
         characters.speed(rows, draw.uniform(0.7, 1.2))
 
 
-def test_one_locomotion_is_the_clip_put_elsewhere(one: Setup, bank: Bank) -> None:
+def test_one_locomotion_is_the_clip_at_another_place(one: Setup, bank: Bank) -> None:
     characters = one()
     characters.add(1, "turn_180")
-    clip = characters.stage.evaluator.clip("turn_180")
+    clip = characters.stage.evaluator.clip(Splice("turn_180"))
     path = bank.root_path("turn_180")
     for frame in range(200):
-        root, rotations = shown(characters)
+        root, rotations = evaluated(characters)
         at = frame / RATE * clip.rate
         roots, sampled = clip.sampled([at])
         turn = quaternion.about([0.0, 1.0, 0.0], -path[0, 3])
@@ -76,16 +79,16 @@ def test_an_action_of_weight_0_is_the_locomotion_and_of_weight_1_the_splice(one:
     alone, none, whole = one(), one(), one()
     for characters in (alone, none, whole):
         characters.add(1, "walk", time=0.5)
-    none.act([0], "carry_box", blend=0.0, weight=0.0)
-    whole.act([0], "carry_box", blend=0.0)
+    none.act([0], Action("carry_box", blend=0.0, weight=0.0))
+    whole.act([0], Action("carry_box", blend=0.0))
     evaluator = whole.stage.evaluator
     for frame in range(90):
-        np.testing.assert_allclose(shown(none)[1], shown(alone)[1], atol=1e-6)
-        splice = evaluator.pose("walk", 0.5 + frame / RATE, "carry_box").rotations[0, 1:]
+        np.testing.assert_allclose(evaluated(none)[1], evaluated(alone)[1], atol=1e-6)
+        splice = evaluator.pose(Splice("walk", "carry_box"), 0.5 + frame / RATE).rotations[0, 1:]
         if whole.state[0, col.ACTIONS] == 1:
-            frames = evaluator.action_frames("walk", np.array([0.5 + frame / RATE]), "carry_box")
+            frames = evaluator.action_frames(Splice("walk", "carry_box"), np.array([0.5 + frame / RATE]))
             if abs(frames[0] - layer(whole, 0, col.FRAME)) < 1e-6:
-                np.testing.assert_allclose(shown(whole)[1][0, 1:], splice, atol=1e-6)
+                np.testing.assert_allclose(evaluated(whole)[1][0, 1:], splice, atol=1e-6)
         for characters in (alone, none, whole):
             characters.advance()
     assert layer(whole, 0, col.PHASE) % 1.0 == pytest.approx(slot(whole, 0, col.PHASE) % 1.0, abs=1e-9)
@@ -93,14 +96,14 @@ def test_an_action_of_weight_0_is_the_locomotion_and_of_weight_1_the_splice(one:
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(seeds)
-def test_poses_are_those_of_the_twin(one: Setup, seed: int) -> None:
+def test_poses_agree_with_the_twin(one: Setup, seed: int) -> None:
     draw, characters = np.random.default_rng(seed), one()
     names = [clip.name for clip in characters.stage.bank.clips]
     for _ in range(3):
         characters.add(1, str(draw.choice(names)))
     commanded(characters, draw, 60)
     before = characters.state.copy()
-    roots, rotations = shown(characters)
+    roots, rotations = evaluated(characters)
     for row, state in enumerate(before):
         root, twin = naive_character.pose(characters.stage.bank, state)
         np.testing.assert_allclose(roots[row], root, atol=1e-4)
@@ -114,7 +117,7 @@ def test_deltas_add_up_to_the_path_and_loops_do_not_jump(one: Setup, locomotion:
     place, heading = np.zeros(3), 0.0
     roots = []
     for _ in range(900):
-        roots.append(shown(characters)[0][0])
+        roots.append(evaluated(characters)[0][0])
         characters.advance()
         delta = characters.deltas[0]
         place += quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], heading), delta[:3])
@@ -125,7 +128,7 @@ def test_deltas_add_up_to_the_path_and_loops_do_not_jump(one: Setup, locomotion:
     assert steps.max() < 1.5 * np.percentile(steps, 95.0)
 
 
-def test_in_place_stays_and_looks_the_same(one: Setup) -> None:
+def test_in_place_stays_at_the_origin_with_the_same_pose(one: Setup) -> None:
     moved, still = one(), one()
     for characters in (moved, still):
         characters.add(1, "turn_180")
@@ -133,42 +136,42 @@ def test_in_place_stays_and_looks_the_same(one: Setup) -> None:
     for _ in range(400):
         moved.advance()
         still.advance()
-        np.testing.assert_array_equal(shown(moved)[1][:, 1:], shown(still)[1][:, 1:])
-        assert np.hypot(*shown(still)[0][0, [0, 2]]) < 0.15
+        np.testing.assert_array_equal(evaluated(moved)[1][:, 1:], evaluated(still)[1][:, 1:])
+        assert np.hypot(*evaluated(still)[0][0, [0, 2]]) < 0.15
     assert np.linalg.norm(moved.state[0, col.PLACE : col.PLACE + 3]) > 0.5
 
 
-def test_an_own_clock_keeps_time_and_comes_back_into_step(one: Setup, bank: Bank) -> None:
+def test_an_own_clock_keeps_time_and_returns_into_step(one: Setup, bank: Bank) -> None:
     characters = one()
     characters.add(1, "run", time=0.3)
-    characters.act([0], "wave", own_clock=(0.2, 0.9), start=0.2)
+    characters.act([0], Action("wave", own_clock=(0.2, 0.9), start=0.2))
     rate = bank.clip("wave").rate
-    passed(characters, 30)
+    run_frames(characters, 30)
     assert layer(characters, 0, col.FRAME) / rate == pytest.approx(0.2 + 30 / RATE, abs=0.02)
-    passed(characters, 240)
+    run_frames(characters, 240)
     apart = layer(characters, 0, col.PHASE) - slot(characters, 0, col.PHASE)
     assert abs(apart - round(apart)) < 1e-6
 
 
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(seeds)
-def test_same_commands_same_bytes_alone_and_among_others_and_after_a_restore(one: Setup, seed: int) -> None:
+def test_the_same_commands_give_the_same_bytes_alone_among_others_and_after_a_restore(one: Setup, seed: int) -> None:
     draw = np.random.default_rng(seed)
     together = one()
     together.add(21, "walk")
     commanded(together, draw, 120)
     row = int(draw.integers(21))
     alone = Characters(together.stage, RATE, together.state[[row]].copy())
-    kept = np.frombuffer(together.state.tobytes()).reshape(together.state.shape).copy()
-    twice = Characters(together.stage, RATE, kept)
+    restored = np.frombuffer(together.state.tobytes()).reshape(together.state.shape).copy()
+    twice = Characters(together.stage, RATE, restored)
     for frame in range(60):
         if frame == 20:
             for characters, rows in ((together, [row]), (twice, [row]), (alone, [0])):
-                characters.act(rows, "carry_box", when="foot")
-        roots, rotations = shown(together)
-        assert roots[row].tobytes() == shown(alone)[0][0].tobytes()
-        assert rotations[row].tobytes() == shown(alone)[1][0].tobytes()
-        assert rotations.tobytes() == shown(twice)[1].tobytes()
+                characters.act(rows, Action("carry_box", when="foot"))
+        roots, rotations = evaluated(together)
+        assert roots[row].tobytes() == evaluated(alone)[0][0].tobytes()
+        assert rotations[row].tobytes() == evaluated(alone)[1][0].tobytes()
+        assert rotations.tobytes() == evaluated(twice)[1].tobytes()
         for characters in (together, alone, twice):
             characters.advance()
     assert together.state.tobytes() == twice.state.tobytes()
@@ -176,7 +179,7 @@ def test_same_commands_same_bytes_alone_and_among_others_and_after_a_restore(one
 
 @pytest.fixture(scope="module")
 def standing(tmp_path_factory: pytest.TempPathFactory) -> Stage:
-    """A bank with someone who stands and sways."""
+    """A bank with a clip without a gait: someone who stands and sways."""
     folder = tmp_path_factory.mktemp("standing")
     walk = make("walk", seed=1, seconds=4.0)
     frames = np.zeros(walk.frame_count, np.int64)
@@ -190,16 +193,16 @@ def standing(tmp_path_factory: pytest.TempPathFactory) -> Stage:
     return Stage(Evaluator(Bank.open(Path(folder / "bank"))))
 
 
-def test_without_a_gait_an_action_goes_by_its_own_clock(standing: Stage) -> None:
+def test_without_a_gait_an_action_plays_by_its_own_clock(standing: Stage) -> None:
     assert not standing.bank.clip("idle").gait
     characters = Characters(standing, RATE)
     characters.add(1, "idle")
-    characters.act([0], "wave", blend=0.2)
-    passed(characters, 60)
+    characters.act([0], Action("wave", blend=0.2))
+    run_frames(characters, 60)
     assert layer(characters, 0, col.FRAME) / standing.bank.clip("wave").rate == pytest.approx(1.0, abs=0.03)
     np.testing.assert_allclose(characters.state[0, col.PLACE : col.PLACE + 3], 0.0, atol=1e-9)
     characters.play([0], "walk", blend=0.4)
-    passed(characters, 120)
+    run_frames(characters, 120)
     apart = layer(characters, 0, col.PHASE) - slot(characters, 0, col.PHASE)
     assert abs(apart - round(apart)) < 1e-6
 
@@ -212,19 +215,22 @@ def test_without_a_gait_an_action_goes_by_its_own_clock(standing: Stage) -> None
         (lambda one: one.play([0], "walk", blend=-1.0), SettingsError),
         (lambda one: one.play([0], {}), SettingsError),
         (lambda one: one.play([0], {"walk": -1.0, "run": 2.0}), SettingsError),
-        (lambda one: one.act([0], "wave", when="soon"), SettingsError),
-        (lambda one: one.act([0], "wave", mask="tail"), SettingsError),
-        (lambda one: one.act([0], "wave", weight=np.nan), SettingsError),
-        (lambda one: one.act([0], "wave", own_clock=(2.0, 1.0)), SettingsError),
-        (lambda one: one.act([0], "wave", own_clock=(np.nan, 1.0)), SettingsError),
+        (lambda one: one.act([0], Action("wave", when="soon")), SettingsError),  # type: ignore[arg-type]
+        (lambda one: one.act([0], Action("wave", mask="tail")), SettingsError),  # type: ignore[arg-type]
+        (lambda one: one.act([0], Action("wave", weight=np.nan)), SettingsError),
+        (lambda one: one.act([0], Action("wave", own_clock=(2.0, 1.0))), SettingsError),
+        (lambda one: one.act([0], Action("wave", own_clock=(np.nan, 1.0))), SettingsError),
         (lambda one: one.place([0], [np.nan, 0.0, 0.0]), SettingsError),
         (lambda one: one.place([0], [0.0, 0.0]), SettingsError),
         (lambda one: one.place([0], [0.0, 0.0, 0.0], np.inf), SettingsError),
         (lambda one: one.speed([0], np.inf), SettingsError),
+        (lambda one: one.add(-1, "walk"), SettingsError),
+        (lambda one: one.advance(-1), SettingsError),
+        (lambda one: one.act([0], Action("wave", method="none")), SettingsError),  # type: ignore[arg-type]
         (lambda one: one.add(1, "nobody"), UnknownClipError),
     ],
 )
-def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Callable[..., None], error: Any) -> None:
+def test_an_invalid_command_changes_nothing(one: Setup, do: Callable[..., None], error: Any) -> None:
     characters = one()
     characters.add(1, "walk")
     before = characters.state.copy()
@@ -234,103 +240,15 @@ def test_a_command_that_cannot_be_done_changes_nothing(one: Setup, do: Callable[
     np.testing.assert_array_equal(characters.state, before)
 
 
-def test_what_has_waited_is_not_looked_up_in_another_bank(one: Setup, hands_bank: Bank) -> None:
-    """It stays in its row after it has begun, and the other bank may have fewer clips."""
-    characters = one()
-    characters.add(1, "walk")
-    characters.act([0], "wave", loop=False)
-    passed(characters, 400)
-    assert characters.state[0, col.NEXT_ACTION + col.CLIP] >= len(hands_bank.clips)
-    moved = characters.moved(Stage(Evaluator(hands_bank)))
-    part = slice(col.NEXT_ACTION, col.WHEN)
-    np.testing.assert_array_equal(moved.state[:, part], characters.state[:, part])
-
-
-@pytest.mark.parametrize(
-    "rows", [[-1], np.array([False, False, True]), slice(2, 3), np.array([2])], ids=["back", "mask", "slice", "array"]
-)
-def test_rows_are_any_that_numpy_takes(one: Setup, rows: Any) -> None:
-    plain, other = one(), one()
-    for characters, which in ((plain, [2]), (other, rows)):
-        characters.add(3, "walk")
-        characters.play(which, {"run": 1.0, "side_step": 1.0})
-        characters.weigh(which, {"run": 1.0})
-        characters.act(which, "wave")
-        characters.weight(which, 0.5)
-    assert other.state.tobytes() == plain.state.tobytes()
-
-
-@pytest.mark.parametrize("rate", [0.0, -60.0, np.nan, np.inf])
-def test_a_rate_that_is_none_is_refused(one: Setup, rate: float) -> None:
-    with pytest.raises(SettingsError, match="frames per second"):
-        Characters(one().stage, rate)
-
-
-@pytest.mark.parametrize("column", [col.LOCOMOTIONS, col.ACTIONS, col.HANDS, col.NEXT_COUNT])
-@pytest.mark.parametrize("number", [-1.0, 99.0, 0.5, np.nan])
-def test_a_state_with_more_slots_than_there_are_is_refused(one: Setup, column: int, number: float) -> None:
-    characters = one()
-    characters.add(2, "walk")
-    state = characters.state.copy()
-    state[1, column] = number
-    with pytest.raises(SettingsError, match="character 1 "):
-        Characters(characters.stage, RATE, state)
-
-
-@pytest.mark.parametrize("number", [-1.0, 99.0, np.nan])
-def test_a_state_of_clips_that_the_bank_has_not_is_refused(one: Setup, number: float) -> None:
-    characters = one()
-    characters.add(2, "walk")
-    characters.act([0, 1], "wave", when="left_foot")
-    waits = characters.state.copy()
-    characters.act([0, 1], "wave")
-    characters.play([0, 1], "run")
-    while not characters.state[1, col.NEXT_COUNT]:  # until one has to wait
-        characters.play([0, 1], {"walk": 1.0, "side_step": 2.0})
-    Characters(characters.stage, RATE, characters.state.copy())
-    places = [col.FIRST_LOCOMOTION, col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS, col.FIRST_ACTION, col.NEXT_CLIPS + 1]
-    for sound, column in ((waits, col.NEXT_ACTION), *((characters.state, place) for place in places)):
-        state = sound.copy()
-        state[1, column] = number
-        with pytest.raises(SettingsError, match=r"character 1 .*another bank"):
-            Characters(characters.stage, RATE, state)
-
-
-def test_a_state_of_hands_that_the_bank_has_not_is_refused(one: Setup) -> None:
-    characters = one()
-    characters.add(2, "walk")
-    characters.state[1, [col.HANDS, col.FIRST_HANDS]] = 1.0, 0.0  # this bank has none
-    with pytest.raises(SettingsError, match=r"character 1 .*another bank"):
-        Characters(characters.stage, RATE, characters.state)
-
-
-def test_characters_may_be_added_one_by_one(one: Setup) -> None:
-    single, together = one(), one()
-    for _ in range(40):
-        single.add(1, "walk")
-    together.add(40, "walk")
-    assert single.state.tobytes() == together.state.tobytes()
-    copied = single.copy()
-    copied.add(1, "run")
-    single.remove([3, 7])
-    single.add(3, "wave")
-    assert (len(copied), len(single)) == (41, 41)
-    assert copied.state[:40].tobytes() == together.state.tobytes()
-    assert single.state[:38].tobytes() == together.state[:38].tobytes()
-    with pytest.raises(UnknownClipError):
-        single.add(2, "wlak")
-    assert len(single) == 41
-
-
 @pytest.mark.parametrize("frames", [6, 15])
-def test_several_frames_in_one_step_are_nearly_those_one_by_one(one: Setup, frames: int) -> None:
+def test_several_frames_in_one_step_are_nearly_the_same_as_one_by_one(one: Setup, frames: int) -> None:
     steps, apart = one(), one()
     for characters in (steps, apart):
         characters.add(2, "walk")
         characters.play([1], {"walk": 1.0, "run": 1.0}, blend=0.0)
-        characters.act([0], "wave")
+        characters.act([0], Action("wave"))
     for _ in range(120 // frames):
         apart.advance(frames)
-    passed(steps, 120)
+    run_frames(steps, 120)
     columns = [col.PLACE, col.PLACE + 1, col.PLACE + 2, col.FIRST_LOCOMOTION + col.PHASE, col.FIRST_ACTION + col.PHASE]
     np.testing.assert_allclose(steps.state[:, columns], apart.state[:, columns], atol=0.02)

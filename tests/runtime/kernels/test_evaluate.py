@@ -20,6 +20,7 @@ from motionsplice.runtime.kernels.posture import LEAST_GAP
 from motionsplice.runtime.kernels.rotations import horn, sample
 from motionsplice.runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Memory, Requests
 from motionsplice.runtime.simd.width import LANES
+from motionsplice.runtime.splice import Splice
 from tests import naive, random_bank
 
 seeds = st.integers(0, 2**32 - 1)
@@ -27,7 +28,7 @@ STATELESS = sorted(POSTURES.keys() - {"running"})
 
 
 def horn_of(pairs: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
-    """The kernel's rotations [n, 4] that lay each pair's second cloud on its first, and their gaps [n]."""
+    """Returns the kernel's rotations [n, 4] that align each pair's second cloud to its first, and their gaps [n]."""
     block = np.zeros((arrays.BLOCK_ROWS, arrays.BLOCK))
     for lane, (target, source) in enumerate(pairs):
         block[arrays.CORRELATION : arrays.BOUND, lane] = (target.T @ source).ravel()
@@ -39,7 +40,7 @@ def horn_of(pairs: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
 
 
 @given(seeds, st.integers(2, 8), st.floats(0.0, 0.5), st.sampled_from([0.01, 0.3, 10.0]))
-def test_horn_is_the_eigenvector_of_its_twin(seed: int, points: int, noise: float, size: float) -> None:
+def test_horn_agrees_with_its_twin(seed: int, points: int, noise: float, size: float) -> None:
     draw, pairs = np.random.default_rng(seed), []
     for _ in range(arrays.BLOCK):
         source = size * draw.normal(size=(points, 3))
@@ -54,7 +55,7 @@ def test_horn_is_the_eigenvector_of_its_twin(seed: int, points: int, noise: floa
 
 
 @given(seeds, st.floats(-7.0, 0.0))
-def test_horn_of_a_torso_that_is_nearly_a_line_is_exact_or_known_to_be_undecided(seed: int, magnitude: float) -> None:
+def test_horn_of_a_nearly_straight_torso_is_exact_or_has_no_gap(seed: int, magnitude: float) -> None:
     draw = np.random.default_rng(seed)
     torso = np.array([[0.0, y, 0.0] for y in (0.1, 0.2, 0.33, 0.45)] + [[0.17, 0.4, 0.0], [-0.17, 0.4, 0.0]])
     width = 10.0**magnitude
@@ -87,7 +88,7 @@ def test_clouds_without_a_best_rotation_have_no_gap(correlation: Floats) -> None
 
 
 def sampled(a: Floats, b: Floats, t: float) -> Floats:
-    """What the kernel finds between two keys, in all lanes of a row alike."""
+    """Returns the kernel's interpolation between two keys; checks that it is the same in all lanes of a row."""
     rows, out = np.zeros((2, 4 * LANES), np.float32), np.empty(4 * LANES, np.float32)
     rows[0], rows[1] = np.repeat(a, LANES), np.repeat(b, LANES)
     sample(rows, np.uint64(0), np.uint64(0), np.uint64(LANES), np.float32(t), out, np.uint64(0))
@@ -107,7 +108,7 @@ def test_series_slerp_is_slerp(seed: int, radians: float, t: float) -> None:
 
 
 @pytest.mark.parametrize(("degrees", "bound"), [(60.0, 1e-6), (90.0, 1e-5), (150.0, 1e-3), (180.0, 0.0051)])
-def test_series_slerp_is_off_by_no_more_than_it_says(degrees: float, bound: float) -> None:
+def test_the_error_of_series_slerp_is_within_its_documented_bound(degrees: float, bound: float) -> None:
     axis = [1.0, 0.0, 0.0]
     for t in np.linspace(0.0, 1.0, 201):
         found = sampled(quaternion.IDENTITY, quaternion.about(axis, np.radians(degrees)), t)
@@ -117,7 +118,7 @@ def test_series_slerp_is_off_by_no_more_than_it_says(degrees: float, bound: floa
 
 @given(st.data())
 @settings(max_examples=150)
-def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
+def test_poses_agree_with_the_twin(bank: Bank, data: st.DataObject) -> None:
     locomotion, action = (data.draw(st.sampled_from(bank.clips)) for _ in range(2))
     time = data.draw(st.floats(0.0, locomotion.duration))
     start = data.draw(st.sampled_from([0.0, 0.3, 1.7]))
@@ -133,7 +134,7 @@ def test_poses_are_those_of_the_twin(bank: Bank, data: st.DataObject) -> None:
 
 @given(seeds, st.integers(3, 60), st.integers(3, 20), st.sampled_from(random_bank.CLOUDS))
 @settings(max_examples=60)
-def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: int, clouds: str) -> None:
+def test_random_banks_are_evaluated_as_by_the_twin(seed: int, joints: int, points: int, clouds: str) -> None:
     bank, draw = random_bank.random_bank(seed, joints, 3, points, clouds), np.random.default_rng(seed)
     evaluator = Evaluator(bank)
     for _ in range(8):
@@ -143,8 +144,8 @@ def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: in
         upper = locomotion if method == "none" else action
         hands = "hands" if upper.name in {one.body for one in bank.hands} and draw.random() < 0.7 else None
         requests, poses = Requests.empty(1), evaluator.poses(1)
-        clips, worn = (bank.number(locomotion.name), bank.number(action.name)), 0 if hands is None else 1
-        requests.records[0] = (*clips, time, start, 0, METHODS[method], POSTURES[posture], worn)
+        clips, hands_number = (bank.number(locomotion.name), bank.number(action.name)), 0 if hands is None else 1
+        requests.records[0] = (*clips, time, start, 0, METHODS[method], POSTURES[posture], hands_number)
         evaluator.evaluate(requests, poses)
         root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, method, posture, hands=hands)
         np.testing.assert_allclose(poses.root_positions[0], root, atol=1e-5)
@@ -152,25 +153,25 @@ def test_any_bank_is_evaluated_as_by_the_twin(seed: int, joints: int, points: in
         np.testing.assert_allclose(np.linalg.norm(poses.rotations[0], axis=-1), 1.0, atol=1e-5)
 
 
-def test_where_no_alignment_is_the_best_the_last_one_is_held() -> None:
+def test_an_unclear_alignment_is_replaced_by_the_last_clear_one() -> None:
     clear, unclear = (random_bank.random_bank(5, 9, 1, 6, clouds) for clouds in ("torso", "line"))
     memory, pelvis = Memory.begin(1, rate=30.0), clear.roles.pelvis
-    ask = {"locomotion": "clip 0", "times": [0.0], "action": "clip 0", "start": 0.0, "posture": "off"}
+    splice = Splice("clip 0", "clip 0", posture="off")
     memory.turns[:] = held = quaternion.about([0.0, 0.0, 1.0], 0.3)
-    turned = Evaluator(unclear).sequence(**ask, memory=memory).rotations[0, pelvis]  # type: ignore[arg-type]
+    turned = Evaluator(unclear).sequence(splice, [0.0], memory=memory).rotations[0, pelvis]
     own = unclear.motion("clip 0").rotations[0, pelvis]
     assert quaternion.angle(turned, quaternion.multiply(own, held)) < 1e-6
     np.testing.assert_array_equal(memory.turns[0], held)
-    alone = Evaluator(unclear).sequence(**ask).rotations[0, pelvis]  # type: ignore[arg-type]
+    alone = Evaluator(unclear).sequence(splice, [0.0]).rotations[0, pelvis]
     assert quaternion.angle(alone, own) < 1e-6
-    Evaluator(clear).sequence(**ask, memory=memory)  # type: ignore[arg-type]
-    assert quaternion.angle(memory.turns[0], quaternion.IDENTITY) < 1e-5  # its clouds are one cloud
+    Evaluator(clear).sequence(splice, [0.0], memory=memory)
+    assert quaternion.angle(memory.turns[0], quaternion.IDENTITY) < 1e-5  # locomotion and action are the same clip
 
 
 @given(seeds, st.sampled_from([np.nan, np.inf, -np.inf, 1e300, -1e30, 0.0]))
 @settings(max_examples=40)
-def test_no_number_in_a_table_leads_out_of_the_clip(seed: int, value: float) -> None:
-    """As plain Python a row outside a table is an error; whichever pose it is, the frame shown is one of the clip's."""
+def test_no_damaged_number_makes_kernels_read_outside_the_clip(seed: int, value: float) -> None:
+    """In plain Python, a row outside a table raises. With any damage, action frames must lie within the clip."""
     bank, draw = random_bank.random_bank(seed, 5, 2, 4, "torso"), np.random.default_rng(seed)
     evaluator, (locomotion, action) = Evaluator(bank), bank.clips
     with np.errstate(all="ignore"):
@@ -178,24 +179,26 @@ def test_no_number_in_a_table_leads_out_of_the_clip(seed: int, value: float) -> 
             flat = bank.tables[name].reshape(-1)
             flat[draw.integers(0, flat.size, flat.size // 4)] = value
         for time in np.linspace(0.0, locomotion.duration, 7):
-            evaluator.pose(locomotion.name, time, action.name, start=action.duration / 2.0)
-        frames = evaluator.action_frames(locomotion.name, np.linspace(0.0, locomotion.duration, 7), action.name)
+            evaluator.pose(Splice(locomotion.name, action.name, start=action.duration / 2.0), time)
+        frames = evaluator.action_frames(Splice(locomotion.name, action.name), np.linspace(0.0, locomotion.duration, 7))
     rows = [lookup_kernels.locate(frame, action.first_row, action.row_count) for frame in frames]
     assert all(action.first_row <= row < action.first_row + action.row_count - 1 for row, _ in rows)
 
 
 @given(st.sampled_from(["walk", "run", "turn_180"]), st.sampled_from(["carry_box", "wave"]))
 @settings(max_examples=6)
-def test_a_running_posture_is_that_of_its_twin(bank: Bank, locomotion: str, action: str) -> None:
+def test_a_running_posture_agrees_with_its_twin(bank: Bank, locomotion: str, action: str) -> None:
     evaluator = Evaluator(bank)
-    found = evaluator.clip(locomotion, action, posture="running")
-    twin = naive.followed(bank, evaluator.clip(locomotion, action, posture="off"), locomotion, action, TIME_CONSTANT)
+    found = evaluator.clip(Splice(locomotion, action, posture="running"))
+    twin = naive.followed(
+        bank, evaluator.clip(Splice(locomotion, action, posture="off")), locomotion, action, TIME_CONSTANT
+    )
     assert quaternion.angle(found.rotations, twin.rotations).max() < 5e-5
 
 
 def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
     evaluator = Evaluator(bank)
-    poses = evaluator.sequence("walk", evaluator.frame_times("walk"), "wave")
+    poses = evaluator.sequence(Splice("walk", "wave"), evaluator.frame_times("walk"))
     positions = np.empty((len(poses.rotations), bank.skeleton.joint_count, 3), np.float32)
     evaluator.world_positions(poses, positions)
     expected = world_transforms(bank.skeleton, poses.root_positions, poses.rotations)[0]
@@ -203,10 +206,10 @@ def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
 
 
 @pytest.mark.parametrize("count", [1, 31, 33, 64, 200])
-def test_threads_make_no_difference(bank: Bank, count: int) -> None:
+def test_poses_do_not_depend_on_the_number_of_threads(bank: Bank, count: int) -> None:
     draw, requests, memory = np.random.default_rng(count), Requests.empty(count), Memory.begin(count, rate=60.0)
     requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
-    requests.posture[:] = draw.integers(0, 4, count)
+    requests.posture[:] = draw.integers(0, len(POSTURES), count)
     results = []
     for threads in (1, 2):
         evaluator, own = Evaluator(bank, threads=threads), Memory(memory.state.copy(), memory.share)
@@ -219,12 +222,13 @@ def test_threads_make_no_difference(bank: Bank, count: int) -> None:
         np.testing.assert_array_equal(one, other)
 
 
-def test_a_batch_is_its_characters_one_by_one(bank: Bank) -> None:
+def test_a_batch_gives_the_same_poses_as_single_requests(bank: Bank) -> None:
     evaluator, draw, count = Evaluator(bank), np.random.default_rng(3), 200
     requests, poses = Requests.empty(count), evaluator.poses(count)
     requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
     requests.time[:] = draw.random(count) * [bank.clips[one].duration for one in requests.locomotion]
-    requests.method[:], requests.posture[:] = draw.integers(0, 3, (2, count))
+    requests.method[:] = draw.integers(0, len(METHODS), count)
+    requests.posture[:] = draw.choice([POSTURES[posture] for posture in STATELESS], count)
     evaluator.evaluate(requests, poses)
     single = evaluator.poses(1)
     for character in range(count):

@@ -14,8 +14,8 @@ from motionsplice.runtime.kernels.lookup import IN_STEP
 from motionsplice.runtime.requests import Requests
 
 
-def shown(bank: Bank, locomotion: int, time: float, action: int, cycles: int) -> float:
-    """The frame of the action that kernels show."""
+def action_frame(bank: Bank, locomotion: int, time: float, action: int, cycles: int) -> float:
+    """Returns the frame of the action that kernels play."""
     requests, frames = Requests.empty(1), np.empty(1)
     requests.locomotion[:], requests.action[:], requests.cycles[:] = locomotion, action, cycles
     requests.time[:] = time
@@ -24,14 +24,12 @@ def shown(bank: Bank, locomotion: int, time: float, action: int, cycles: int) ->
 
 
 @given(data=st.data(), share=st.floats(0.0, 1.0), start=st.floats(0.0, 1.0))
-def test_cycles_bring_an_action_to_a_moment_in_step(
-    bank: Bank, data: st.DataObject, share: float, start: float
-) -> None:
+def test_cycles_move_an_action_to_a_moment_in_step(bank: Bank, data: st.DataObject, share: float, start: float) -> None:
     locomotion, action = (data.draw(st.integers(0, len(bank.clips) - 1)) for _ in range(2))
     entry_l, entry_u = bank.clips[locomotion], bank.clips[action]
     time = share * entry_l.duration
     phase_l, wanted = bank.phase_at(entry_l.name, time), bank.phase_at(entry_u.name, start * entry_u.duration)
-    first = math.ceil(entry_u.first_phase - entry_l.first_phase - IN_STEP)  # cycles when both begin together
+    first = math.ceil(entry_u.first_phase - entry_l.first_phase - IN_STEP)  # cycles if both begin together
     cycles = math.ceil(wanted - phase_l - IN_STEP) - first
     phase = phase_l + first + cycles
     assert wanted - 0.0011 <= phase < wanted + 0.9991
@@ -39,11 +37,11 @@ def test_cycles_bring_an_action_to_a_moment_in_step(
         rows = slice(entry_u.first_row, entry_u.first_row + entry_u.row_count)
         own = bank.tables["phase_of_frame"][rows]
         frame = np.interp(phase, own, np.arange(len(own)))
-        assert max(0.0, shown(bank, locomotion, time, action, cycles)) == pytest.approx(frame, abs=1e-4)
+        assert max(0.0, action_frame(bank, locomotion, time, action, cycles)) == pytest.approx(frame, abs=1e-4)
 
 
 @given(data=st.data(), seconds=st.floats(-1.0, 20.0))
-def test_the_phase_at_a_time_lies_between_those_of_its_frames(bank: Bank, data: st.DataObject, seconds: float) -> None:
+def test_the_phase_at_a_time_is_interpolated_between_frames(bank: Bank, data: st.DataObject, seconds: float) -> None:
     clip = data.draw(st.sampled_from(bank.clips))
     phase = bank.phase(clip.name)
     wanted = np.interp(seconds * clip.rate, np.arange(len(phase)), phase)

@@ -1,4 +1,4 @@
-"""Lanes compiled are lanes as plain Python: the NumPy forms in `motionsplice.runtime.simd.lanes` are the twins."""
+"""Compiled lanes agree with their twins, the NumPy forms in `motionsplice.runtime.simd.lanes`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def transpose(table: Array, first: int, last: int, column: int, rows: Array, fla
 
 
 @given(seeds, st.integers(0, 2), st.integers(0, 9))
-def test_arithmetic_is_numpys(seed: int, row: int, column: int) -> None:
+def test_lane_arithmetic_agrees_with_numpy(seed: int, row: int, column: int) -> None:
     draw = np.random.default_rng(seed)
     table, factor = draw.normal(size=(4, 20)).astype(np.float32), np.float32(draw.normal())
     compiled, plain = np.zeros((2, 4, 20), np.float32)
@@ -53,7 +53,7 @@ def test_arithmetic_is_numpys(seed: int, row: int, column: int) -> None:
 
 
 @given(seeds, st.integers(1, 20), st.integers(0, 8))
-def test_rows_become_lanes_and_lanes_rows(seed: int, count: int, column: int) -> None:
+def test_gather_and_scatter_transpose_rows_and_lanes(seed: int, count: int, column: int) -> None:
     draw = np.random.default_rng(seed)
     first = int(draw.integers(0, count))
     table = draw.normal(size=(count, 12)).astype(np.float32)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 import tracemalloc
 from contextlib import suppress
-from typing import Any
+from typing import Any, get_args
 
 import msgpack
 import numpy as np
@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.requests import METHODS, POSTURES
+from motionsplice.runtime.requests import METHODS, POSTURES, Posture
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.answers.batch import Batch
 from motionsplice.service.problems import LimitError, RequestError
 
@@ -94,12 +95,12 @@ def test_any_hands_on_any_clips_are_shown_or_refused(
         poses = evaluator.poses(len(requests))
         evaluator.evaluate(requests, poses)
         np.testing.assert_allclose(np.linalg.norm(poses.rotations, axis=-1), 1.0, atol=1e-5)
-        for pose, (name, second, worn), time in zip(poses.rotations, named, times, strict=True):
-            alone = evaluator.pose(name, time, second, method=method, hands=worn)  # type: ignore[arg-type]
+        for pose, (name, second, laid), time in zip(poses.rotations, named, times, strict=True):
+            alone = evaluator.pose(Splice(name, second, method=method, hands=laid), time)  # type: ignore[arg-type]
             np.testing.assert_array_equal(pose, alone.rotations[0])
 
 
-def test_no_characters_are_none(bank: Bank) -> None:
+def test_a_batch_may_be_empty(bank: Bank) -> None:
     batch = Batch.from_json(_json({"clips": [], "locomotion": [], "time": []}), MOST)
     assert len(batch.requests(bank)) == 0
 
@@ -107,50 +108,50 @@ def test_no_characters_are_none(bank: Bank) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"clips": None}, "clips: it should be a list of names"),
-        ({"clips": ["walk", 3, "run"]}, "clips: it should be a list of names"),
-        ({"time": [0.5, 1.0]}, "time: it has 2 numbers for 3 characters"),
-        ({"locomotion": [0, 3, 0]}, "locomotion: 3 of character 1 is none of 3 clips"),
-        ({"locomotion": [0, 0, -1]}, "locomotion: -1 of character 2"),
-        ({"action": [0, 0, -2]}, "action: -2 of character 2"),
-        ({"hands": [3, -1, -1]}, "hands: 3 of character 0 is none of 3 clips"),
-        ({"hands": [-1, -1, 1]}, "hands: 'wave' is played as a clip too. Name it twice in clips"),
-        ({"method": "splise"}, "method: it is 'splise', and should be one of splice"),
-        ({"posture": 3}, "posture: it is 3"),
-        ({"postur": "off"}, "there is no key 'postur'. Did you mean 'posture'"),
+        ({"clips": None}, "clips: expected a list of names"),
+        ({"clips": ["walk", 3, "run"]}, "clips: expected a list of names"),
+        ({"time": [0.5, 1.0]}, "time: expected 3 numbers, as many as locomotion has, found 2"),
+        ({"locomotion": [0, 3, 0]}, "locomotion: character 1 has index 3, but there are 3 clips"),
+        ({"locomotion": [0, 0, -1]}, "locomotion: character 2 has index -1"),
+        ({"action": [0, 0, -2]}, "action: character 2 has index -2"),
+        ({"hands": [3, -1, -1]}, "hands: character 0 has index 3, but there are 3 clips"),
+        ({"hands": [-1, -1, 1]}, "hands: 'wave' is also used as a clip. List it twice in clips"),
+        ({"method": "splise"}, "method: expected one of splice, naive, none, found 'splise'"),
+        ({"posture": 3}, f"posture: expected one of {', '.join(get_args(Posture))}, found 3"),
+        ({"postur": "off"}, "unknown key 'postur'. Did you mean 'posture'"),
     ],
 )
 @pytest.mark.parametrize("form", ["msgpack", "json"])
-def test_what_is_wrong_is_named(change: dict[str, Any], words: str, form: str) -> None:
+def test_an_error_names_the_key(change: dict[str, Any], words: str, form: str) -> None:
     batch = GOOD | change
     read, body = (Batch.from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
     with pytest.raises(RequestError) as caught:
         read(body, MOST)
-    assert words in str(caught.value) or "no MessagePack map of names" in str(caught.value)
+    assert words in str(caught.value) or "not a MessagePack map of names" in str(caught.value)
 
 
 @pytest.mark.parametrize("key", ["clips", "locomotion", "time"])
-def test_what_is_missing_is_named(key: str) -> None:
+def test_a_missing_key_is_named(key: str) -> None:
     less = {name: value for name, value in GOOD.items() if name != key}
-    with pytest.raises(RequestError, match=f"{key}: it is missing"):
+    with pytest.raises(RequestError, match=f"{key}: missing"):
         Batch.from_msgpack(as_msgpack(less), MOST)
-    with pytest.raises(RequestError, match=f"{key}: it is missing"):
+    with pytest.raises(RequestError, match=f"{key}: missing"):
         Batch.from_json(_json(less), MOST)
 
 
 @pytest.mark.parametrize("times", [[0.5, 1.0, "2"], [0.5, None, 1.0], [True, 1.0, 1.0], 3])
-def test_json_takes_numbers_only(times: Any) -> None:
-    with pytest.raises(RequestError, match="time: it should be a list of numbers"):
+def test_json_must_have_numbers(times: Any) -> None:
+    with pytest.raises(RequestError, match="time: expected a list of numbers"):
         Batch.from_json(_json(GOOD | {"time": times}), MOST)
-    with pytest.raises(RequestError, match="locomotion: it should be a list of whole numbers"):
+    with pytest.raises(RequestError, match="locomotion: expected a list of whole numbers"):
         Batch.from_json(_json(GOOD | {"locomotion": [0, 1.5, 0]}), MOST)
     with pytest.raises(RequestError, match="too large"):
         Batch.from_json(_json(GOOD | {"locomotion": [0, 2**40, 0]}), MOST)
 
 
-def test_blobs_of_odd_size_are_refused() -> None:
+def test_blobs_of_wrong_size_are_refused() -> None:
     packed = msgpack.packb(GOOD | {"locomotion": b"123"} | dict.fromkeys(("time", "action", "start"), b""))
-    with pytest.raises(RequestError, match="locomotion: it should be a blob of 4 bytes a character"):
+    with pytest.raises(RequestError, match="locomotion: expected a blob of 4 bytes for each character"):
         Batch.from_msgpack(packed, MOST)
 
 
@@ -162,7 +163,7 @@ def test_too_many_are_refused() -> None:
         Batch.from_msgpack(as_msgpack(GOOD | {"clips": ["walk"] * 51}), MOST)
 
 
-def test_unknown_clips_are_answered_with_the_near_ones(bank: Bank) -> None:
+def test_an_error_about_an_unknown_clip_suggests_similar_names(bank: Bank) -> None:
     batch = Batch.from_json(_json(GOOD | {"clips": ["wlak", "wave", "run"]}), MOST)
     with pytest.raises(UnknownClipError, match="Did you mean 'walk'"):
         batch.requests(bank)

@@ -16,7 +16,7 @@ from tests.service.running import PATIENCE, Running
 
 
 class Player:
-    """Sends commands, and takes events and frames apart."""
+    """Sends commands, and decodes events and frames."""
 
     def __init__(self, service: Running, query: str = "", **options: Any) -> None:
         url = f"ws://127.0.0.1:{service.port}/v1/characters{query}"
@@ -35,7 +35,7 @@ class Player:
         self._connection.__exit__(kind, error, trace)
 
     def take(self) -> None:
-        """Takes the next message."""
+        """Receives the next message."""
         message = self.socket.recv(timeout=PATIENCE)
         if isinstance(message, str):
             self.events.append(json.loads(message))
@@ -53,28 +53,28 @@ class Player:
             )
 
     def event(self, *kinds: str) -> dict[str, Any]:
-        """The next event of some kinds; others before it are passed over."""
+        """Returns the next event of these kinds, and drops others before it."""
         deadline = time.monotonic() + PATIENCE
         while True:
             assert time.monotonic() < deadline, f"no {kinds}"
             while self.events:
-                if (told := self.events.pop(0))["event"] in kinds:
-                    return told
+                if (event := self.events.pop(0))["event"] in kinds:
+                    return event
             self.take()
 
     def frame(self) -> dict[str, Any]:
-        """The next message of frames."""
+        """Returns the next message of frames."""
         while not self.frames:
             self.take()
         return self.frames.pop(0)
 
     def do(self, *commands: dict[str, Any]) -> dict[str, Any]:
-        """Sends a message of commands, and returns its answer; frames before it are kept."""
+        """Sends a message of commands, and returns the reply. Frames before it stay in `frames`."""
         self.socket.send(json.dumps(commands[0] if len(commands) == 1 else commands))
         return self.event("done", "refused")
 
     def frames_until(self, number: int) -> list[dict[str, Any]]:
-        """All messages up to that which has a frame."""
+        """Returns all messages of frames up to the one that has frame `number`."""
         taken = [self.frame()]
         while taken[-1]["frame"] + taken[-1]["count"] <= number:
             taken.append(self.frame())

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -10,23 +10,22 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Posture
 from motionsplice.runtime.stage import Stage
 from motionsplice.service.settings import Settings
+from tests.playing import command
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
 
 WALK = {"do": "create", "id": 7, "locomotion": "walk"}
-FRAGMENTS = b"\x01\x80mask" + 1023 * b"\x00\x80mask"  # of one message that does not end
+FRAGMENTS = b"\x01\x80mask" + 1023 * b"\x00\x80mask"  # of a message that never ends
 
 
 def twin(bank: Bank, *commands: tuple[str, dict[str, Any]], frames: int = 0) -> tuple[Any, Any]:
-    """Root position [3] and rotations [J, 4] of a character that was added and commanded, after so many frames."""
+    """Returns the root position [3] and rotations [J, 4] of a character `frames` frames after its commands."""
     characters = Characters(Stage(Evaluator(bank)), 60.0)
     for do, values in commands:
-        if do == "add":
-            characters.add(1, **values)
-        else:
-            getattr(characters, do)([0], **values)
+        command(characters, do, values)
     for _ in range(frames):
         characters.evaluate(characters.stage.evaluator.poses(1))
         characters.advance()
@@ -35,9 +34,10 @@ def twin(bank: Bank, *commands: tuple[str, dict[str, Any]], frames: int = 0) -> 
     return poses.root_positions[0], poses.rotations[0]
 
 
-def test_frames_are_those_of_the_runtime_numbered_by_their_own_clock(service: Running, bank: Bank) -> None:
+def test_frames_are_those_of_the_runtime_and_numbered_by_the_connections_clock(service: Running, bank: Bank) -> None:
     with Player(service, "?rate=60") as player:
         assert player.welcome["bank"] == bank.digest
+        assert player.welcome["protocol"] == 3
         assert (player.welcome["rate"], player.welcome["ahead"]) == (60.0, 1)
         act = {"do": "act", "id": 7, "action": "wave", "when": "foot", "mask": "arms"}
         first = player.do({**WALK, "position": [1, 0, 2], "heading": 0.5}, act)["frame"]
@@ -84,8 +84,8 @@ def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
 def test_locomotions_are_mixed_by_weight(service: Running) -> None:
     with Player(service) as player:
         first = player.do({**WALK, "locomotion": {"walk": 1, "run": 0}})["frame"]
-        told = player.do({"do": "weigh", "id": 7, "weights": {"run": 1}})
-        assert told["event"] == "done"
+        reply = player.do({"do": "mix", "id": 7, "weights": {"run": 1}})
+        assert reply["event"] == "done"
         frames = player.frames_until(first + 60)
         ahead = np.diff([frame["root_positions"][0, 0, 2] for frame in frames])
         assert ahead[-10:].mean() > 1.3 * ahead[:5].mean()
@@ -93,8 +93,8 @@ def test_locomotions_are_mixed_by_weight(service: Running) -> None:
 
 def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank) -> None:
     with Player(service) as player:
-        told = player.do({"do": "set", "events": ["left_down", "action_began", "action_ended", "locomotion_ended"]})
-        assert told["event"] == "done"
+        reply = player.do({"do": "set", "events": ["left_down", "action_began", "action_ended", "locomotion_ended"]})
+        assert reply["event"] == "done"
         near = bank.clip("run").duration - 2.5 / 60.0
         run = {"do": "create", "locomotion": "run", "time": near, "loop": False}
         first = player.do(WALK, {**run, "id": 2})["frame"]
@@ -113,58 +113,100 @@ def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank
     ("commands", "kind", "words"),
     [
         ([{"do": "create", "id": 8, "locomotion": "wlak"}], "unknown-clip", "Did you mean 'walk'"),
-        ([{"do": "create", "id": 7, "locomotion": "walk"}], "request", "there is a character 7 already"),
-        ([{"do": "create", "id": -1, "locomotion": "walk"}], "request", "id: it should be a whole number"),
-        ([{"do": "create", "id": [8, 8], "locomotion": "walk"}], "request", "in the list twice"),
-        ([{"do": "create", "id": 8}], "request", "locomotion: create needs it"),
-        ([{"do": "create", "id": 8, "locomotion": "walk", "sped": 2}], "request", "create takes no 'sped'"),
-        ([{"do": "dance", "id": 7}], "request", "there is no command 'dance'"),
+        ([{"do": "create", "id": 7, "locomotion": "walk"}], "request", "character 7 already exists"),
+        (
+            [{"do": "create", "id": -1, "locomotion": "walk"}],
+            "request",
+            "id: expected a whole number from 0 to 4294967295, or a list of them that is not empty, found -1",
+        ),
+        ([{"do": "create", "id": [8, 8], "locomotion": "walk"}], "request", "id: the list has a number twice"),
+        ([{"do": "create", "id": 8}], "request", "locomotion: missing, but create requires it"),
+        ([{"do": "create", "id": 8, "locomotion": "walk", "sped": 2}], "request", "create has no key 'sped'"),
+        ([{"do": "dance", "id": 7}], "request", "unknown command 'dance'"),
         ([{"do": "play", "id": 7, "locomotion": "walk", "time": 99}], "time-range", "Give a time from 0 to 5.000"),
-        ([{"do": "play", "id": 7, "locomotion": "walk", "time": -1}], "request", "time: it is -1, and should be"),
+        (
+            [{"do": "play", "id": 7, "locomotion": "walk", "time": -1}],
+            "request",
+            "time: expected at least 0 seconds, found -1",
+        ),
         ([{"do": "play", "id": 7, "locomotion": {}}], "request", "0 locomotions cannot be mixed"),
-        ([{"do": "weigh", "id": 7, "weights": {"run": 1}}], "request", "not one of the locomotions"),
-        ([{"do": "act", "id": 7, "action": "wave", "own_clock": [1]}], "request", "own_clock: it is [1]"),
-        ([{"do": "set", "events": ["boom"]}], "request", "a list of left_down"),
+        ([{"do": "mix", "id": 7, "weights": {"run": 1}}], "request", "not one of the locomotions"),
+        (
+            [{"do": "act", "id": 7, "action": "wave", "own_clock": [1]}],
+            "request",
+            "own_clock: expected true, false or two times of the action in seconds, found [1]",
+        ),
+        ([{"do": "set", "events": ["boom"]}], "request", "events: expected a list of left_down"),
         ([{"do": "act", "id": 7, "action": "wave", "start": 9}], "time-range", "start 9 s lies outside clip 'wave'"),
-        ([{"do": "act", "id": 7, "action": "wave", "posture": "up"}], "request", "posture: it is 'up'"),
-        ([{"do": "speed", "id": 6, "speed": 1}], "request", "there is no character 6"),
-        ([{"do": "speed", "id": 7, "speed": 9}], "request", "speed: it is 9, and should be a number from 0 to 8"),
+        (
+            [{"do": "act", "id": 7, "action": "wave", "posture": "up"}],
+            "request",
+            f"posture: expected one of {', '.join(get_args(Posture))}, found 'up'",
+        ),
+        ([{"do": "speed", "id": 6, "speed": 1}], "request", "character 6 not found"),
+        ([{"do": "speed", "id": 7, "speed": 9}], "request", "speed: expected a number from 0 to 8, found 9"),
         ([{"do": "set", "rate": 121}], "limit", "rate: 121 is more than 120"),
         ([{"do": "set", "ahead": 121}], "limit", "ahead: 121 is more than 120"),
-        ([{"do": "set", "id": 7, "rate": 30}], "request", "set takes no 'id'"),
-        ([{"do": "create", "id": list(range(10, 400)), "locomotion": "walk"}], "busy", "at most 20000 characters"),
-        ([{"do": "remove", "id": 7}, {"do": "remove", "id": 6}], "request", "there is no character 6"),
-        ([{"do": "remove", "id": 7}, {"do": "remoov", "id": 6}], "request", "command 1: do: there is no command"),
-        ([3], "request", "a command is a map"),
-        ([{"id": 7}], "request", "there is no command None"),
+        ([{"do": "set", "id": 7, "rate": 30}], "request", "set has no key 'id'"),
+        (
+            [{"do": "create", "id": list(range(10, 400)), "locomotion": "walk"}],
+            "busy",
+            "at most 20000 characters per second",
+        ),
+        ([{"do": "remove", "id": 7}, {"do": "remove", "id": 6}], "request", "character 6 not found"),
+        ([{"do": "remove", "id": 7}, {"do": "remoov", "id": 6}], "request", "command 1: do: unknown command"),
+        ([3], "request", "expected a command, which is a map, found 3"),
+        ([{"id": 7}], "request", "do: unknown command None"),
     ],
 )
-def test_what_is_wrong_is_refused_and_nothing_of_it_done(
+def test_a_message_with_a_wrong_command_is_refused_as_a_whole(
     service: Running, commands: list[Any], kind: str, words: str
 ) -> None:
     with Player(service) as player:
         player.do(WALK)
         player.frame()
         commands = [{**one, "ref": "mine"} if isinstance(one, dict) else one for one in commands]
-        told = player.do(*commands)
-        assert (told["event"], told["type"]) == ("refused", f"urn:motionsplice:{kind}")
-        assert words in told["detail"]
-        assert told["ref"] == ("mine" if isinstance(commands[0], dict) else None)
+        reply = player.do(*commands)
+        assert (reply["event"], reply["type"]) == ("refused", f"urn:motionsplice:{kind}")
+        assert words in reply["detail"]
+        assert reply["ref"] == ("mine" if isinstance(commands[0], dict) else None)
         player.frames.clear()
         assert player.frame()["ids"] == [7]
+
+
+@pytest.mark.parametrize("ref", [0, -(2**63), 2**64 - 1, 1.5, "", "mine", None])
+def test_a_ref_is_repeated(service: Running, ref: Any) -> None:
+    with Player(service) as player:
+        assert player.do({**WALK, "ref": ref})["ref"] == ref
+        refused = player.do({**WALK, "ref": ref})
+        assert (refused["event"], refused["ref"]) == ("refused", ref)
+
+
+@pytest.mark.parametrize("ref", [True, False, {"x": 1}, [], ["mine"]])
+def test_a_ref_that_is_not_a_number_or_text_is_refused(service: Running, ref: Any) -> None:
+    with Player(service) as player:
+        for commands in ([{**WALK, "ref": ref}], [{**WALK, "ref": ref}, {**WALK, "id": 8, "ref": 3}]):
+            refused = player.do(*commands)
+            assert (refused["event"], refused["ref"]) == ("refused", None)
+            assert refused["type"] == "urn:motionsplice:request"
+            assert "ref: expected a number or text, found" in refused["detail"]
+        later = player.do({**WALK, "ref": 3}, {**WALK, "id": 8, "ref": ref})
+        assert (later["event"], later["ref"]) == ("refused", 3)
+        assert later["detail"].startswith("command 1: ref: ")
+        assert player.do(WALK)["event"] == "done"  # so none of the refused messages created it
 
 
 @pytest.mark.parametrize(
     "text", ["", "{", "[]", "[" * 30_000, "null", '"x"', "1e999", '{"do": "create", "do": 3}', "[[]]"]
 )
-def test_text_that_is_no_command_is_refused(service: Running, text: str) -> None:
+def test_text_that_is_not_a_command_is_refused(service: Running, text: str) -> None:
     with Player(service) as player:
         player.socket.send(text)
         assert player.event("done", "refused")["event"] == "refused"
         assert player.do(WALK)["event"] == "done"
 
 
-def test_frames_ahead_are_those_that_would_have_come_one_by_one(service: Running, bank: Bank) -> None:
+def test_frames_sent_ahead_are_the_same_as_frames_sent_one_by_one(service: Running, bank: Bank) -> None:
     with Player(service, "?ahead=20") as player:
         first = player.do(WALK, {"do": "act", "id": 7, "action": "wave", "posture": "running"})["frame"]
         ahead = [player.frame() for _ in range(2)]
@@ -177,7 +219,7 @@ def test_frames_ahead_are_those_that_would_have_come_one_by_one(service: Running
         np.testing.assert_allclose(ahead[number // 20]["rotations"][number % 20], frame["rotations"][0], atol=1e-6)
 
 
-def test_a_command_makes_wrong_what_was_sent_ahead(service: Running, bank: Bank) -> None:
+def test_a_command_replaces_frames_that_were_sent_ahead(service: Running, bank: Bank) -> None:
     with Player(service, "?ahead=60") as player:
         first = player.do(WALK)["frame"]
         sent = player.frame()
@@ -201,7 +243,7 @@ def test_rate_and_look_ahead_can_be_changed(service: Running) -> None:
         assert frames[-1]["time"] - frames[-2]["time"] == pytest.approx(4 / 30, abs=1e-3)
 
 
-def test_clients_of_one_rate_are_due_at_the_same_moment(service: Running) -> None:
+def test_frames_of_all_clients_of_a_rate_are_due_at_the_same_moments(service: Running) -> None:
     with Player(service) as one, Player(service) as two:
         one.do(WALK)
         two.do(WALK)
@@ -209,7 +251,7 @@ def test_clients_of_one_rate_are_due_at_the_same_moment(service: Running) -> Non
         assert max(abs(part - round(part)) for part in apart) < 0.1
 
 
-def test_a_newer_bank_is_played_on_from_the_next_frame(service: Running, bank: Bank) -> None:
+def test_a_newer_bank_is_played_from_the_next_frame_on(service: Running, bank: Bank) -> None:
     hub = service.config.front.hub
     with Player(service) as player:
         player.do(WALK, {"do": "act", "id": 7, "action": "wave"}, {"do": "stop", "id": 7, "blend": 9})
@@ -218,8 +260,8 @@ def test_a_newer_bank_is_played_on_from_the_next_frame(service: Running, bank: B
         twin = type(old)(evaluator.bank, evaluator, Stage(evaluator))
         loop = service.server.servers[0].get_loop()
         loop.call_soon_threadsafe(service.config.front.shared.serving.exchange, twin)
-        told = player.event("bank")
-        frames = player.frames_until(told["frame"] + 3)
+        moved = player.event("bank")
+        frames = player.frames_until(moved["frame"] + 3)
         numbers = [frame["frame"] for frame in frames]
         assert numbers == sorted(set(numbers))
         assert all(one.play.scene.edition is twin for one in hub.connections)
@@ -246,7 +288,7 @@ def test_it_closes_with_defined_codes(service: Running, send: Any, code: int) ->
 
 def test_a_handshake_that_is_refused_says_why(service: Running) -> None:
     for query, status, words in (
-        ("?rate=0", 422, "rate: it is 0"),
+        ("?rate=0", 422, "rate: expected a number from 1 to 1000, found '0'"),
         ("?rate=200", 422, "more than 120"),
         ("?axis=unity", 422, "Did you mean 'axes'"),
         ("/nothing", 404, "/v1/characters"),
@@ -257,12 +299,12 @@ def test_a_handshake_that_is_refused_says_why(service: Running) -> None:
         assert words in json.loads(caught.value.response.body or b"")["detail"]
 
 
-def test_a_service_that_stops_tells_its_clients(bank: Bank) -> None:
+def test_a_service_that_stops_sends_an_event_and_a_close_code(bank: Bank) -> None:
     with running(bank.path, Settings()) as service:
         player = Player(service)
         player.do(WALK)
         service.server.should_exit = True
-        assert "stops" in player.event("bye")["reason"]
+        assert "stops" in player.event("closing")["reason"]
         with pytest.raises(ConnectionClosed) as caught:
             player.frames_until(10**6)
         assert caught.value.rcvd is not None

@@ -1,4 +1,4 @@
-"""Random clients: whatever they send, they are answered or closed with a defined code, and the service lives."""
+"""Random clients: any message is answered or closes the connection with a defined code, and the service lives."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ likely = st.sampled_from(
         {"do": "act", "id": 1, "action": "counting", "method": "naive", "start": 0.5},
         {"do": "play", "id": 1, "locomotion": "counting"},
         {"do": "play", "id": 1, "locomotion": {"walk": 1, "run": 2}, "blend": 0.1},
-        {"do": "weigh", "id": 1, "weights": {"run": 1}},
+        {"do": "mix", "id": 1, "weights": {"run": 1}},
         {"do": "act", "id": 1, "action": "wave", "when": "foot", "mask": "left_arm", "loop": False},
         {"do": "set", "events": ["left_down", "right_up", "stride"]},
         {"do": "wear", "id": 1, "hands": "counting_hands"},
@@ -85,7 +85,7 @@ junk = st.recursive(
 
 
 class Clients(RuleBasedStateMachine):
-    """One client after the other, each with whatever it thinks of."""
+    """One client after the other, each with random messages."""
 
     service: Running
 
@@ -99,10 +99,10 @@ class Clients(RuleBasedStateMachine):
         self.player = Player(self.service, f"?rate=120&ahead={ahead}{how}")
 
     @precondition(lambda self: self.player is not None)
-    @rule(told=likely | commands | st.lists(likely | commands | junk, max_size=5) | junk)
-    def command(self, told: Any) -> None:
+    @rule(message=likely | commands | st.lists(likely | commands | junk, max_size=5) | junk)
+    def command(self, message: Any) -> None:
         assert self.player is not None
-        self.player.socket.send(json.dumps(told))
+        self.player.socket.send(json.dumps(message))
         answer = self.player.event("done", "refused")
         if answer["event"] == "refused":
             assert answer["type"].startswith("urn:motionsplice:")
@@ -151,19 +151,20 @@ class Clients(RuleBasedStateMachine):
 
 @pytest.fixture(scope="module")
 def service(hands_bank: Bank) -> Iterator[Running]:
-    """A service that waits for slow clients, such as those that think about what to do next."""
+    """A service with long timeouts, as the test takes time between messages."""
     with running(hands_bank.path, Settings()) as service:
         yield service
 
 
 @pytest.fixture
 def failures(caplog: pytest.LogCaptureFixture) -> Iterator[list[str]]:
-    """What the service logged as its own failure."""
-    told: list[str] = []
-    yield told
-    told += [one.getMessage() for one in caplog.records if one.name.startswith(("motionsplice", "uvicorn", "asyncio"))
-             and one.levelno >= logging.ERROR]  # fmt: skip
-    assert not told
+    """Messages that the service logged as errors."""
+    messages: list[str] = []
+    yield messages
+    for record in caplog.records:
+        if record.name.startswith(("motionsplice", "uvicorn", "asyncio")) and record.levelno >= logging.ERROR:
+            messages.append(record.getMessage())
+    assert not messages
 
 
 def test_random_clients_do_no_harm(service: Running, failures: list[str]) -> None:

@@ -1,4 +1,4 @@
-"""The characters of a connection, without one."""
+"""The characters of a connection, without a socket."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ def playing(edition: Edition) -> Scene:
     return found
 
 
-def test_a_few_frames_that_are_left_out_are_as_if_they_had_been_shown(edition: Edition) -> None:
-    shown, late = playing(edition), playing(edition)
+def test_a_few_frames_are_left_out_as_if_they_had_been_evaluated(edition: Edition) -> None:
+    evaluated, late = playing(edition), playing(edition)
     for _ in range(50):
-        shown.pass_frame()
+        evaluated.pass_frame()
     late.leave_out(50)
-    assert late.characters.state.tobytes() == shown.characters.state.tobytes()
+    assert late.characters.state.tobytes() == evaluated.characters.state.tobytes()
 
 
 def test_many_frames_are_left_out_in_long_steps(edition: Edition, monkeypatch: pytest.MonkeyPatch) -> None:
-    shown, late = playing(edition), playing(edition)
+    evaluated, late = playing(edition), playing(edition)
     for _ in range(50):
-        shown.pass_frame()
+        evaluated.pass_frame()
     monkeypatch.setattr(scene, "FEW", 99)
     monkeypatch.setattr(Scene, "pass_frame", None)
     late.leave_out(50)
     places = [col.PLACE, col.PLACE + 2, col.FIRST_LOCOMOTION + col.PHASE]
-    np.testing.assert_allclose(late.characters.state[:, places], shown.characters.state[:, places], atol=0.02)
+    np.testing.assert_allclose(late.characters.state[:, places], evaluated.characters.state[:, places], atol=0.02)

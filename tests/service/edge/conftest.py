@@ -8,7 +8,7 @@ from tests.service.running import Running, eventually
 
 
 @pytest.fixture(autouse=True)
-def nothing_is_left(impatient: Running) -> Iterator[None]:
-    """After each test the service, which each module makes as it needs it, holds nothing more of its clients."""
+def no_connection_is_left(impatient: Running) -> Iterator[None]:
+    """Checks after each test that the module's service holds no connections, tasks or streams."""
     yield
     eventually(lambda: impatient.held == (0, 0, 0, 0))

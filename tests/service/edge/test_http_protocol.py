@@ -20,7 +20,7 @@ STREAM = b"GET /v1/stream?locomotion=walk&rate=1000&ahead=100 HTTP/1.1\r\nHost: 
 
 @pytest.fixture(scope="module")
 def impatient(bank: Bank) -> Iterator[Running]:
-    """A service that waits for nobody."""
+    """A service with short timeouts."""
     settings = Settings(
         request_seconds=0.3, idle_seconds=0.3, stall_seconds=0.3, max_header=2048, max_connections_per_address=8
     )
@@ -30,30 +30,30 @@ def impatient(bank: Bank) -> Iterator[Running]:
 
 def problem(answer: bytes) -> tuple[int, str]:
     head, _, body = answer.partition(b"\r\n\r\n")
-    told = json.loads(body)
+    document = json.loads(body)
     assert b"application/problem+json" in head
-    assert told["status"] == int(head.split()[1])
-    return told["status"], told["type"].removeprefix("urn:motionsplice:")
+    assert document["status"] == int(head.split()[1])
+    return document["status"], document["type"].removeprefix("urn:motionsplice:")
 
 
 @pytest.mark.parametrize("sent", [b"", b"GET /healthz HT", b"GET /healthz HTTP/1.1\r\nHost: x\r\n"])
-def test_a_request_that_does_not_arrive_is_not_waited_for(impatient: Running, sent: bytes) -> None:
+def test_a_request_that_does_not_arrive_times_out(impatient: Running, sent: bytes) -> None:
     assert problem(received(impatient.connect(sent))) == (408, "timeout")
 
 
-def test_nor_is_the_second_on_a_connection(impatient: Running) -> None:
+def test_the_second_request_on_a_connection_times_out_too(impatient: Running) -> None:
     peer = impatient.connect(GET)
     assert peer.recv(1000).startswith(b"HTTP/1.1 204")
     peer.sendall(b"GET /heal")
     assert problem(received(peer)) == (408, "timeout")
 
 
-def test_a_body_that_does_not_arrive_is_not_waited_for(impatient: Running) -> None:
+def test_a_body_that_does_not_arrive_times_out(impatient: Running) -> None:
     head = b"POST /v1/poses HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n{"
     assert problem(received(impatient.connect(head))) == (408, "timeout")
 
 
-def test_a_connection_that_is_not_used_is_closed(impatient: Running) -> None:
+def test_an_unused_connection_is_closed(impatient: Running) -> None:
     assert received(impatient.connect(GET)).startswith(b"HTTP/1.1 204")
 
 
@@ -71,11 +71,11 @@ def test_large_heads_are_refused(impatient: Running, sent: bytes) -> None:
 
 
 @pytest.mark.parametrize("sent", [b"\x16\x03\x01\x02\x00\x01", b"HELLO\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n"])
-def test_what_is_not_http_is_a_problem(impatient: Running, sent: bytes) -> None:
+def test_data_that_is_not_http_is_a_problem(impatient: Running, sent: bytes) -> None:
     assert problem(received(impatient.connect(sent))) == (400, "http")
 
 
-def test_one_address_has_so_many_connections(impatient: Running) -> None:
+def test_connections_of_one_address_are_limited(impatient: Running) -> None:
     peers = [impatient.connect(b"GET") for _ in range(8)]
     eventually(lambda: len(impatient.config.ledger) == 8)
     assert problem(received(impatient.connect())) == (429, "busy")
@@ -85,27 +85,27 @@ def test_one_address_has_so_many_connections(impatient: Running) -> None:
     assert received(impatient.connect(GET)).startswith(b"HTTP/1.1 204")
 
 
-def test_who_stops_reading_is_cut_off(impatient: Running) -> None:
+def test_a_client_that_stops_reading_is_cut_off(impatient: Running) -> None:
     peer = impatient.connect(STREAM, receive_buffer=4096)
     eventually(lambda: len(impatient.config.front.shared.streams) == 1)
     eventually(lambda: impatient.held == (0, 0, 0, 0))
     peer.close()
 
 
-def test_who_reads_slowly_gets_all_of_a_large_answer(bank: Bank) -> None:
+def test_a_client_that_reads_slowly_gets_all_of_a_large_answer(bank: Bank) -> None:
     sent = b"GET /v1/splice?locomotion=walk&rate=1000&parts=both HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
     with running(bank.path, Settings(stall_seconds=1.0)) as service:
         peer, got, began = service.connect(sent, receive_buffer=65536), bytearray(), time.monotonic()
         while more := peer.recv(65536):
             got += more
-            time.sleep(max(0.0, began + len(got) / 4e6 - time.monotonic()))  # 4 MB/s: longer than it may stall
+            time.sleep(max(0.0, began + len(got) / 4e6 - time.monotonic()))  # 4 MB/s: longer than `stall_seconds`
     head, _, body = bytes(got).partition(b"\r\n\r\n")
     length = re.search(rb"content-length: (\d+)", head)
     assert length is not None
     assert len(body) == int(length[1]) > 8_000_000
 
 
-def test_trailers_without_end_are_refused(impatient: Running) -> None:
+def test_endless_trailers_are_refused(impatient: Running) -> None:
     head = b"POST /v1/poses HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\nX: "
     peer = impatient.connect(head)
     with suppress(OSError):
@@ -116,18 +116,18 @@ def test_trailers_without_end_are_refused(impatient: Running) -> None:
     peer.close()
 
 
-def test_requests_that_wait_for_one_before_them_are_limited(impatient: Running) -> None:
+def test_pipelined_requests_are_limited(impatient: Running) -> None:
     endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n"
     assert b"204" not in received(impatient.connect(endless + 100 * GET))
 
 
-def test_no_websocket_begins_within_an_answer(impatient: Running) -> None:
+def test_no_websocket_begins_in_the_middle_of_an_answer(impatient: Running) -> None:
     endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n"
     upgrade = b"GET /v1/characters HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n"
     assert b"WebSocket" not in received(impatient.connect(endless + upgrade))
 
 
-def test_who_goes_in_the_middle_leaves_nothing(impatient: Running) -> None:
+def test_a_client_that_disconnects_at_any_stage_leaves_nothing(impatient: Running) -> None:
     for number in range(200):
         sent = (b"", b"GET /v1", GET, STREAM, b"POST /v1/poses HTTP/1.1\r\nContent-Length: 9\r\n\r\n{")[number % 5]
         impatient.connect(sent).close()
@@ -135,7 +135,7 @@ def test_who_goes_in_the_middle_leaves_nothing(impatient: Running) -> None:
             eventually(lambda: len(impatient.config.ledger) < 4)
 
 
-def test_who_goes_before_the_next_frame_is_due_is_not_waited_for(impatient: Running) -> None:
+def test_a_client_that_disconnects_between_frames_is_noticed_at_once(impatient: Running) -> None:
     peer = impatient.connect(b"GET /v1/stream?locomotion=walk&rate=0.3&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n")
     assert peer.recv(12) == b"HTTP/1.1 200"
     eventually(lambda: len(impatient.config.front.shared.streams) == 1)
@@ -143,7 +143,7 @@ def test_who_goes_before_the_next_frame_is_due_is_not_waited_for(impatient: Runn
     eventually(lambda: impatient.held == (0, 0, 0, 0))
 
 
-def test_errors_of_the_application_come_through(impatient: Running) -> None:
+def test_errors_of_the_application_reach_the_client(impatient: Running) -> None:
     with pytest.raises(urllib.error.HTTPError) as caught:
         urllib.request.urlopen(f"{impatient.url}/v1/pose?locomotion=wlak&time=0")
     assert caught.value.code == 404

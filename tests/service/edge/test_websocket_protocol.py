@@ -40,7 +40,7 @@ def handshake(service: Running, *sent: bytes, receive_buffer: int | None = None)
 
 
 @pytest.mark.parametrize("characters", [1, 2000])
-def test_who_reads_nothing_is_cut_off_however_little_is_sent(impatient: Running, characters: int) -> None:
+def test_a_client_that_reads_nothing_is_cut_off_even_if_little_is_sent(impatient: Running, characters: int) -> None:
     create = text(f'{{"do": "create", "id": {list(range(characters))}, "locomotion": "walk"}}')
     peer = handshake(impatient, create, receive_buffer=4096)
     eventually(lambda: len(impatient.config.front.hub.connections) == 1)
@@ -48,18 +48,18 @@ def test_who_reads_nothing_is_cut_off_however_little_is_sent(impatient: Running,
     peer.close()
 
 
-def test_who_reads_is_not_cut_off(impatient: Running) -> None:
+def test_a_client_that_reads_is_not_cut_off(impatient: Running) -> None:
     with Player(impatient) as player:
         first = player.do({"do": "create", "id": 1, "locomotion": "walk"})["frame"]
         assert player.frames_until(first + 90)[-1]["frame"] >= first + 90
 
 
-def test_one_that_pings_and_reads_nothing_has_no_pongs_pile_up(impatient: Running) -> None:
+def test_pongs_do_not_pile_up_for_a_client_that_reads_nothing(impatient: Running) -> None:
     peer = handshake(impatient, receive_buffer=4096)
     peer.settimeout(0.5)
     ping = b"\x89\xfd" + bytes(4) + bytes(125)
     sent = 0
-    with suppress(OSError):  # it is cut off, or its pings are not read any more
+    with suppress(OSError):  # it is cut off, or its pings are no longer read
         while sent < 1_000_000_000:
             peer.sendall(1000 * ping)
             sent += 1000 * len(ping)
@@ -84,14 +84,14 @@ def test_a_websocket_counts_as_one_connection(impatient: Running) -> None:
     eventually(lambda: len(impatient.config.ledger) == 0)
 
 
-def test_who_goes_in_the_middle_leaves_nothing(impatient: Running) -> None:
+def test_a_client_that_disconnects_at_any_stage_leaves_nothing(impatient: Running) -> None:
     create = text('{"do": "create", "id": 1, "locomotion": "walk"}')
     for number in range(100):
         handshake(impatient, *((), (create,), (create, create[:20]), (b"\x81\xfe",))[number % 4]).close()
         eventually(lambda: len(impatient.config.ledger) < 4)
 
 
-def test_a_service_stops_in_spite_of_who_reads_nothing(bank: Bank) -> None:
+def test_a_service_stops_in_spite_of_clients_that_read_nothing(bank: Bank) -> None:
     with running(bank.path, Settings(stop_seconds=0.5, stall_seconds=30.0)) as service:
         create = text(f'{{"do": "create", "id": {list(range(3000))}, "locomotion": "walk"}}')
         peers = [handshake(service, create, receive_buffer=4096) for _ in range(3)]

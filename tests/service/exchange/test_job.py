@@ -1,4 +1,4 @@
-"""The offline job as the service sees it: started, killed, failing, and told."""
+"""The offline job run by the service: started, killed, failing, reported."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tests.service.running import PATIENCE
 
 @pytest.fixture
 def folder(clip_folder: Path, bank: Bank, tmp_path: Path) -> Path:
-    """A folder of clips, one of them new, beside the bank that is made from the others."""
+    """A folder of clips beside a bank of all but one of them."""
     shutil.copytree(clip_folder, tmp_path / "clips")
     shutil.copytree(bank.path, tmp_path / "bank")
     (tmp_path / "clips" / "jog.bvh").write_bytes(dump_bvh(make("run", seed=20, seconds=3.0)))
@@ -42,7 +42,7 @@ async def until(job: Job, holds: Callable[[JobInfo], bool]) -> JobInfo:
 
 
 def while_running(folder: Path, what: Callable[[Job], Awaitable[JobInfo]]) -> JobInfo:
-    """What comes of something done while a service runs the job of a folder."""
+    """Returns the result of `what`, called while a service runs the job of a folder."""
 
     async def both() -> JobInfo:
         job = job_of(folder)
@@ -56,7 +56,7 @@ def while_running(folder: Path, what: Callable[[Job], Awaitable[JobInfo]]) -> Jo
 
 
 def fake_job(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None:
-    """Has a shell script be the offline job."""
+    """Replaces the offline job by a shell script."""
     program = folder.parent / "job.sh"
     program.write_text(f"#!/bin/sh\necho x >> {folder.parent}/starts\n{script}\n")
     program.chmod(0o755)
@@ -69,7 +69,7 @@ def starts(folder: Path) -> int:
     return len((folder.parent / "starts").read_text().split())
 
 
-def test_two_who_ask_do_not_take_each_other_for_the_job(folder: Path) -> None:
+def test_two_checks_at_once_do_not_see_each_other_as_the_job(folder: Path) -> None:
     job, another = job_of(folder), job_of(folder)
     with (folder / LOCK).open("ab") as lock:
         assert jobs._take(lock.fileno(), fcntl.LOCK_SH)
@@ -86,48 +86,48 @@ def test_a_job_that_always_ends_early_is_not_started_for_ever(
 
     async def wait(job: Job) -> JobInfo:
         info = await until(job, lambda info: info.state == "failed")
-        await asyncio.sleep(0.2)  # in which it would be started again
+        await asyncio.sleep(0.2)  # long enough to start it again
         return info
 
     with caplog.at_level(logging.ERROR):
-        told = while_running(folder, wait)
+        info = while_running(folder, wait)
     assert starts(folder) == MOST_TRIES
-    assert (told.clips, told.failed) == (["jog"], {})
-    assert "ended 3 times" in told.error
+    assert (info.clips, info.failed) == (["jog"], {})
+    assert "ended early 3 times" in info.error
     assert [(one.status, one.output) for one in caplog.records] == [(3, "the disk is full")] * MOST_TRIES  # type: ignore[attr-defined]
-    while_running(folder, wait)  # another service tries again, and no more often
+    while_running(folder, wait)  # another service tries again, as often
     assert starts(folder) == 2 * MOST_TRIES
     (folder / "jog.bvh").write_bytes(b"HIERARCHY")
     while_running(folder, lambda job: until(job, lambda info: info.state != "failed"))
 
 
-def test_a_job_that_fails_as_a_whole_is_told(folder: Path) -> None:
+def test_a_job_that_fails_as_a_whole_is_reported(folder: Path) -> None:
     (folder / "clips.toml").write_text("[nobody]\nkind = 'action'\n")
-    told = while_running(folder, lambda job: until(job, lambda info: info.state == "failed"))
-    assert "there is no clip 'nobody'" in told.error
-    assert (told.clips, told.failed) == (["carry_box", "jog", "wave"], {})
+    info = while_running(folder, lambda job: until(job, lambda info: info.state == "failed"))
+    assert "clip 'nobody' not found" in info.error
+    assert (info.clips, info.failed) == (["carry_box", "jog", "wave"], {})
 
 
 def test_no_clip_of_the_bank_is_lost(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "run.bvh").unlink()
     (folder.parent / "starts").touch()
     fake_job(folder, monkeypatch, "exit 0")
-    told = while_running(folder, lambda job: until(job, lambda info: info.state == "failed"))
-    assert "lacks clips of the bank: run. " in told.error
+    info = while_running(folder, lambda job: until(job, lambda info: info.state == "failed"))
+    assert "the folder does not have these clips of the bank: run. " in info.error
     assert starts(folder) == 0
 
 
-def test_the_first_answer_is_true(folder: Path) -> None:
+def test_the_first_answer_is_up_to_date(folder: Path) -> None:
     async def first() -> JobInfo:
         return await job_of(folder).look()
 
-    told = asyncio.run(first())
-    assert (told.state, told.clips) == ("waiting", ["jog"])
+    info = asyncio.run(first())
+    assert (info.state, info.clips) == ("waiting", ["jog"])
 
 
-def test_a_job_goes_on_without_the_service_and_is_heard_of_by_the_next(folder: Path, bank: Bank) -> None:
+def test_a_job_continues_without_the_service_and_is_reported_by_the_next(folder: Path, bank: Bank) -> None:
     while_running(folder, lambda job: until(job, lambda info: info.state == "running"))
-    told = while_running(folder, lambda job: until(job, lambda info: info.state == "idle"))
-    assert (told.clips, told.failed, told.error) == ([], {}, "")
-    assert told.bank == Bank.open(folder.parent / "bank").digest != bank.digest
+    info = while_running(folder, lambda job: until(job, lambda info: info.state == "idle"))
+    assert (info.clips, info.failed, info.error) == ([], {}, "")
+    assert info.bank == Bank.open(folder.parent / "bank").digest != bank.digest
     assert orjson.loads((folder / jobs.TRIED).read_bytes())["times"] == 1

@@ -32,7 +32,7 @@ TOKEN = "open sesame"
 
 @pytest.fixture
 def folder(clip_folder: Path, bank: Bank, tmp_path: Path) -> Path:
-    """A folder of clips beside the bank that is made from it, both to be changed."""
+    """A folder of clips beside the bank built from it. Tests change both."""
     shutil.copytree(clip_folder, tmp_path / "clips")
     shutil.copytree(bank.path, tmp_path / "bank")
     return tmp_path / "clips"
@@ -59,8 +59,8 @@ def state(service: Running) -> dict[str, Any]:
     return ask(service, "job")[1]
 
 
-def left(folder: Path) -> list[str]:
-    """What lies in the folder beside its clips and the job's own files."""
+def unfinished(folder: Path) -> list[str]:
+    """Returns unfinished uploads in the folder."""
     return [one.name for one in folder.iterdir() if one.name.startswith(".upload")]
 
 
@@ -68,13 +68,13 @@ def visible(folder: Path) -> list[Path]:
     return sorted(one for one in folder.iterdir() if not one.name.startswith("."))
 
 
-def test_an_uploaded_clip_is_worked_in_and_served(service: Running, folder: Path) -> None:
+def test_an_uploaded_clip_is_added_to_the_bank_and_served(service: Running, folder: Path) -> None:
     old = service.config.front.shared.serving.bank.digest
     eventually(lambda: state(service)["state"] == "idle")
     jog = dump_bvh(make("run", seed=20, seconds=3.0))
-    status, told = ask(service, "clips?name=jog.bvh&tags=fast,%20new", jog)
-    assert (status, told["clips"]) == (202, ["jog"])
-    assert told["state"] in ("waiting", "running")
+    status, answer = ask(service, "clips?name=jog.bvh&tags=fast,%20new", jog)
+    assert (status, answer["clips"]) == (202, ["jog"])
+    assert answer["state"] in ("waiting", "running")
     eventually(lambda: service.config.front.shared.serving.bank.digest != old)
     assert ask(service, "clips/jog")[1]["tags"] == ["fast", "new"]
     assert ask(service, "pose?locomotion=jog&time=1")[0] == 200
@@ -82,32 +82,32 @@ def test_an_uploaded_clip_is_worked_in_and_served(service: Running, folder: Path
     assert state(service)["clips"] == []
     assert (folder / "jog.bvh").read_bytes() == jog
     assert "carry_box" in (folder / "clips.toml").read_text()
-    assert not left(folder)
+    assert not unfinished(folder)
 
 
-def test_what_is_no_motion_is_refused_and_leaves_nothing(service: Running, folder: Path) -> None:
+def test_a_file_that_is_not_a_motion_is_refused_and_leaves_nothing(service: Running, folder: Path) -> None:
     before = visible(folder)
     for name, body, status, kind, words in (
         ("jump.bvh", b"HIERARCHY\nROOT Hips", 422, "clip", "jump.bvh"),
         ("jump.bvh", b"\x00\xff" * 50, 422, "clip", "jump.bvh"),
         ("jump.bvh", b"x" * 3_000_001, 413, "too-large", "more than 3000000 bytes"),
-        ("walk.amc", b"x", 422, "request", "there is a clip walk.bvh already"),
-        ("..%2Fjump.bvh", b"x", 422, "request", "no name of a clip's file"),
-        ("jump.txt", b"x", 422, "request", "no name of a clip's file"),
+        ("walk.amc", b"x", 422, "request", "the folder already has a clip walk.bvh"),
+        ("..%2Fjump.bvh", b"x", 422, "request", "not a valid file name of a clip"),
+        ("jump.txt", b"x", 422, "request", "not a valid file name of a clip"),
     ):
-        found, told = ask(service, f"clips?name={name}", body)
-        assert (found, told["type"]) == (status, f"urn:motionsplice:{kind}"), told
-        assert words in told["detail"]
-        assert str(folder) not in told["detail"]
+        found, answer = ask(service, f"clips?name={name}", body)
+        assert (found, answer["type"]) == (status, f"urn:motionsplice:{kind}"), answer
+        assert words in answer["detail"]
+        assert str(folder) not in answer["detail"]
     assert visible(folder) == before
-    assert not left(folder)
+    assert not unfinished(folder)
 
 
 @pytest.mark.parametrize(
     "name", ["", ".bvh", ".x.bvh", "a/b.bvh", "a\\b.bvh", "..", "a.bvh\n", "ä.bvh", "a.bvh.exe", "a" * 101 + ".bvh"]
 )
-def test_names_are_no_paths(name: str) -> None:
-    with pytest.raises(RequestError, match="is no name of a clip's file"):
+def test_a_name_cannot_be_a_path(name: str) -> None:
+    with pytest.raises(RequestError, match="is not a valid file name of a clip"):
         checked_name(name)
     assert checked_name("Jump_2+x-y.bvh")
 
@@ -115,13 +115,13 @@ def test_names_are_no_paths(name: str) -> None:
 def test_a_body_cut_short_leaves_nothing(service: Running, folder: Path) -> None:
     head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\nAuthorization: Bearer {TOKEN}\r\nContent-Length: 999\r\n\r\n"
     peer = service.connect(head.encode(), b"HIERARCHY")
-    eventually(lambda: bool(left(folder)))
+    eventually(lambda: bool(unfinished(folder)))
     peer.close()
-    eventually(lambda: not left(folder))
+    eventually(lambda: not unfinished(folder))
     assert not (folder / "jump.bvh").exists()
 
 
-def test_two_uploads_at_once_lose_nothing_of_each_other(service: Running, folder: Path) -> None:
+def test_uploads_at_the_same_time_do_not_overwrite_each_other(service: Running, folder: Path) -> None:
     names = ["one", "two", "three"]
     clip = dump_bvh(make("walk", "wave", seed=30, seconds=2.5))
     threads = [
@@ -139,18 +139,18 @@ def test_two_uploads_at_once_lose_nothing_of_each_other(service: Running, folder
     eventually(lambda: {clip["name"] for clip in ask(service, "clips")[1]} >= set(names))  # type: ignore[index]
 
 
-def test_a_clip_that_fails_is_told_and_not_tried_for_ever(service: Running, folder: Path) -> None:
+def test_a_clip_that_fails_is_reported_and_not_tried_for_ever(service: Running, folder: Path) -> None:
     eventually(lambda: state(service)["state"] == "idle")
     (folder / "broken.bvh").write_text("HIERARCHY\n")
     eventually(lambda: state(service)["state"] == "failed")
-    told = state(service)
-    assert list(told["failed"]) == told["clips"] == ["broken"]
-    assert told["failed"]["broken"]
+    info = state(service)
+    assert list(info["failed"]) == info["clips"] == ["broken"]
+    assert info["failed"]["broken"]
     (folder / "broken.bvh").unlink()
     eventually(lambda: state(service)["state"] == "idle")
 
 
-def test_a_job_that_was_killed_is_done_by_the_next_service(folder: Path) -> None:
+def test_a_killed_job_is_finished_by_the_next_service(folder: Path) -> None:
     (folder / "jog.bvh").write_bytes(dump_bvh(make("run", seed=20, seconds=3.0)))
     settings = Settings(token=SecretStr(TOKEN), clips=folder)
     path = folder.parent / "bank"
@@ -171,17 +171,17 @@ def test_progress_comes_as_events(service: Running, folder: Path) -> None:
     request = urllib.request.Request(f"{service.url}/v1/job/events", headers={"Authorization": f"Bearer {TOKEN}"})
     with urllib.request.urlopen(request, timeout=60) as events:
         assert events.headers["content-type"].startswith("text/event-stream")
-        told: list[dict[str, Any]] = []
+        states: list[dict[str, Any]] = []
         (folder / "jog.bvh").write_bytes(dump_bvh(make("run", seed=20, seconds=3.0)))
-        while not (told and told[-1]["state"] == "idle" and any(one["state"] == "running" for one in told)):
+        while not (states and states[-1]["state"] == "idle" and any(one["state"] == "running" for one in states)):
             line = events.readline()
             if line.startswith(b"data: "):
-                told.append(json.loads(line[6:]))
-    assert told[0]["state"] == "idle"
+                states.append(json.loads(line[6:]))
+    assert states[0]["state"] == "idle"
     eventually(lambda: service.held[2] <= 1)
 
 
-def test_without_a_token_or_a_folder_no_clips_are_taken(bank: Bank, folder: Path) -> None:
+def test_without_a_token_or_a_folder_uploads_are_refused(bank: Bank, folder: Path) -> None:
     for settings, missing in ((Settings(clips=folder), "--token"), (Settings(token=SecretStr(TOKEN)), "--clips")):
         client = TestClient(create_app(bank, settings), headers={"Authorization": f"Bearer {TOKEN}"})
         for answer in (client.post("/v1/clips?name=a.bvh", content=b"x"), client.get("/v1/job")):
@@ -196,26 +196,26 @@ def test_a_refused_upload_changes_nothing(service: Running, folder: Path) -> Non
     another_rig = head + b"JOINT Skate\n{\nOFFSET 0 -0.1 0\nCHANNELS 0\n}\n" + foot + rest
     before = {file: file.read_bytes() for file in visible(folder)}
     for query, body, words in (
-        ("name=jog.bvh&neutral=wlak", clip, "there is no clip 'wlak'"),
-        ("name=16.asf&kind=action", b"x", "are a clip's"),
+        ("name=jog.bvh&neutral=wlak", clip, "the folder has no clip 'wlak'"),
+        ("name=16.asf&kind=action", b"x", "a skeleton has no kind, neutral or tags"),
         ("name=16.asf", b"no skeleton", "16.asf"),
-        ("name=Run.bvh", clip, "there is a clip Run.BVH already"),
+        ("name=Run.bvh", clip, "the folder already has a clip Run.BVH"),
         ("name=jog.bvh", dump_bvh(make("run", seed=20, seconds=0.2)), "it lasts 0.2"),
         ("name=jog.bvh", another_rig, "the rigs have different topologies"),
     ):
-        status, told = ask(service, f"clips?{query}", body)
-        assert status == 422, told
-        assert words in told["detail"]
+        status, answer = ask(service, f"clips?{query}", body)
+        assert status == 422, answer
+        assert words in answer["detail"]
     (folder / "clips.toml").write_text("[carry_box\n")
-    status, told = ask(service, "clips?name=walk.bvh&tags=new", clip)
-    assert (status, told["type"]) == (422, "urn:motionsplice:request")
+    status, answer = ask(service, "clips?name=walk.bvh&tags=new", clip)
+    assert (status, answer["type"]) == (422, "urn:motionsplice:request")
     before[folder / "clips.toml"] = b"[carry_box\n"
-    assert str(folder) not in told["detail"]
+    assert str(folder) not in answer["detail"]
     assert {file: file.read_bytes() for file in visible(folder)} == before
-    assert not left(folder)
+    assert not unfinished(folder)
 
 
-def test_what_is_said_of_a_clip_leaves_what_a_person_wrote(service: Running, folder: Path) -> None:
+def test_an_upload_keeps_what_a_person_wrote_into_the_settings(service: Running, folder: Path) -> None:
     (folder / "clips.toml").write_text("# ours\n[carry_box] # both hands\nkind = 'action'\nskip_frames = 1\n")
     (folder / ".upload-old").mkdir()
     os.utime(folder / ".upload-old", (0, 0))
@@ -223,4 +223,4 @@ def test_what_is_said_of_a_clip_leaves_what_a_person_wrote(service: Running, fol
     written = (folder / "clips.toml").read_text()
     assert written.startswith("# ours\n[carry_box] # both hands\nkind = 'action'\nskip_frames = 1\n")
     assert read_clip_settings(folder / "clips.toml") == {"carry_box": ClipSettings("action", None, ("box",), 1)}
-    assert not left(folder)
+    assert not unfinished(folder)

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.encode_kernels import convert, shorten
 from motionsplice.service.wire.encoding import INT16_ERROR, Encoding
@@ -18,7 +19,7 @@ every = pytest.mark.parametrize("axes", AXES.values(), ids=AXES.keys())
 
 
 def matrix(axes: Axes) -> Floats:
-    """The change of axes as a matrix, unit left out."""
+    """Returns the change of axes as a matrix, without the unit."""
     found = np.zeros((3, 3))
     for row, (column, sign) in enumerate(zip(axes.order, axes.signs, strict=True)):
         found[row, column] = sign
@@ -27,7 +28,7 @@ def matrix(axes: Axes) -> Floats:
 
 @every
 @given(seed=seeds)
-def test_a_rotation_turns_the_same_things_in_any_axes(axes: Axes, seed: int) -> None:
+def test_a_rotation_has_the_same_effect_in_any_axes(axes: Axes, seed: int) -> None:
     draw = np.random.default_rng(seed)
     rotation, point, change = Rotation.random(random_state=draw), draw.normal(size=3), matrix(axes)
     ours = rotation.as_quat()
@@ -55,9 +56,9 @@ def test_axes_are_those_of_the_engines(
 
 
 @every
-def test_joints_placed_from_what_is_sent_lie_where_positions_say(bank: Bank, axes: Axes) -> None:
+def test_joints_placed_by_rotations_and_offsets_match_the_world_positions(bank: Bank, axes: Axes) -> None:
     evaluator = Evaluator(bank)
-    poses = evaluator.sequence("run", [0.0, 0.7, 1.9], "wave")
+    poses = evaluator.sequence(Splice("run", "wave"), [0.0, 0.7, 1.9])
     sent = Encoding(axes, "float32", "both").arrays(evaluator, poses)
     offsets = axes.positions(bank.skeleton.offsets)
     for root, rotations, positions in zip(*sent.values(), strict=True):
@@ -70,7 +71,7 @@ def test_joints_placed_from_what_is_sent_lie_where_positions_say(bank: Bank, axe
 
 
 @given(seed=seeds)
-def test_normalised_integers_are_off_by_no_more_than_is_told(seed: int) -> None:
+def test_the_error_of_normalised_integers_is_within_the_stated_limit(seed: int) -> None:
     rotations = Rotation.random(200, random_state=seed).as_quat().astype(np.float32)
     short = np.empty(rotations.shape, np.int16)
     shorten(rotations.reshape(-1), short.reshape(-1))
@@ -78,7 +79,7 @@ def test_normalised_integers_are_off_by_no_more_than_is_told(seed: int) -> None:
     assert np.degrees((back * Rotation.from_quat(rotations).inv()).magnitude()).max() < INT16_ERROR
 
 
-def test_normalised_integers_are_gltfs() -> None:
+def test_normalised_integers_follow_gltf() -> None:
     numbers = np.array([0.0, 1.0, -1.0, 0.5, -0.5, 1.0001, -1.0001], np.float32)
     short = np.empty(7, np.int16)
     shorten(numbers, short)
@@ -86,7 +87,7 @@ def test_normalised_integers_are_gltfs() -> None:
 
 
 @given(seed=seeds, rows=st.integers(0, 20), width=st.sampled_from([3, 4]))
-def test_conversion_is_that_of_its_twin(seed: int, rows: int, width: int) -> None:
+def test_the_conversion_kernel_matches_numpy(seed: int, rows: int, width: int) -> None:
     draw = np.random.default_rng(seed)
     ours, order = draw.normal(size=(rows, width)).astype(np.float32), draw.permutation(width)
     factors, out = draw.normal(size=width).astype(np.float32), np.empty((rows, width), np.float32)

@@ -10,14 +10,14 @@ from motionsplice.service.problems import RequestError
 from motionsplice.service.wire.query import REQUIRED, Query, choice, integer, number, text
 
 QUERY = Query(
-    text("name", "the name", REQUIRED),
+    text("name", "name of a thing", REQUIRED),
     number("time", "seconds", 1.5, least=0.0, most=10.0),
     integer("count", "how many", 3, least=1, most=100),
     choice("form", "the form", ("round", "square"), "round"),
 )
 
 
-def test_values_are_read_and_others_are_their_defaults() -> None:
+def test_values_are_parsed_and_missing_ones_have_defaults() -> None:
     assert QUERY.read(b"name=a+b%2Fc&count=7") == {"name": "a b/c", "time": 1.5, "count": 7, "form": "round"}
     assert QUERY.read(b"form=square&time=0&name=") == {"name": "", "time": 0.0, "count": 3, "form": "square"}
 
@@ -25,24 +25,24 @@ def test_values_are_read_and_others_are_their_defaults() -> None:
 @pytest.mark.parametrize(
     ("query", "words"),
     [
-        (b"", "name: it is missing"),
-        (b"time=1", "name: it is missing"),
-        (b"name=a&name=b", "name: it is given twice"),
-        (b"name=a&nme=b", "there is no parameter 'nme'. Did you mean 'name'"),
-        (b"name=a&", "there is no parameter ''"),
-        (b"name=a&time=nan", "time: it is nan, and should be from 0 to 10"),
-        (b"name=a&time=inf", "time: it is inf"),
-        (b"name=a&time=10.1", "time: it is 10.1, and should be from 0 to 10"),
-        (b"name=a&time=soon", "time: "),
-        (b"name=a&time=", "time: "),
-        (b"name=a&count=0", "count: it is 0, and should be from 1 to 100"),
-        (b"name=a&count=1.0", "count: it is '1.0', and should be a whole number, from 1 to 100"),
+        (b"", "name: missing. Give name, the name of a thing"),
+        (b"time=1", "name: missing. Give name, the name of a thing"),
+        (b"name=a&name=b", "name: given twice"),
+        (b"name=a&nme=b", "unknown parameter 'nme'. Did you mean 'name'"),
+        (b"name=a&", "unknown parameter ''"),
+        (b"name=a&time=nan", "time: expected a number from 0 to 10, found 'nan'"),
+        (b"name=a&time=inf", "time: expected a number from 0 to 10, found 'inf'"),
+        (b"name=a&time=10.1", "time: expected a number from 0 to 10, found '10.1'"),
+        (b"name=a&time=soon", "time: expected a number from 0 to 10, found 'soon'"),
+        (b"name=a&time=", "time: expected a number from 0 to 10, found ''"),
+        (b"name=a&count=0", "count: expected a whole number from 1 to 100, found '0'"),
+        (b"name=a&count=1.0", "count: expected a whole number from 1 to 100, found '1.0'"),
         (b"name=a&count=-1", "count: "),
         (b"name=a&count=" + b"9" * 5000, "count: "),
-        (b"name=a&form=oval", "form: it is 'oval', and should be one of round, square"),
+        (b"name=a&form=oval", "form: expected one of round, square, found 'oval'"),
     ],
 )
-def test_what_is_wrong_is_named(query: bytes, words: str) -> None:
+def test_an_error_names_the_parameter(query: bytes, words: str) -> None:
     with pytest.raises(RequestError) as caught:
         QUERY.read(query)
     assert words in str(caught.value)

@@ -1,4 +1,4 @@
-"""What an upload says of its clip, written into `clips.toml`."""
+"""Writes the settings of an uploaded clip into `clips.toml`."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from motionsplice.motion.errors import SettingsError
 
 
 @dataclass(frozen=True)
-class Said:
-    """What `clips.toml` is to say of a clip; None leaves what it says."""
+class EntryUpdate:
+    """Changes to a clip's entry of `clips.toml`. None leaves a key as it is."""
 
     kind: str | None = None
     neutral: str | None = None
@@ -23,24 +23,24 @@ class Said:
 
 
 def settings_of(file: Path, clip: str) -> ClipSettings:
-    """What a `clips.toml` says of a clip. Raises SettingsError."""
+    """Returns a clip's settings in a `clips.toml`, or the default ones. Raises SettingsError."""
     return _read(file).get(clip, DEFAULT_SETTINGS) if file.exists() else DEFAULT_SETTINGS
 
 
-def written_beside(file: Path, clip: str, said: Said) -> Path:
-    """A new `clips.toml` beside the old, synced, that says this of a clip, and all else as the old does.
+def written_beside(file: Path, clip: str, update: EntryUpdate) -> Path:
+    """Writes and syncs a copy of a `clips.toml` with a clip's entry updated. Returns its path, beside the old file.
 
-    Raises SettingsError if the old is none.
+    Everything else stays as it is, comments included. Raises SettingsError if the old file is not valid.
     """
     fresh = file.with_name(f".{file.name}.new")
     try:
         document = tomlkit.parse(file.read_text(encoding="utf-8")) if file.exists() else tomlkit.document()
-        entry = document.setdefault(clip, tomlkit.table())
-        for key, value in (("kind", said.kind), ("neutral", said.neutral), ("tags", said.tags)):
+        table = document.setdefault(clip, tomlkit.table())
+        for key, value in (("kind", update.kind), ("neutral", update.neutral), ("tags", update.tags)):
             if value is not None:
-                entry[key] = list(value) if isinstance(value, tuple) else value
+                table[key] = list(value) if isinstance(value, tuple) else value
     except (TOMLKitError, UnicodeDecodeError, TypeError) as error:
-        raise SettingsError(f"it is not as it should be: {error}", file=file.name, mend="Mend it by hand") from None
+        raise SettingsError(f"the file is not valid: {error}", file=file.name, mend="Correct it by hand") from None
     with fresh.open("w", encoding="utf-8") as sink:
         sink.write(tomlkit.dumps(document))
         sink.flush()
@@ -54,7 +54,7 @@ def written_beside(file: Path, clip: str, said: Said) -> Path:
 
 
 def _read(file: Path) -> dict[str, ClipSettings]:
-    """Raises SettingsError that names no folder, for it is told to clients."""
+    """Reads a `clips.toml`. Raises SettingsError without the folder's name, as clients see the message."""
     try:
         return read_clip_settings(file)
     except SettingsError as error:

@@ -1,0 +1,36 @@
+"""The neutral of each clip: the clip that its posture is relative to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
+from motionsplice.precompute.job.clip_work import Clips
+from motionsplice.precompute.preparation.neutral import nearest_gait
+from motionsplice.precompute.preparation.prepared import PreparedClip
+
+
+def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
+    """Fails clips whose named neutral is not in the bank, and then the clips whose neutral has failed."""
+    neutrals = {name: one.source.settings.neutral for name, one in clips.items() if name not in failed}
+    while missing := {name: neutral for name, neutral in neutrals.items() if neutral and neutral not in neutrals}:
+        for name, neutral in missing.items():
+            problem = f"its neutral {neutral!r} is not in the bank"
+            failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(neutral, neutrals))
+            del neutrals[name]
+
+
+def with_neutrals(prepared: Sequence[PreparedClip], baseline: str) -> list[PreparedClip]:
+    """Returns each clip with its neutral.
+
+    The neutral is the clip that its settings name. Without one, a locomotion is its own neutral, and an action's is the
+    locomotion nearest in gait, or the baseline if there are no locomotions.
+    """
+    locomotions = {one.name: one for one in prepared if one.kind == "locomotion"}
+    candidates = locomotions or {one.name: one for one in prepared if one.name == baseline}
+
+    def neutral_of(one: PreparedClip) -> str:
+        return one.neutral or (one.name if one.kind == "locomotion" else nearest_gait(one, candidates))
+
+    return [replace(one, neutral=neutral_of(one)) for one in prepared]

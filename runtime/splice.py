@@ -1,0 +1,38 @@
+"""The record of a splice."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+
+from motionsplice.runtime.requests import Method, Posture
+
+
+@dataclass(frozen=True, slots=True)
+class Splice:
+    """The upper body of one clip on the lower body of another.
+
+    The fields have the names of an HTTP request's parameters, of which those that are None are left out.
+
+    Attributes:
+        locomotion: Name of the clip that gives the root and the lower body.
+        action: Name of the clip that gives the upper body; None plays the locomotion alone.
+        start: Seconds into the action: its earliest frame. The action begins at the first frame from there on that is
+            in step with the locomotion's first frame.
+        method: `splice`, `naive` (plain replacement of the upper body) or `none` (the locomotion alone).
+        posture: How the action's posture is kept: `relative`, `absolute`, `running` (needs a Memory) or `off`
+            (docs/method.md).
+        hands: Name of the hands clip to lay on the clip that gives the upper body; None keeps this clip's own hands.
+    """
+
+    locomotion: str
+    action: str | None = None
+    _: KW_ONLY
+    start: float = 0.0
+    method: Method = "splice"
+    posture: Posture = "relative"
+    hands: str | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the result: `walk+wave`, or `walk` without an action."""
+        return self.locomotion if self.action is None else f"{self.locomotion}+{self.action}"

@@ -63,6 +63,15 @@ def test_make_targets_that_contributing_names_exist() -> None:
     assert set(re.findall(r"`make (\w+)", (ROOT / "CONTRIBUTING.md").read_text())) <= targets
 
 
+def test_words_that_the_makefile_selects_tests_by_are_in_their_names() -> None:
+    text = (ROOT / "Makefile").read_text().replace("\\\n", " ")
+    selections = re.findall(r'pytest -q ([^"\n]*) -k "([^"]+)"', text)
+    assert selections
+    for files, words in selections:
+        names = " ".join(re.findall(r"def (test_\w+)", "".join((ROOT / file).read_text() for file in files.split())))
+        assert not [word for word in re.split(r" or |not ", words) if word and word not in names]
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_links_lead_somewhere(page: str) -> None:
     targets = re.findall(r"\]\((?!https?:)([^)#]+)", (ROOT / page).read_text())

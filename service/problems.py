@@ -38,7 +38,7 @@ class NotReadyError(MotionError):
 
 
 class BusyError(MotionError):
-    """The service is at capacity: connections, streams or characters."""
+    """The service is at capacity: too many streams or characters."""
 
 
 class UploadError(MotionError):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -15,6 +15,7 @@ from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import asf_amc, bvh
 from motionsplice.motion.formats.fold import Folded, Nodes, fold
 from motionsplice.motion.formats.gltf import reader as gltf_reader
+from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.scene import nodes_of
 from motionsplice.motion.formats.units import guess_unit, metres_per_unit
 from motionsplice.motion.kinematics import world_transforms
@@ -31,6 +32,7 @@ from motionsplice.motion.roles import (
 )
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
+WRITERS: Mapping[str, Callable[[Clip], bytes]] = {".bvh": bvh.dump_bvh, ".glb": dump_glb}
 SUFFIXES = (".amc", ".bvh", *GLTF)
 # The first frame is a bind pose if the step after it, in mean radians over the joints, exceeds this and is more than
 # twice as large as any other step.
@@ -130,6 +132,11 @@ def clips_in(path: Path) -> dict[str, str | None]:
     """
     names = _animations(path)
     return {_clip_name(path, name if len(names) > 1 else None): name for name in names} or {path.stem: None}
+
+
+def write_clip(path: Path, clip: Clip) -> None:
+    """Writes a clip as the kind of file that the name ends in, one of WRITERS."""
+    path.write_bytes(WRITERS[path.suffix.lower()](clip))
 
 
 def files_behind(path: Path) -> tuple[Path, ...]:

@@ -192,7 +192,7 @@ def _skeleton(container: Container, places: dict[int, int], parents: Integers, r
             inverse = read_accessor(container, skin["inverseBindMatrices"])
             if inverse.shape != (len(own), 16):
                 raise FormatError(f"{len(own)} joints have {len(inverse)} inverse bind matrices", mend=EXPORT)
-            stated: Floats = np.linalg.inv(inverse.reshape(-1, 4, 4).transpose(0, 2, 1))
+            stated = np.asarray(np.linalg.inv(inverse.reshape(-1, 4, 4).transpose(0, 2, 1)), np.float64)
             top = min(own, key=lambda node: len(chain(parents, node)))
             bind[own] = _in_the_world(stated, rest[own], rest[parents[top]] if parents[top] >= 0 else None)
     return joints, bind

@@ -4,6 +4,8 @@ BIN    := $(VENV)/bin
 REAL   ?= ../shared/mocap/cmu
 
 LOWEST := .venv-lowest
+NEWEST := .venv-newest
+COVER  := --cov --cov-report=  # the floor is fail_under in pyproject.toml
 
 # What `make lowest` runs: the kernels, the job, the command, and the service over real sockets.
 LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
@@ -21,8 +23,9 @@ test: $(VENV)/ready            ## set up and run every test; kernels also as pla
 		tests/runtime/characters/test_mixes.py -k "not same_bytes"  # which would take a minute
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/hands/test_align.py \
 		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or boundless or layer or loop or wear"
-	$(BIN)/python -m pytest -q tests/runtime  # first and alone, for it compiles the kernels: a minute
-	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/runtime
+	rm -f .coverage
+	$(BIN)/python -m pytest -q tests/runtime $(COVER) --cov-fail-under=0  # first, alone: it compiles the kernels, a minute
+	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/runtime $(COVER) --cov-append
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -35,11 +38,13 @@ docs: $(VENV)/ready-docs       ## the documentation with the API reference, into
 lowest: $(LOWEST)/ready        ## part of the tests on the oldest versions that pyproject.toml allows
 	NUMBA_CACHE_DIR=$(LOWEST)/kernels $(LOWEST)/bin/python -m pytest -W default -q -n auto --dist loadfile $(LOWEST_TESTS)
 
-newest: $(VENV)/ready          ## every test on the newest versions, whatever pyproject.toml caps
+newest: $(VENV)/ready          ## every test on the newest versions, whatever pyproject.toml caps, in .venv-newest
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(NEWEST)
 	$(BIN)/python -c 'import re, tomllib; project = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-		print("\n".join(re.sub(r",<[^;]*", "", one) for one in project["dependencies"]))' > $(VENV)/newest.txt
-	$(BIN)/uv pip install --python $(VENV) --upgrade --override $(VENV)/newest.txt --editable '.[dev]'
-	$(MAKE) test
+		print("\n".join(re.sub(r",<[^;]*", "", one) for one in project["dependencies"]))' > $(NEWEST)/newest.txt
+	$(BIN)/uv pip install --quiet --python $(NEWEST) --override $(NEWEST)/newest.txt --editable '.[dev]'
+	touch $(NEWEST)/ready
+	$(MAKE) test VENV=$(NEWEST)
 
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in
@@ -70,5 +75,5 @@ $(LOWEST)/ready: $(VENV)/ready
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(LOWEST) demo quality build dist site .coverage
+	rm -rf $(VENV) $(LOWEST) $(NEWEST) demo example quality build dist site .coverage
 	find . -name "*.nb[ic]" -delete

@@ -17,4 +17,5 @@ bench.characters.worn_hands     What does a hands layer cost at run time?
 bench.hands                     How close are alignments of hands to the true alignment?
 bench.service                   How does the service behave under load?
 bench.service.profile           Where does the server spend its time?
+bench.structure                 How large are the packages, and which of them import each other?
 """

@@ -19,7 +19,7 @@ poses = evaluator.poses(1)
 for frame in range(int(8.0 * RATE)):
     seconds = frame / RATE
     if seconds == 1.0:
-        characters.act([hero], Action("wave", when="left_foot", loop=False))  # waits for the left foot to come down
+        characters.act([hero], Action("wave", when="left_foot", loop=False))  # waits for the left foot to touch down
     if seconds == 4.0:
         characters.play([hero], "run", blend=0.5)  # enters in step
     characters.evaluate(poses)

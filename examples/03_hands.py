@@ -1,4 +1,4 @@
-"""Lays hands that were captured apart on a body, in the body's own time."""
+"""Lays hands that were captured separately on a body, in the body's own time."""
 
 from pathlib import Path
 

@@ -1,4 +1,1 @@
-"""Skeletons, clips, roles, file formats and the built-in motions.
-
-Imports nothing else of the project; everything may import it.
-"""
+"""Skeletons, clips, roles, file formats and the built-in motions."""

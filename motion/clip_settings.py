@@ -74,7 +74,9 @@ def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
 def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
     where = f"clip {name!r}"
     if not isinstance(entry, Mapping):
-        raise SettingsError(f"not a table: {entry!r}", file=str(file), place=where, mend=f"Write [{name}]")
+        raise SettingsError(
+            f"expected a table, found {entry!r}", file=str(file), place=where, mend=f"Begin it with [{name}]"
+        )
     keys = [field.name for field in fields(ClipSettings)]
     for key in entry:
         if key not in keys:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 
 from motionsplice.motion.clip import Clip
@@ -11,15 +12,17 @@ from motionsplice.motion.procedural.gestures import SAMPLE_HANDS, sample_gesture
 from motionsplice.motion.procedural.library import ACTIONS, sample_clips
 
 
-def write_sample_clips(folder: Path) -> None:
-    """Writes locomotions and actions as BVH files, with the `clips.toml` that tells which is which."""
+def write_sample_clips(folder: str | PathLike[str]) -> None:
+    """Writes locomotions and actions as BVH files, with a `clips.toml` that states their kinds."""
+    folder = Path(folder)
     _write(folder, sample_clips())
     entries = [f'[{name}]\nkind = "action"\nneutral = "walk"\n' for name in ACTIONS]
     (folder / "clips.toml").write_text("\n".join(entries))
 
 
-def write_sample_gestures(folder: Path) -> None:
-    """Writes bodies that gesture, and the hands of each, with the `hands.toml` that tells which go together."""
+def write_sample_gestures(folder: str | PathLike[str]) -> None:
+    """Writes bodies that gesture, and the hands of each, with a `hands.toml` that pairs them."""
+    folder = Path(folder)
     _write(folder, sample_gestures())
     entries = [
         f'[[hands]]\nbody = "{name}"\nhands = "{name}_hands"\nhand = "{hand}"\n' for name, hand in SAMPLE_HANDS.items()

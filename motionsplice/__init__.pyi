@@ -13,6 +13,7 @@ from .motion.errors import UnknownClipError as UnknownClipError
 from .motion.formats.bvh import dump_bvh as dump_bvh
 from .motion.formats.files import Reading as Reading
 from .motion.formats.files import read_clip as read_clip
+from .motion.formats.gltf.writer import dump_glb as dump_glb
 from .motion.roles import Roles as Roles
 from .motion.roles import find_roles as find_roles
 from .motion.samples import write_sample_clips as write_sample_clips
@@ -21,9 +22,11 @@ from .motion.skeleton import Skeleton as Skeleton
 from .precompute.hands.banded_warp import FramePair as FramePair
 from .precompute.hands.settings import HandSettings as HandSettings
 from .precompute.hands.settings import HandsOnBody as HandsOnBody
+from .precompute.hands.splice import HandSplice as HandSplice
 from .precompute.hands.splice import splice_hands as splice_hands
 from .precompute.job.job import build_bank as build_bank
 from .precompute.job.outcome import Outcome as Outcome
+from .precompute.splice import WholeClipSplice as WholeClipSplice
 from .precompute.splice import splice_exact as splice_exact
 from .precompute.splice import splice_naive as splice_naive
 from .runtime.bank import Bank as Bank
@@ -32,6 +35,11 @@ from .runtime.characters.action import Action as Action
 from .runtime.characters.state import EVENT_NAMES as EVENT_NAMES
 from .runtime.evaluator import Evaluator as Evaluator
 from .runtime.format.contacts import Contact as Contact
+from .runtime.format.manifest import BaselineEntry as BaselineEntry
+from .runtime.format.manifest import ClipEntry as ClipEntry
+from .runtime.format.manifest import HandsEntry as HandsEntry
+from .runtime.requests import METHODS as METHODS
+from .runtime.requests import POSTURES as POSTURES
 from .runtime.requests import Memory as Memory
 from .runtime.requests import Poses as Poses
 from .runtime.requests import Requests as Requests

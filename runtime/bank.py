@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,7 @@ class Bank:
     tables: Tables
 
     @classmethod
-    def open(cls, path: str | Path, *, verify: bool = True) -> Bank:
+    def open(cls, path: str | PathLike[str], *, verify: bool = True) -> Bank:
         """Maps the bank in a folder.
 
         Without `verify` only the manifest and the headers of tables are read, so a large bank opens at once. Shapes and
@@ -285,7 +286,7 @@ class Bank:
 
 
 def files(folder: Path, manifest: Manifest) -> dict[str, Path]:
-    """The file of each table of the bank in `folder`."""
+    """Returns the file of each table of the bank in `folder`, by the table's name."""
     return {name: folder / TABLE_FOLDER / f"{Path(manifest.tables[name]).name}.npy" for name in TABLES}
 
 

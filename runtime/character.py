@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,8 +66,8 @@ class Characters:
         characters.act(hero, Action("wave", when="left_foot", loop=False))
         poses = characters.stage.evaluator.poses(len(characters))
         for frame in range(120):
-            characters.advance()
             characters.evaluate(poses)
+            characters.advance()
         ```
     """
 
@@ -101,23 +101,31 @@ class Characters:
         twin.state = twin._room = self.state.copy()
         return twin
 
-    def add(self, count: int, locomotion: Locomotion, **options: Any) -> NDArray[np.int64]:
+    def add(self, count: int, locomotion: Locomotion, *, time: float = 0.0, loop: bool = True) -> NDArray[np.int64]:
         """Adds characters at the origin, facing Z.
 
         Args:
             count: How many to add.
-            locomotion: What they play; see `play`.
-            **options: Options of `play`; `blend` is 0 by default.
+            locomotion: What they play, as in `play`.
+            time: Seconds into the clips at which they start.
+            loop: Whether to go on at the end of a clip, instead of holding its last frame.
 
         Returns:
             Their rows [count].
+
+        Raises:
+            UnknownClipError: A clip is unknown.
+            TimeRangeError: `time` is outside a clip.
+            SettingsError: `count` is negative, or the weights are invalid.
         """
+        if count < 0:
+            raise SettingsError(f"cannot add {count} characters", mend="Add 0 or more")
         rows = np.arange(len(self), len(self) + count)
         before, self.state = self.state, self._longer(count)
         self.state[rows] = 0.0
         self.state[rows[:, None], [col.SPEED, col.COS]] = 1.0
         try:
-            self.play(rows, locomotion, **{"blend": 0.0, **options})
+            self.play(rows, locomotion, time=time, blend=0.0, loop=loop)
         except Exception:
             self.state = before
             raise
@@ -152,7 +160,7 @@ class Characters:
 
         Args:
             rows: The characters.
-            locomotion: Name of a clip, or weights of up to MOST_MIXED clips by name; only their ratios matter.
+            locomotion: Name of a clip, or weights of up to 4 clips by name; only their ratios matter.
             time: Seconds into the clips: the earliest frame to enter at.
             blend: Seconds to blend.
             curve: Shape of the blend: `linear`, `smooth`, `ease_in` or `ease_out`.
@@ -182,8 +190,8 @@ class Characters:
                 name = self.stage.bank.clips[min(missing)].name
                 raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
             goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
-        for row, at, weighed in goals:
-            self.state[row, at] = weighed
+        for row, at, shares in goals:
+            self.state[row, at] = shares
 
     def act(self, rows: Rows, action: Action) -> None:
         """Begins an action over the locomotion. It replaces an action that is still waiting.
@@ -251,7 +259,12 @@ class Characters:
 
         Returns:
             The bits of all events that happened to any character (EVENT_NAMES); `events` has them by character.
+
+        Raises:
+            SettingsError: `frames` is negative.
         """
+        if frames < 0:
+            raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
         stage, state = self.stage, self.state.reshape(-1)
         return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, state, frames / self.rate))
 

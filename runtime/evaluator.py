@@ -262,6 +262,8 @@ class Evaluator:
         for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
             if (fault := time_fault(label, float(request[label]), clip, place)) is not None:
                 return fault
+        if request["posture"] != POSTURES["running"]:
+            return SettingsError(f"posture number {request['posture']} is refused by `first_at_fault`", place=place)
         return SettingsError(
             "posture 'running' is a mean over earlier frames and needs a memory of them",
             place=place,

@@ -19,7 +19,9 @@ from motionsplice.runtime.kernels.posture import ABSOLUTE, OFF, RELATIVE, RUNNIN
 Method = Literal["splice", "naive", "none"]
 Posture = Literal["relative", "absolute", "running", "off"]
 METHODS: Mapping[str, int] = {"none": NONE, "naive": NAIVE, "splice": SPLICE}
+"""The number of each method in `Requests.method`, by name."""
 POSTURES: Mapping[str, int] = {"off": OFF, "relative": RELATIVE, "absolute": ABSOLUTE, "running": RUNNING}
+"""The number of each posture in `Requests.posture`, by name."""
 FLOAT32, FLOAT64 = np.dtype(np.float32), np.dtype(np.float64)
 TIME_CONSTANT = 2.0  # seconds: about two strides
 
@@ -140,14 +142,14 @@ def check_array(what: str, array: NDArray[Any], kind: np.dtype[Any], shape: tupl
 class Memory:
     """What the evaluator remembers of characters from frame to frame: of n, or of one that all requests are about.
 
-    Two things are remembered. Where the joints of a torso lie so that no alignment is clearly the best, the last clear
-    alignment is kept. And posture `running` needs the mean posture of the splice so far: it starts from the
-    locomotion's stored posture and follows new frames with a time constant (Heck's thesis, 4.3).
+    Two things are remembered. If the torso's joints allow no unique best rotation, the last unambiguous one is reused.
+    And posture `running` needs the mean posture of the splice so far: it starts from the locomotion's stored posture
+    and follows new frames with a time constant (Heck's thesis, 4.3).
 
     Attributes:
         state: [n, 10] float64, may be saved and restored. NaN where a mean has not begun.
         share: The weight of a new frame in the mean, 0 to 1.
-        turns: [n, 4], the last clear alignments as quaternions xyzw, a view of `state`.
+        turns: [n, 4], the last unambiguous rotations as quaternions xyzw, a view of `state`.
         means: [n, 6] metres, mean positions of left and right shoulder in the posture frame, a view of `state`.
 
     Raises:
@@ -169,13 +171,19 @@ class Memory:
             count: Number of characters.
             rate: How often they are evaluated, in frames per second of motion.
             time_constant: Seconds in which the mean posture follows the splice.
+
+        Raises:
+            SettingsError: `rate` or `time_constant` is not above 0.
         """
+        if not (rate > 0.0 and time_constant > 0.0):
+            problem = f"a memory needs a rate and a time constant above 0, found {rate} and {time_constant}"
+            raise SettingsError(problem, mend="Give the frames per second at which the characters are evaluated")
         memory = cls(np.empty((count, MEMORY_COLUMNS)), 1.0 - math.exp(-1.0 / (rate * time_constant)))
         memory.forget(slice(None))
         return memory
 
     def forget(self, characters: int | slice) -> None:
-        """Clears the memory of characters that start anew."""
+        """Clears the memory of characters that start over."""
         self.turns[characters], self.means[characters] = IDENTITY, np.nan
 
 

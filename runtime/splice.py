@@ -11,7 +11,7 @@ from motionsplice.runtime.requests import Method, Posture
 class Splice:
     """The upper body of one clip on the lower body of another.
 
-    The fields have the names of an HTTP request's parameters, so `dataclasses.asdict` gives such a request.
+    The fields have the names of an HTTP request's parameters, of which those that are None are left out.
 
     Attributes:
         locomotion: Name of the clip that gives the root and the lower body.

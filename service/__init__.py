@@ -1,4 +1,1 @@
-"""Serves frames over HTTP and WebSocket.
-
-Imports `runtime` and `motion`, never `precompute`: the offline job runs in its own process.
-"""
+"""Serves frames over HTTP and WebSocket. The offline job runs in its own process."""

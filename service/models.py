@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from importlib.metadata import version
 from typing import Any
 
 from pydantic import BaseModel, Field
 
+from motionsplice import __version__
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import FEET, Contact
 from motionsplice.runtime.format.manifest import ClipEntry
@@ -58,7 +58,7 @@ class ServerInfo(BaseModel):
     @classmethod
     def of(cls, bank: Bank, settings: Settings, *, ready: bool) -> ServerInfo:
         return cls(
-            version=version("motionsplice"),
+            version=__version__,
             protocol=PROTOCOL,
             bank=bank.digest,
             ready=ready,

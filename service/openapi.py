@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
-from typing import Any
+from typing import Any, get_args
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from motionsplice import __version__
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.requests import Posture
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.poses import POSES
 from motionsplice.service.answers.splice import BVH, SPLICE
@@ -37,7 +38,7 @@ LIMITED = problem_response(422, "An invalid parameter, or more than the service 
 def document(app: FastAPI, shared: Shared) -> dict[str, Any]:
     """Returns the document. Its examples are requests that the served bank can answer."""
     if app.openapi_schema is None:
-        schema = get_openapi(title=app.title, version=version("motionsplice"), description=ABOUT, routes=app.routes)
+        schema = get_openapi(title=app.title, version=__version__, description=ABOUT, routes=app.routes)
         schema["components"]["schemas"]["Problem"] = Problem.model_json_schema()
         schema["components"]["schemas"]["Frames"] = FRAMES
         schema["components"]["schemas"]["Batch"] = BATCH
@@ -85,7 +86,7 @@ BATCH = {
         "hands": {"type": "array", "items": {"type": "integer"}, "description": "[n] indices into clips; -1: its own"},
         "start": {"type": "array", "items": {"type": "number"}, "description": "[n] seconds into the action"},
         "method": {"type": "string", "enum": ["splice", "naive", "none"]},
-        "posture": {"type": "string", "enum": ["relative", "absolute", "off"]},
+        "posture": {"type": "string", "enum": [posture for posture in get_args(Posture) if posture != "running"]},
     },
 }
 

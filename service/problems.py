@@ -18,7 +18,7 @@ class RequestError(MotionError):
 
 
 class LimitError(MotionError):
-    """More than a limit of the service allows."""
+    """The request exceeds a limit of the service."""
 
 
 class TooLargeError(MotionError):
@@ -38,7 +38,7 @@ class NotReadyError(MotionError):
 
 
 class BusyError(MotionError):
-    """Too many streams at once."""
+    """The service is at capacity: too many streams or characters."""
 
 
 class UploadError(MotionError):

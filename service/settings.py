@@ -45,11 +45,9 @@ class Settings(BaseSettings):
         default=120.0, ge=1.0, le=1000.0, description="Frames per second of a WebSocket or a paced stream"
     )
     max_ahead: int = Field(default=120, ge=1, le=1000, description="Frames in one message")
-    max_commands: float = Field(
-        default=1000.0, ge=1.0, description="Commands per second of one WebSocket; further ones wait"
-    )
-    max_load: float = Field(
-        default=600_000.0, ge=1.0, description="Characters evaluated per second for all WebSockets, in each process"
+    max_commands: int = Field(default=1000, ge=1, description="Commands per second of one WebSocket; further ones wait")
+    max_load: int = Field(
+        default=600_000, ge=1, description="Characters evaluated per second for all WebSockets, in each process"
     )
     max_streams: int = Field(default=256, ge=1, description="Streams and WebSockets at once, in each process")
     max_connections: int = Field(default=4096, ge=1, description="Connections at once, in each process")

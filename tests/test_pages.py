@@ -77,5 +77,11 @@ def test_a_block_says_its_language(page: str) -> None:
 @pytest.mark.parametrize("page", PAGES)
 def test_links_lead_somewhere(page: str) -> None:
     targets = re.findall(r"\]\((?!https?:)([^)#]+)", (ROOT / page).read_text(encoding="utf-8"))
-    missing = [target for target in targets if not ((ROOT / page).parent / target).exists()]
+    missing = [target for target in targets if not exists((ROOT / page).parent / target)]
     assert not missing
+
+
+def exists(file: Path) -> bool:
+    """Whether a file is there; a source distribution has the folders of the packages in `motionsplice` only."""
+    inside = file.resolve().relative_to(ROOT)
+    return file.exists() or (ROOT / "motionsplice" / inside).exists()

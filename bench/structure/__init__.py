@@ -1,1 +1,1 @@
-"""How the code is built: its rooms, their imports, and the layers that the contracts hold."""
+"""How the code is built: its packages, their imports, and the layers that the contracts allow."""

@@ -34,7 +34,7 @@ class Contract:
 
 
 def read_contracts(pyproject: Path) -> list[Contract]:
-    """The contracts about layers in a `pyproject.toml`."""
+    """Reads the contracts about layers from a `pyproject.toml`."""
     document: dict[str, Any] = tomllib.loads(pyproject.read_text(encoding="utf-8"))
     return [
         Contract(
@@ -48,7 +48,7 @@ def read_contracts(pyproject: Path) -> list[Contract]:
 
 
 def layers_picture(contracts: list[Contract]) -> bytes:
-    """A PNG: the project's layers, and inside each package its own."""
+    """Draws a PNG of the project's layers, and inside each package its own layers."""
     project = next(contract for contract in contracts if not contract.containers)
     inner = {container: contract.rows for contract in contracts for container in contract.containers}
     heights = [max(_height(name, inner) for name in row) for row in project.rows]
@@ -81,9 +81,9 @@ def _draw_package(axes: Axes, name: str, rows: Rows | None, box: tuple[float, fl
     middle = top + (TITLE if rows else tall) / 2.0
     axes.text(left + wide / 2.0, middle, label, color=INK, ha="center", va="center", size=11, weight="bold")
     for number, row in enumerate(rows or ()):
-        room = (wide - GAP) / len(row)
+        step = (wide - GAP) / len(row)
         for place, one in enumerate(row):
-            cell = (left + GAP + place * room, top + TITLE + number * ROW, room - GAP, ROW - 0.06)
+            cell = (left + GAP + place * step, top + TITLE + number * ROW, step - GAP, ROW - 0.06)
             _draw_box(axes, cell, "#ffffff", EDGE)
             centre = cell[0] + cell[2] / 2.0, cell[1] + cell[3] / 2.0
             axes.text(*centre, one, color=INK, ha="center", va="center", size=9)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
@@ -72,7 +73,7 @@ class Parsed(NamedTuple):
 
 
 def read_clip(
-    path: Path,
+    path: str | PathLike[str],
     *,
     animation: str | None = None,
     skip_frames: int = 0,
@@ -113,6 +114,7 @@ def read_clip(
         print(reading.clip.frame_count, reading.clip.rate, reading.warnings)
         ```
     """
+    path = Path(path)
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
             return _read(path, animation, skip_frames, unit, roles)

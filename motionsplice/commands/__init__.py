@@ -1,1 +1,1 @@
-"""The commands of `motionsplice`, one module a group. `cli` imports a module when one of its commands is used."""
+"""The commands of `motionsplice`, one module per group. Each is imported when one of its commands is used."""

@@ -39,7 +39,9 @@ def register(app: typer.Typer) -> None:
 
 
 def precompute_command(
-    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), or folders of them.")],
+    clips: Annotated[
+        list[Path], typer.Argument(help="Motion files (.bvh, .amc, .glb, .gltf, .vrm), or folders of them.")
+    ],
     out: Annotated[Path, typer.Option(help="The bank to write, a folder.")],
     baseline: Annotated[
         str, typer.Option(help="The clip to whose stride all clips are aligned; auto: the most typical stride.")
@@ -127,12 +129,12 @@ def run(
 
 
 def print_work(outcome: Outcome, out: Path) -> None:
-    """Prints how many clips were processed, and how many were unchanged or failed."""
+    """Prints how many clips were processed, and how many were reused or failed."""
     count = f"{len(outcome.clips)} clip{'s' * (len(outcome.clips) != 1)}"
     if outcome.unchanged:
         line = f"{out}: nothing to do, none of its {count} changed"
     else:
-        line = f"{count}, {outcome.kept} unchanged"
+        line = f"{count}, {outcome.reused} reused"
     failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
     console.print(line + failed, highlight=False, soft_wrap=True)
 

@@ -84,7 +84,7 @@ def splice_command(
         Posture,
         typer.Option(
             help="relative: add what the action does beyond its gait; absolute: keep the action's mean posture, as in "
-            "the papers; running: the same with a running mean; off: keep the locomotion's."
+            "the papers; running: like absolute, with a running mean; off: keep the locomotion's posture."
         ),
     ] = Posture.RELATIVE,
     start: Annotated[
@@ -129,7 +129,8 @@ def spliced(
     if start != 0.0:
         raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
     if posture not in WHOLE_CLIP_POSTURES:
-        raise SettingsError("the exact splice has no running mean", mend="Choose --posture absolute")
+        known = ", ".join(WHOLE_CLIP_POSTURES)
+        raise SettingsError(f"the exact splice has no posture {posture.value!r}", mend=f"Choose --posture {known}")
     from motionsplice.precompute.splice import splice_exact
 
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)

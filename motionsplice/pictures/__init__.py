@@ -1,1 +1,1 @@
-"""Contact sheets, animations and charts. Imported by the commands and by benchmarks."""
+"""Contact sheets, animations and charts."""

@@ -43,7 +43,7 @@ DARK = "#30363d"
 def draw_alignment(spliced: HandSplice, settings: HandSettings, hand_rate: float, file: Path) -> None:
     """Writes a PNG with a row for each alignment: both cost matrices, and each hand's curves before and after.
 
-    hand_rate: frames per second of the hands' clip; frame pairs are counted at this rate.
+    hand_rate: frames per second of the hands clip; frame pairs are counted at this rate.
     """
     from matplotlib.figure import Figure  # takes a second to import, which other commands do not need
 

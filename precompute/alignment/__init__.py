@@ -1,1 +1,1 @@
-"""Time alignment: of clips to the baseline's stride, and of two clips to each other. Imports `body`."""
+"""Time alignment: of clips to the baseline's stride, and of two clips to each other."""

@@ -35,7 +35,7 @@ class Baseline:
     """One stride of a locomotion as a ring of cells, evenly spaced in phase.
 
     start, end: seconds in the clip. loop: distance of the stride's ends divided by the distance of its halves.
-    leg: leg length, metres. zero: the real-valued cell at which the left foot comes down; there phases are whole
+    leg: leg length, metres. zero: the real-valued cell at which the left foot touches down; there phases are whole
     numbers. clouds: [cells, 3, 3] lower clouds, metres.
     """
 

@@ -1,1 +1,1 @@
-"""Measurements of one body: joint paths, posture, foot contacts, rig. All other rooms of `precompute` import it."""
+"""Measurements of one body: joint paths, posture, foot contacts, rig."""

@@ -28,7 +28,7 @@ def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
 
 
 def left_strike(clip: Clip, roles: Roles, first: float, last: float) -> float | None:
-    """Returns when the left foot first comes down between `first` and `last`, seconds; None if it does not."""
+    """Returns when the left foot first touches down between `first` and `last`, seconds; None if it does not."""
     stands = (foot_contacts(clip, roles) & LEFT_FOOT).astype(np.int8)
     downs = (np.flatnonzero(np.diff(stands) > 0) + 0.5) / clip.rate
     return next((float(down) for down in downs if first <= down < last), None)

@@ -1,1 +1,1 @@
-"""Alignment of separately captured hands to bodies, and merging. Imports `preparation` and the rooms below it."""
+"""Alignment of separately captured hands to bodies, and merging."""

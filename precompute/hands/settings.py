@@ -2,7 +2,7 @@
 
 [[hands]]
 body = "count_steps"             # a clip
-hands = "count_steps_hands"      # a clip of hands, which does not become a clip of the bank
+hands = "count_steps_hands"      # a hands clip, which does not become a clip of the bank
 hand = "right"                   # or "left", "both" (one alignment; the default) or "each" (one per hand)
 wrist = true                     # also wrists and the twist of forearms; the default is fingers only
 turn = "trunk"                   # turn hands onto the body's by the trunks; the default is "window"
@@ -57,7 +57,7 @@ class HandSettings:
 
 @dataclass(frozen=True)
 class HandsOnBody:
-    """A clip of hands, the body that they are laid on, and the settings.
+    """A hands clip, the body that it is laid on, and the settings.
 
     Attributes:
         body: The name of the body's clip.
@@ -123,14 +123,14 @@ def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
     for key in entry:
         if key not in known:
             raise SettingsError(f"unknown key {key!r}", file=file, place=where, mend=did_you_mean(key, known))
-    for key, wanted in (("body", "a clip"), ("hands", "a clip of hands")):
+    for key, wanted in (("body", "a clip"), ("hands", "a hands clip")):
         if key not in entry:
             mend = f'Add {key} = "NAME", the name of {wanted}'
             raise SettingsError(f"the key {key!r} is missing", file=file, place=where, mend=mend)
     bands, pairs = entry.get("bands", list(BANDS)), entry.get("pairs", [])
     for key, valid, wanted in (
         ("body", isinstance(entry.get("body"), str), "the name of a clip"),
-        ("hands", isinstance(entry.get("hands"), str), "the name of a clip of hands"),
+        ("hands", isinstance(entry.get("hands"), str), "the name of a hands clip"),
         ("hand", entry.get("hand", "both") in get_args(HandChoice), f"one of {', '.join(get_args(HandChoice))}"),
         ("wrist", isinstance(entry.get("wrist", False), bool), "true or false"),
         ("turn", entry.get("turn", "window") in get_args(Turn), f"one of {', '.join(get_args(Turn))}"),

@@ -1,4 +1,1 @@
-"""The offline job, from files to a bank: sources, cache, worker processes, the job itself.
-
-Imports all rooms except `study`.
-"""
+"""The offline job, from files to a bank: sources, cache, worker processes, the job itself."""

@@ -87,7 +87,7 @@ def identify(source: Source) -> Identified:
     asked = source.settings
     settings = (source.animation, asked.skip_frames, asked.unit, sorted(source.roles.items()))
     digests = [content_digest(data) for data in contents]
-    key = key_of(version_of("motion", "precompute"), source.file.suffix.lower(), digests, settings)
+    key = key_of(version_of("motion", "runtime", "precompute"), source.file.suffix.lower(), digests, settings)
     return Identified(source, len(contents[0]), digests[0], key)
 
 
@@ -160,7 +160,7 @@ class Preparation:
         for name, one in clips.items():
             settings = one.source.settings
             entries.append((name, self.key(one), settings.kind, settings.neutral, settings.tags, one.file_digest))
-        return key_of("bank", version_of("runtime"), ring.name, ring.start, ring.end, ring.loop, entries, hands)
+        return key_of("bank", ring.name, ring.start, ring.end, ring.loop, entries, hands)
 
     def run(self, one: Identified) -> None:
         """Prepares the clip and stores it. Raises MotionError if it cannot be read or does not fit the bank."""

@@ -1,4 +1,4 @@
-"""The work on hands: reading a clip of hands, and laying it on the body of another clip. Any process can do it."""
+"""The work on hands: reading a hands clip, and laying it on the body of another clip. Any process can do it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def all_hands(given: Sequence[HandsOnBody], sources: Sequence[Source]) -> list[H
     """Returns the given hands and those of every `hands.toml` beside a source, in order of body and hands.
 
     If both name the same body and hands, the settings of the file hold. Raises SettingsError for a bad file, an unknown
-    clip, or a clip of hands that is also a body.
+    clip, or a hands clip that is also a body.
     """
     files = {source.file.parent / FILE_NAME for source in sources}
     listed = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if file.is_file()))
@@ -36,7 +36,7 @@ def all_hands(given: Sequence[HandsOnBody], sources: Sequence[Source]) -> list[H
                 problem = f"clip {name!r} not found, the {what} of {one.label}"
                 raise SettingsError(problem, mend=did_you_mean(name, names))
         if one.body in hands:
-            problem = f"{one.body!r} is a clip of hands, so it cannot be the body of {one.label}"
+            problem = f"{one.body!r} is a hands clip, so it cannot be the body of {one.label}"
             raise SettingsError(problem, mend="Copy the clip under another name and use the copy as the body")
     return [found[key] for key in sorted(found)]
 
@@ -67,7 +67,7 @@ def tasks_of(laying: Sequence[HandsOnBody], bodies: Clips, hands: Clips) -> dict
 
 @dataclass(frozen=True)
 class HandsReading:
-    """The reading of a clip of hands. Its entry stays in the cache as long as the bank has these hands."""
+    """The reading of a hands clip. Its entry stays in the cache as long as the bank has these hands."""
 
     cache: Cache
 
@@ -86,7 +86,7 @@ class HandsReading:
 def with_fingers(stride: FoundStride, readings: HandsReading, hands: Clips) -> FoundStride:
     """Returns the stride with fingers on its rig, if any rig has fingers.
 
-    A rig without fingers gets those of the first clip of hands that has them.
+    A rig without fingers gets those of the first hands clip that has them.
     """
     rig = stride.rig
     if has_fingers(rig.skeleton, rig.roles):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 from typing import TypeVar
 
@@ -44,8 +45,8 @@ WORTH_A_PROCESS = 24_000_000  # bytes of clips: fewer are read and aligned in th
 
 
 def build_bank(
-    paths: Iterable[Path],
-    out: Path,
+    paths: Iterable[str | PathLike[str]],
+    out: str | PathLike[str],
     *,
     baseline: str | None = None,
     roles: Mapping[str, str | Sequence[str]] | None = None,
@@ -66,7 +67,7 @@ def build_bank(
         baseline: Name of the clip whose stride all others are aligned to; None takes the locomotion with the most
             typical stride.
         roles: Joints by role, for rigs whose names do not show them.
-        hands: Hands to lay on bodies. A clip of hands is not itself a clip of the bank.
+        hands: Hands to lay on bodies. A hands clip is not itself a clip of the bank.
         settings: For clips that no `clips.toml` names.
         jobs: Processes that may work at once.
         progress: Called with the stage, how many of its clips are done, and how many there are.
@@ -78,7 +79,10 @@ def build_bank(
         MotionError: If there is nothing to read, the baseline is unusable, two clips have one name, or hands or their
             body are missing.
     """
-    return Job(paths, out, baseline, roles or {}, hands, settings, jobs, progress).run()
+    if isinstance(paths, str | PathLike):
+        paths = [paths]
+    files = [Path(path) for path in paths]
+    return Job(files, Path(out), baseline, roles or {}, hands, settings, jobs, progress).run()
 
 
 @dataclass(eq=False)
@@ -101,7 +105,7 @@ class Job:
     failed: dict[str, MotionError] = field(default_factory=dict, init=False)
 
     def run(self) -> Outcome:
-        """All stages. Raises MotionError."""
+        """Runs all stages. Raises MotionError."""
         pairs = self.find_clips()
         cache = Cache(self.out / CACHE)
         search, readings = StrideSearch(cache), HandsReading(cache)
@@ -125,7 +129,7 @@ class Job:
         return Outcome(digest, preparation.ring, tuple(aligned), failed, len(aligned.keys() - new), unchanged)
 
     def find_clips(self) -> list[HandsOnBody]:
-        """Finds the files, digests them and sets the clips of hands apart. Returns which hands go on which bodies."""
+        """Finds the files, digests them and separates the hands clips. Returns which hands go on which bodies."""
         sources = find_sources(self.paths, self.roles, self.settings)
         for source in sources:
             try:
@@ -144,13 +148,13 @@ class Job:
         return self._without_failed(candidates)
 
     def choose_baseline(self, search: StrideSearch, candidates: Clips) -> FoundStride:
-        """The named clip's stride, or the most typical. Raises BaselineError."""
+        """Returns the named clip's stride, or the most typical one. Raises BaselineError."""
         if self.baseline is None:
             return typical_stride(search, candidates, self.failed)
         return named_stride(self.baseline, search, self.clips, self.failed)
 
     def read_hands(self, readings: HandsReading) -> None:
-        """Reads the clips of hands, and drops those that fail."""
+        """Reads the hands clips, and drops those that fail."""
         self._do("hands", readings, self.hand_clips)
         self.hand_clips = self._without_failed(self.hand_clips)
 

@@ -19,15 +19,15 @@ def version_of(*packages: str) -> str:
     A version number maintained by hand would be forgotten some day, and a stale result looks like any other. So every
     change of a source, even of a comment, causes a rebuild.
     """
-    sources = [source for package in packages for source in _sources(files(f"motionsplice.{package}"))]
+    sources = [source for package in packages for source in _sources(files(f"motionsplice.{package}"), package)]
     return key_of(sources, [(name, version(name)) for name in LIBRARIES])
 
 
-def _sources(folder: Traversable) -> list[tuple[str, bytes]]:
+def _sources(folder: Traversable, path: str) -> list[tuple[str, bytes]]:
     found = []
     for entry in sorted(folder.iterdir(), key=lambda one: one.name):
         if entry.is_dir() and entry.name != "__pycache__":
-            found += _sources(entry)
+            found += _sources(entry, f"{path}/{entry.name}")
         elif entry.name.endswith(".py"):
-            found.append((entry.name, entry.read_bytes()))
+            found.append((f"{path}/{entry.name}", entry.read_bytes()))
     return found

@@ -12,7 +12,7 @@ from motionsplice.precompute.preparation.prepared import PreparedClip
 
 
 def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
-    """Fails clips whose named neutral is not in the bank, and then those that had named these."""
+    """Fails clips whose named neutral is not in the bank, and then the clips whose neutral has failed."""
     neutrals = {name: one.source.settings.neutral for name, one in clips.items() if name not in failed}
     while missing := {name: neutral for name, neutral in neutrals.items() if neutral and neutral not in neutrals}:
         for name, neutral in missing.items():
@@ -22,8 +22,11 @@ def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
 
 
 def with_neutrals(prepared: Sequence[PreparedClip], baseline: str) -> list[PreparedClip]:
-    """Each clip with its neutral: the one named; else itself, if it is a locomotion; else, for an action, the
-    locomotion nearest in gait, or the baseline if there is none."""
+    """Returns each clip with its neutral.
+
+    The neutral is the clip that its settings name. Without one, a locomotion is its own neutral, and an action's is the
+    locomotion nearest in gait, or the baseline if there are no locomotions.
+    """
     locomotions = {one.name: one for one in prepared if one.kind == "locomotion"}
     candidates = locomotions or {one.name: one for one in prepared if one.name == baseline}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.precompute.alignment.baseline import Baseline
@@ -20,13 +20,13 @@ class Outcome:
         baseline: The stride that all clips are aligned to.
         clips: Names of the bank's clips.
         failed: The errors of clips that were left out, by name.
-        kept: How many clips an earlier run had already aligned.
+        reused: How many clips an earlier run had already aligned.
         unchanged: Whether this very bank was already there.
     """
 
     digest: str
-    baseline: Baseline
+    baseline: Baseline = field(repr=False)
     clips: tuple[str, ...]
     failed: Mapping[str, MotionError]
-    kept: int
+    reused: int
     unchanged: bool

@@ -1,1 +1,1 @@
-"""Preparation of a clip for a bank: alignment, loop, measurements. Imports `alignment` and `body`."""
+"""Preparation of a clip for a bank: alignment, loop, measurements."""

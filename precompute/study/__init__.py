@@ -1,1 +1,1 @@
-"""The correlation of upper body and legs (Heck's thesis, 4.1). No other room imports it."""
+"""The correlation of upper body and legs (Heck's thesis, 4.1)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +13,22 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs
 from motionsplice.runtime.characters.commands import BLEND, mask_of, not_negative, weight_in_range
-from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Method, Posture, known, time_fault
+from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Posture, known, time_fault
+
+ACTION_METHODS = {name: number for name, number in METHODS.items() if name != "none"}
 
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """An upper body to play over a character's locomotion. The WebSocket's command `act` has the same keys.
+    """An upper body to play over a character's locomotion.
+
+    The WebSocket's command `act` has the same keys, except that it calls the clip `action`.
 
     Attributes:
         clip: Name of the clip that gives the upper body.
         when: When the action begins. `now`: at once, at the first frame from `start` on that is in step. `phase`: as
             soon as the locomotion is in step with `start`. `left_foot`, `right_foot` or `foot`: when this foot, or
-            either, comes down.
+            either, touches down.
         start: Seconds into the clip: its earliest frame.
         blend: Seconds to fade in.
         blend_out: Seconds to fade out before the clip ends, if it does not loop.
@@ -46,7 +51,7 @@ class Action:
     curve: col.Curve = "smooth"
     weight: float = 1.0
     mask: col.Mask = "upper_body"
-    method: Method = "splice"
+    method: Literal["splice", "naive"] = "splice"
     posture: Posture = "relative"
     loop: bool = True
     own_clock: bool | tuple[float, float] = False
@@ -67,7 +72,7 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
             f"own_clock {own} is not a range of times", mend="Give start and end in seconds, the start first"
         )
     slot = np.zeros(col.ACTION_COLUMNS)
-    slot[col.CLIP], slot[col.KIND] = clip, known(METHODS, "method", action.method)
+    slot[col.CLIP], slot[col.KIND] = clip, known(ACTION_METHODS, "method", action.method)
     slot[col.PHASE], slot[col.FRAME] = bank.phase_at(action.clip, action.start), action.start * entry.rate
     slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(action.weight)
     slot[col.LASTING], slot[col.CURVE] = not_negative("blend", action.blend), known(col.CURVES, "curve", action.curve)

@@ -18,7 +18,10 @@ CATCH_UP = 0.3  # share of the locomotion's speed by which an action out of step
 
 @inlined
 def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float) -> None:
-    """Advances all actions: in step with the gaits, and by their own clock to the degree that gaits are not played."""
+    """Advances all actions.
+
+    They follow the gaits in step, blended with their own clock by the share of locomotions without a gait.
+    """
     count = int(s[c + col.ACTIONS])
     if count > 0:
         gaits, phase = 0.0, UNKNOWN
@@ -57,7 +60,10 @@ def advance_splice(
 
 @kernel
 def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
-    """Fades out the newest action before it ends, or begins it again over itself if it repeats but has no loop."""
+    """Fades out the newest action near its end.
+
+    If the action should loop but its clip has no seam, crossfades it into its own start.
+    """
     slot = action_slot(c, count - 1)
     clip, kind = int(s[slot + col.CLIP]), s[slot + col.KIND]
     if kind == col.OWN or s[slot + col.LEAVING] > 0.0 or count == col.MOST_ACTIONS:

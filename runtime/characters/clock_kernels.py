@@ -179,7 +179,7 @@ def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) ->
 
 @kernel
 def end_locomotion(s: Array, c: int, number: int, before: float, after: float, last: float, rate: float) -> None:
-    """Ends a clip that has no loop: it is held, or its group begins again over itself."""
+    """Handles the end of a clip without a seam: holds the last frame, or crossfades the group into its start."""
     slot = locomotion_slot(c, number)
     if s[slot + col.LOOP] == 0.0:
         if before < last and after >= last:

@@ -21,7 +21,7 @@ FOUR = np.uint64(4)  # numbers of a rotation
 
 
 @inlined
-def weigh_lanes(weights: Array, width: Index, weight: Real) -> None:
+def set_lane_weights(weights: Array, width: Index, weight: Real) -> None:
     """Sets the same weight for all lanes."""
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
         store(weights, 0, lane, spread(weight))

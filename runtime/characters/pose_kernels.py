@@ -10,7 +10,7 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
-from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, weigh_lanes
+from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.characters.turning_kernels import turn_limbs, turn_pelvis
@@ -134,7 +134,7 @@ def mix_lower(
         if count == 1:
             block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
         else:
-            weigh_lanes(mixing.lane_weights, width, np.float32(share))
+            set_lane_weights(mixing.lane_weights, width, np.float32(share))
             add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
             add_cloud(bank, row, t32, np.float32(share), mixing.row, number == 0)
     if count > 1:

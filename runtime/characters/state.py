@@ -20,12 +20,8 @@ MOST_HANDS = 2  # slots
 # position and heading (metres, radians about Y); root motion of the last step, relative to the previous place
 PLACE, HEADING, DELTA = 0, 3, 4
 SPEED, IN_PLACE, LOCOMOTIONS, ACTIONS = 8, 9, 10, 11
-STANDING, EVENTS, BEGAN, ENDED = (
-    12,
-    13,
-    14,
-    15,
-)  # bits of standing feet, bits of events, clips of the latest ACTION_BEGAN and ACTION_ENDED
+# bits of standing feet, bits of events, clips of the latest ACTION_BEGAN and ACTION_ENDED
+STANDING, EVENTS, BEGAN, ENDED = range(12, 16)
 SIN, COS = 16, 17  # sine and cosine of half the heading
 
 # a locomotion slot; the slots begin at FIRST_LOCOMOTION
@@ -88,7 +84,7 @@ EVENT_NAMES: Mapping[int, str] = {
 }
 """Names of the event bits that `Characters.advance` and `Characters.events` report.
 
-- `left_down`, `left_up`, `right_down`, `right_up`: a foot comes down or goes up.
+- `left_down`, `left_up`, `right_down`, `right_up`: a foot touches down or lifts off.
 - `stride`: the phase passes a whole number.
 - `locomotion_ended`: a locomotion without a loop has reached its last frame.
 - `action_began`: an action begins.

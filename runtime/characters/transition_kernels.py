@@ -1,4 +1,4 @@
-"""Transitions: slots begin in step, are faded in over the slots below them, and these are dropped when covered.
+"""Transitions: a new slot begins in step and fades in over older slots; covered slots are dropped.
 
 Every command waits in the row until its moment has come, even if it can begin at once, so `begin_waiting` begins all
 transitions.
@@ -82,7 +82,7 @@ def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
 def begin_waiting(bank: BankArrays, ground: Ground, s: Array, c: int, passed: float, downs: int) -> None:
     """Begins what is waiting, if its moment has come and a slot is free.
 
-    `passed` are the cycles that the phase has just advanced, `downs` the bits of feet that have just come down.
+    `passed` are the cycles that the phase has just advanced, `downs` the bits of feet that have just touched down.
     """
     if s[c + col.NEXT_COUNT] > 0.0:
         if s[c + col.NEXT_LASTING] <= 0.0:
@@ -137,7 +137,7 @@ def begin_locomotion(bank: BankArrays, ground: Ground, s: Array, c: int, first: 
     is_new = s[c + col.LOCOMOTIONS] == 0.0
     s[c + col.LOCOMOTIONS], s[c + col.NEXT_COUNT] = first + count, 0.0
     share_locomotions(s, c)
-    if is_new:  # feet that stand from the beginning do not come down
+    if is_new:  # feet that stand from the beginning do not touch down
         s[c + col.STANDING] = feet_of(bank, ground, s, leading(s, c))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
-from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, weigh_lanes
+from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, fade_of, locomotion_slot
 from motionsplice.runtime.characters.turning_kernels import is_apart, keep_limbs
 from motionsplice.runtime.characters.worn_kernels import wear_hands
@@ -84,7 +84,7 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
         if s[c + col.HANDS] > 0.0:
             wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
         if count > 1:
-            weigh_lanes(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
+            set_lane_weights(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
             add_lanes(lanes, above, width, mixing, number == 0)
     if count > 1:
         normalise_lanes(mixing.sum, above, width, lanes)
@@ -157,13 +157,13 @@ def mix_actions(
     """Mixes the upper halves of locomotions and actions into lanes, each part by its shares."""
     rig = bank.rig
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
-    weigh_actions(s, c, count, mixing.weights)
+    share_parts(s, c, count, mixing.weights)
     new = True
     for part in range(col.PARTS):
         new &= mixing.weights[part] == 0.0
     if not new:
         sample_own(bank, s, c, lanes, mixing)
-        weigh_parts(limbs, width, mixing, 0, False)
+        set_part_weights(limbs, width, mixing, 0, False)
         add_lanes(lanes, above, width, mixing, True)
     for number in range(count):
         slot = action_slot(c, number)
@@ -174,14 +174,14 @@ def mix_actions(
             if apart:
                 keep_limbs(bank, limbs, lanes, above, k + number, mixing)
                 mixing.limbs_turn[k] = 1
-            weigh_parts(limbs, width, mixing, number + 1, apart)
+            set_part_weights(limbs, width, mixing, number + 1, apart)
             add_lanes(lanes, above, width, mixing, new)
             new = False
     normalise_lanes(mixing.sum, above, width, lanes)
 
 
 @inlined
-def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
+def share_parts(s: Array, c: int, count: int, weights: Array) -> None:
     """Computes the shares [PARTS] of the locomotions' own upper body, then of each action.
 
     Goes from the top slot down; the last row of `weights` holds what is left for the slots below.
@@ -203,7 +203,7 @@ def weigh_actions(s: Array, c: int, count: int, weights: Array) -> None:
 
 
 @inlined
-def weigh_parts(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: bool) -> None:
+def set_part_weights(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: bool) -> None:
     """Sets the weight of each lane of an upper half to the share of its part.
 
     If the source owns limbs `apart` from the trunk, their attachments get weight 0: `turn_limbs` sets them.
@@ -212,7 +212,7 @@ def weigh_parts(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: 
     for part in range(1, col.PARTS):
         whole &= mixing.weights[begin + part] == mixing.weights[begin]
     if whole:
-        weigh_lanes(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
+        set_lane_weights(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
         return
     for lane in range(width):
         mixing.lane_weights[0, lane] = np.float32(mixing.weights[begin + limbs.part_of_lane[lane]])

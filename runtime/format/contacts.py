@@ -16,8 +16,8 @@ class Contact(NamedTuple):
 
     Attributes:
         foot: `left` or `right`.
-        down: Seconds into the clip at which the foot comes down.
-        up: Seconds into the clip at which it goes up.
+        down: Seconds into the clip at which the foot touches down.
+        up: Seconds into the clip at which it lifts off.
     """
 
     foot: str

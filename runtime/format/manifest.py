@@ -101,7 +101,8 @@ class BaselineEntry:
         clip: Name of the clip.
         start: Seconds into the clip at which the stride starts.
         end: Seconds into the clip at which it ends.
-        loop: Distance of its two ends, divided by the distance of its two halves.
+        loop: Distance between the poses at the stride's ends, divided by the distance between poses half a stride
+            apart.
         cells: Number of cells of its ring.
     """
 

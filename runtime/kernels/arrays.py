@@ -1,4 +1,4 @@
-"""The flat arrays that kernels work on. They are few, because each array argument costs a call 0.1 us."""
+"""The flat arrays that kernels work on. They are few, because each array argument makes a call slower."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Decorators that compile kernels once, for this processor, into a cache beside them or in NUMBA_CACHE_DIR.
 
 Numba checks only the file of the called kernel to see whether its cache is current. After a change to a kernel that
-other kernels call, remove the caches with `make clean`.
+other kernels call, or to a constant that they import, remove the caches with `make clean`.
 """
 
 from __future__ import annotations

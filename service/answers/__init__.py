@@ -1,1 +1,1 @@
-"""Poses, splices and streams over HTTP. Imported by `front` and `openapi`."""
+"""Poses, splices and streams over HTTP."""

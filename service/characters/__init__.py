@@ -1,1 +1,1 @@
-"""Characters over a WebSocket. Imported by `front`."""
+"""Characters over a WebSocket."""

@@ -79,7 +79,7 @@ class State(Enum):
 
     READY = "ready"  # the next frames are made when they are due
     HOLDING = "holding"  # a message of frames waits to be sent
-    DEFERRED = "deferred"  # frames were due while the client was slow: the next are made as soon as it is free
+    DEFERRED = "deferred"  # frames were due while a message waited or the client was slow: the next wait for it
     CLOSING = "closing"  # the queued events and the close code are still to be sent
     CLOSED = "closed"  # nothing is sent any more
 
@@ -161,12 +161,14 @@ class Connection:
 
     def send_frames(self, count: int, message: bytes) -> int:
         """Sends a message of `count` frames, or keeps it for `send`. Returns how many frames were sent at once."""
-        if self._transport is not None and not self._wake.is_set() and self._transport.send_at_once(message):
+        if not self.is_open:
+            return 0
+        nothing_before = self._message is None and not self._events and not self._wake.is_set()
+        if nothing_before and self._transport is not None and self._transport.send_at_once(message):
             return count
-        if self.is_open:
-            self._enter(State.HOLDING)
-            self._message = count, message
-            self._wake.set()
+        self._enter(State.HOLDING)
+        self._message = count, message
+        self._wake.set()
         return 0
 
     def go_on(self, play: Play) -> None:
@@ -203,8 +205,7 @@ class Connection:
             while self.is_open:
                 await self._wake.wait()
                 self._wake.clear()
-                while self._events:
-                    await send({"type": "websocket.send", "text": self._events.popleft().decode()})
+                await self._send_events(send)
                 if self._message is not None:
                     await self._until_free()
                     await self._send_message(send)
@@ -214,13 +215,18 @@ class Connection:
                         self._enter(State.READY)
                         self.wanted = self.play.due
                         free()
-            while self._events:
-                await send({"type": "websocket.send", "text": self._events.popleft().decode()})
+            await self._send_events(send)
             code, reason = self._close
             await send({"type": "websocket.close", "code": code, "reason": reason})
         finally:
             self._enter(State.CLOSED)
             self.wanted = math.inf
+
+    async def _send_events(self, send: Send) -> None:
+        """Sends the queued events. Each stays in the queue until it is sent, so that no frame overtakes it."""
+        while self._events:
+            await send({"type": "websocket.send", "text": self._events[0].decode()})
+            self._events.popleft()
 
     async def _until_free(self) -> None:
         if self._transport is not None:

@@ -67,7 +67,7 @@ class Hub:
             try:
                 await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
                 if connection.state is State.CLOSING:
-                    await asyncio.wait((sending,))
+                    await asyncio.wait((sending,), timeout=self._shared.settings.stall_seconds)
             finally:
                 self.connections.discard(connection)
                 for task in (sending, receiving):
@@ -194,7 +194,7 @@ class Hub:
             raise LimitError(problem, mend=f"Ask for at most {settings.max_characters} characters times frames")
         total = sum(one.play.load for one in self.connections) - load + play.load
         if play.load > load and total > settings.max_load:
-            problem = f"this process evaluates at most {settings.max_load:g} characters per second"
+            problem = f"this process evaluates at most {settings.max_load} characters per second"
             raise BusyError(problem, mend="Ask for fewer characters or a lower rate, or ask another process")
 
     def _exchange(self, edition: Edition) -> None:

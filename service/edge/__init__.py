@@ -1,1 +1,1 @@
-"""Limits and protocols at the socket, before any route. Imported by `server` and `front`."""
+"""Limits and protocols at the socket, before any route."""

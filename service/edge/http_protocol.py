@@ -47,8 +47,8 @@ class HttpProtocol(HttpToolsProtocol):
         self._deadline: asyncio.TimerHandle | None = None
         self._phase = Phase.HEAD
         self._unfinished = 0  # bytes of heads and trailers since a head was complete or a piece of a body arrived
-        self._progress = False  # whether the present data completed a head or held a piece of a body
-        self._answered = False  # whether a request in the present data was answered at once
+        self._progress = False  # whether the current data completed a head or held a piece of a body
+        self._answered = False  # whether a request in the current data was answered at once
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(Corked(transport, self.loop))

@@ -1,1 +1,1 @@
-"""New clips and new banks while the service runs. Imported by `app` and `front`."""
+"""New clips and new banks while the service runs."""

@@ -191,7 +191,7 @@ class Job:
         return True
 
     def _baseline(self) -> str:
-        """Returns the present bank's baseline, so that its clips need not be aligned again."""
+        """Returns the current bank's baseline, so that its clips need not be aligned again."""
         return self._folder.manifest.baseline.clip if self._folder.manifest else "auto"
 
 

@@ -1,1 +1,1 @@
-"""Parses queries and encodes frames: axes, number formats, messages. Imported by `answers` and `characters`."""
+"""Parses queries and encodes frames: axes, number formats, messages."""

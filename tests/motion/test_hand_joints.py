@@ -27,11 +27,11 @@ from motionsplice.motion.hand_joints import (
 )
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.hand_rig import FINGERED, FINGERS
-from motionsplice.motion.procedural.variants import with_arms_turned, with_bones_above
 from motionsplice.motion.quaternion import about, rotate
 from motionsplice.motion.roles import find_roles
 from motionsplice.motion.skeleton import Skeleton
 from tests.conftest import CLIPS, COUNTING
+from tests.rigs import with_arms_turned, with_bones_above
 
 WALK = CLIPS["walk"].frames(0, 20)
 BARE, BARE_ROLES = WALK.skeleton, find_roles(WALK.skeleton)

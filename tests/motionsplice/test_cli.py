@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,12 +13,14 @@ from typer.testing import CliRunner, Result
 
 import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
+from motionsplice.commands import motion
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.precompute.hands.settings import read_hand_settings
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
 
 ROOT = Path(__file__).parents[2]
@@ -85,6 +88,11 @@ def test_every_command_has_help_with_an_example(command: str) -> None:
     assert f"Example: motionsplice {command}" in run(command, "--help").output
 
 
+def test_the_command_has_every_posture_and_method() -> None:
+    assert {posture.value for posture in motion.Posture} == set(get_args(Posture))
+    assert set(motion.RUN_TIME_METHODS.values()) == set(get_args(Method))
+
+
 def test_version_is_printed_and_is_an_option_of_the_help() -> None:
     assert run("--version").output == f"motionsplice {motionsplice.__version__}\n"
     assert "--version" in run("--help").output
@@ -96,15 +104,15 @@ def test_precompute_lists_the_clips_of_the_bank(clip_folder: Path, tmp_path: Pat
         assert clip.name in output
 
 
-def test_precompute_prints_how_many_clips_were_unchanged(clip_folder: Path, tmp_path: Path) -> None:
+def test_precompute_prints_how_many_clips_were_reused(clip_folder: Path, tmp_path: Path) -> None:
     arguments = ["precompute", clip_folder, "--out", tmp_path / "bank", "--jobs", 1]
-    assert "7 clips, 0 unchanged\n" in run(*arguments).output
+    assert "7 clips, 0 reused\n" in run(*arguments).output
     again = run(*arguments).output
     assert again.replace("\n", "").endswith("bank: nothing to do, none of its 7 clips changed")
     assert "reading" not in again
     longer = tmp_path / "longer.bvh"
     longer.write_bytes((clip_folder / "walk.bvh").read_bytes() + b"\n")
-    assert "8 clips, 7 unchanged\n" in run(*arguments, longer).output
+    assert "8 clips, 7 reused\n" in run(*arguments, longer).output
 
 
 def test_the_automatic_baseline_can_be_requested_by_name(clip_folder: Path, tmp_path: Path) -> None:
@@ -219,5 +227,7 @@ def test_errors_are_one_paragraph(
         "render", bank.path.parents[0] / "x.bvh", "--out", tmp_path / "x.txt"
     )
     assert "exact splice chooses its own start" in printed(*splice, "walk", "--method", "exact", "--start", 1)
-    assert "Choose --posture absolute" in printed(*splice, "walk", "--method", "exact", "--posture", "running")
+    assert "Choose --posture relative, absolute, off" in printed(
+        *splice, "walk", "--method", "exact", "--posture", "running"
+    )
     assert not (tmp_path / "out.bvh").exists()

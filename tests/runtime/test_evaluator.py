@@ -169,3 +169,9 @@ def test_arrays_of_wrong_type_shape_or_layout_are_refused(bank: Bank) -> None:
 def test_an_empty_batch_is_valid(bank: Bank) -> None:
     evaluator = Evaluator(bank)
     evaluator.evaluate(Requests.empty(0), evaluator.poses(0))
+
+
+@pytest.mark.parametrize(("rate", "time_constant"), [(0.0, 2.0), (-5.0, 2.0), (60.0, 0.0), (np.nan, 2.0)])
+def test_a_memory_needs_a_rate_above_zero(rate: float, time_constant: float) -> None:
+    with pytest.raises(SettingsError, match="above 0"):
+        Memory.begin(1, rate, time_constant)

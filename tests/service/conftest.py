@@ -40,7 +40,7 @@ def hands_client(hands_bank: Bank) -> Iterator[TestClient]:
 @pytest.fixture(scope="module")
 def service(bank: Bank) -> Iterator[Running]:
     """A running, ready service."""
-    with running(bank.path, Settings(stall_seconds=2.0, idle_seconds=1.0, max_load=20_000.0)) as service:
+    with running(bank.path, Settings(stall_seconds=2.0, idle_seconds=1.0, max_load=20_000)) as service:
         yield service
 
 

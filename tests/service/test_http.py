@@ -70,7 +70,7 @@ def test_limits_are_whole_numbers_where_the_settings_are(client: TestClient) -> 
     settings, limits = Settings(max_frames=5000), client.get("/v1/server").json()["limits"]
     for name, limit in limits.items():
         assert (limit, type(limit)) == (getattr(settings, name), type(getattr(settings, name)))
-    assert (type(limits["max_frames"]), type(limits["max_load"])) == (int, float)
+    assert (type(limits["max_frames"]), type(limits["max_load"]), type(limits["max_rate"])) == (int, int, float)
     document = client.get("/openapi.json").json()
     example = document["paths"]["/v1/server"]["get"]["responses"]["200"]["content"]["application/json"]["example"]
     assert example["limits"] == limits

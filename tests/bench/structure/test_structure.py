@@ -5,20 +5,20 @@ from pathlib import Path
 import matplotlib.image
 import pytest
 
-from bench.structure import rooms as module
+from bench.structure import package_graph as module
 from bench.structure.layers import layers_picture, read_contracts
-from bench.structure.rooms import circles, rooms
+from bench.structure.package_graph import circles, packages
 
 ROOT = Path(__file__).parents[3]
 
 
-def test_every_folder_of_modules_is_a_room() -> None:
-    found = {room.name: room for room in rooms(ROOT)}
+def test_every_folder_of_modules_is_a_package() -> None:
+    found = {package.name: package for package in packages(ROOT)}
     kernels = found["motionsplice.runtime.kernels"]
-    assert kernels.modules == len(list((ROOT / "runtime" / "kernels").glob("*.py"))) - 1
-    assert kernels.floors <= kernels.modules
-    assert "motionsplice.runtime.characters" not in kernels.rooms
-    assert found["motionsplice.runtime.simd"].rooms == ()
+    assert kernels.modules == len(list((ROOT / "motionsplice" / "runtime" / "kernels").glob("*.py"))) - 1
+    assert kernels.longest_chain <= kernels.modules
+    assert "motionsplice.runtime.characters" not in kernels.imported
+    assert found["motionsplice.runtime.simd"].imported == ()
 
 
 def test_no_imports_go_in_a_circle() -> None:
@@ -33,7 +33,7 @@ def test_a_circle_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         (package / name / "inside.py").write_text(f"import circular.{other}.inside\n")
     (package / "__init__.py").write_text("")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(module, "PACKAGES", ("circular",))
+    monkeypatch.setattr(module, "TOP_LEVEL", ("circular",))
     module.import_graph.cache_clear()
     assert [set(circle) for circle in circles()] == [{"circular.a", "circular.b"}]
     monkeypatch.undo()

@@ -118,7 +118,7 @@ def test_hands_without_fingers_fail(tmp_path: Path) -> None:
 
 
 def test_a_clip_of_hands_cannot_be_a_body(hands_folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(SettingsError, match="'counting_hands' is a clip of hands, so it cannot be the body"):
+    with pytest.raises(SettingsError, match="'counting_hands' is a hands clip, so it cannot be the body"):
         build_bank([hands_folder], tmp_path, hands=[HandsOnBody.parse("counting_hands:wave")])
 
 

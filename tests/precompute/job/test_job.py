@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import motionsplice
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError, MotionError, SettingsError
@@ -213,7 +214,7 @@ def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
         ("[walk]\nskip_frames = true", "skip_frames = True"),
         ("[walk]\ntags = 'one'", "tags"),
         ("[walk]\ntags = 5", "tags = 5"),
-        ("walk = 3", "not a table"),
+        ("walk = 3", r"expected a table, found 3. Begin it with \[walk\]"),
         ("[walk", "not TOML"),
     ],
 )
@@ -281,3 +282,12 @@ def test_without_any_locomotion_the_baseline_is_the_neutral(tmp_path: Path) -> N
     (clips / "clips.toml").write_text("[box]\nkind = 'action'\n[wave]\nkind = 'action'\n")
     build_bank([clips], tmp_path / "bank", baseline="box")
     assert Bank.open(tmp_path / "bank").neutral("wave") == "box"
+
+
+def test_paths_may_be_text(tmp_path: Path) -> None:
+    motionsplice.write_sample_gestures(str(tmp_path / "gestures"))
+    walk = write(tmp_path / "clips", walk=CLIPS["walk"]) / "walk.bvh"
+    outcome = motionsplice.build_bank(str(walk), str(tmp_path / "bank"))
+    assert outcome.clips == ("walk",)
+    assert motionsplice.read_clip(str(walk)).clip.name == "walk"
+    assert motionsplice.Bank.open(str(tmp_path / "bank")).digest == outcome.digest

@@ -74,7 +74,7 @@ def test_a_second_run_does_nothing(
     clips: Path, aligned: list[str], baseline: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     first = build(clips, baseline)
-    assert (first.kept, first.unchanged, sorted(aligned)) == (0, False, list(NAMES))
+    assert (first.reused, first.unchanged, sorted(aligned)) == (0, False, list(NAMES))
     bank = clips.parent / "bank"
     before = {file: file.stat().st_mtime_ns for file in bank.rglob("*") if file.is_file()}
     aligned.clear()
@@ -82,7 +82,7 @@ def test_a_second_run_does_nothing(
     monkeypatch.setattr(job, "write_bank", None)
     steps: list[str] = []
     second = build_bank([clips], bank, baseline=baseline, progress=lambda stage, done, total: steps.append(stage))
-    assert (second.kept, second.unchanged) == (len(NAMES), True)
+    assert (second.reused, second.unchanged) == (len(NAMES), True)
     assert (second.digest, second.clips) == (first.digest, first.clips)
     assert not aligned + steps
     assert {file: file.stat().st_mtime_ns for file in bank.rglob("*") if file.is_file()} == before
@@ -94,7 +94,7 @@ def test_a_changed_clip_is_the_only_one_aligned_again(clips: Path, aligned: list
     aligned.clear()
     outcome = build(clips)
     assert aligned == ["run"]
-    assert (outcome.kept, outcome.unchanged) == (len(NAMES) - 1, False)
+    assert (outcome.reused, outcome.unchanged) == (len(NAMES) - 1, False)
     assert tables_and_manifest(clips.parent / "bank") == afresh(clips)
 
 
@@ -202,7 +202,7 @@ def test_a_clip_that_changes_while_it_is_read_fails(clips: Path, monkeypatch: py
     assert isinstance(outcome.failed["run"], ClipError)
     assert "it changed while it was read. Start again" in str(outcome.failed["run"])
     monkeypatch.undo()
-    assert build(clips).kept == len(NAMES) - 1
+    assert build(clips).reused == len(NAMES) - 1
 
 
 KILLED = """
@@ -225,7 +225,7 @@ def test_a_killed_job_resumes_where_it_stopped(clips: Path, aligned: list[str]) 
     assert killed.returncode == -signal.SIGKILL
     assert not (bank / "manifest.msgpack").exists()
     outcome = build(clips)
-    assert outcome.kept == 2
+    assert outcome.reused == 2
     assert sorted(aligned) == list(NAMES)[2:]
     assert files_of(bank) == afresh(clips)
 

@@ -20,6 +20,7 @@ from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import POSTURES
 from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 from tests import naive_character
@@ -50,7 +51,7 @@ def command(characters: Characters, rows: list[int], draw: np.random.Generator) 
         characters.act(rows, Action(first, blend=blend, blend_out=blend, loop=bool(draw.integers(2)), when=when))
     elif kind == 3:
         mask: Any = draw.choice(list(col.MASKS))
-        posture: Any = draw.choice(["relative", "absolute", "off"])
+        posture: Any = draw.choice(sorted(POSTURES.keys() - {"running"}))
         characters.act(rows, Action(first, blend=blend, mask=mask, weight=draw.uniform(0.3, 1.0), posture=posture))
     elif kind == 4:
         characters.stop(rows, blend=blend)
@@ -223,6 +224,9 @@ def test_without_a_gait_an_action_plays_by_its_own_clock(standing: Stage) -> Non
         (lambda one: one.place([0], [0.0, 0.0]), SettingsError),
         (lambda one: one.place([0], [0.0, 0.0, 0.0], np.inf), SettingsError),
         (lambda one: one.speed([0], np.inf), SettingsError),
+        (lambda one: one.add(-1, "walk"), SettingsError),
+        (lambda one: one.advance(-1), SettingsError),
+        (lambda one: one.act([0], Action("wave", method="none")), SettingsError),  # type: ignore[arg-type]
         (lambda one: one.add(1, "nobody"), UnknownClipError),
     ],
 )

@@ -209,7 +209,7 @@ def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
 def test_poses_do_not_depend_on_the_number_of_threads(bank: Bank, count: int) -> None:
     draw, requests, memory = np.random.default_rng(count), Requests.empty(count), Memory.begin(count, rate=60.0)
     requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
-    requests.posture[:] = draw.integers(0, 4, count)
+    requests.posture[:] = draw.integers(0, len(POSTURES), count)
     results = []
     for threads in (1, 2):
         evaluator, own = Evaluator(bank, threads=threads), Memory(memory.state.copy(), memory.share)
@@ -227,7 +227,8 @@ def test_a_batch_gives_the_same_poses_as_single_requests(bank: Bank) -> None:
     requests, poses = Requests.empty(count), evaluator.poses(count)
     requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
     requests.time[:] = draw.random(count) * [bank.clips[one].duration for one in requests.locomotion]
-    requests.method[:], requests.posture[:] = draw.integers(0, 3, (2, count))
+    requests.method[:] = draw.integers(0, len(METHODS), count)
+    requests.posture[:] = draw.choice([POSTURES[posture] for posture in STATELESS], count)
     evaluator.evaluate(requests, poses)
     single = evaluator.poses(1)
     for character in range(count):

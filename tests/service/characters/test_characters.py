@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.requests import Posture
 from motionsplice.runtime.stage import Stage
 from motionsplice.service.settings import Settings
 from tests.playing import command
@@ -140,7 +141,7 @@ def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank
         (
             [{"do": "act", "id": 7, "action": "wave", "posture": "up"}],
             "request",
-            "posture: expected one of relative, absolute, running, off, found 'up'",
+            f"posture: expected one of {', '.join(get_args(Posture))}, found 'up'",
         ),
         ([{"do": "speed", "id": 6, "speed": 1}], "request", "character 6 not found"),
         ([{"do": "speed", "id": 7, "speed": 9}], "request", "speed: expected a number from 0 to 8, found 9"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import math
 from collections.abc import Callable
@@ -12,7 +13,7 @@ import pytest
 from starlette.types import Message
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.service.characters.connection import MOST_EVENTS, NEXT, TOO_SLOW, Connection, Play, State
+from motionsplice.service.characters.connection import MOST_EVENTS, TOO_SLOW, Connection, Play, State
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition
@@ -211,15 +212,47 @@ def test_too_many_unread_events_close_it(edition: Edition) -> None:
     asyncio.run(run())
 
 
-@pytest.mark.parametrize("state", State)
-@pytest.mark.parametrize("wanted", State)
-def test_only_allowed_transitions_are_made(edition: Edition, state: State, wanted: State) -> None:
+FORBIDDEN = {
+    (State.CLOSING, State.READY), (State.CLOSING, State.HOLDING), (State.CLOSING, State.DEFERRED),
+    (State.CLOSED, State.READY), (State.CLOSED, State.HOLDING), (State.CLOSED, State.DEFERRED),
+    (State.CLOSED, State.CLOSING),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("state", "wanted"), [*itertools.product(State, State)])
+def test_a_closing_connection_never_opens_again(edition: Edition, state: State, wanted: State) -> None:
     connection = Client(edition).connection
     connection.state = state
-    if wanted in NEXT[state]:
+    if (state, wanted) not in FORBIDDEN:
         connection._enter(wanted)
         assert connection.state is wanted
     else:
         with pytest.raises(RuntimeError, match=f"from {state.value} to {wanted.value}"):
             connection._enter(wanted)
         assert connection.state is state
+
+
+def test_no_frame_overtakes_an_event_that_is_being_sent(edition: Edition) -> None:
+    """The buffer empties while an event waits for it, and frames are made before the event goes on."""
+
+    async def run() -> None:
+        buffer = Buffer()
+        client = Client(edition, buffer)
+        order: list[str] = []
+
+        async def send(message: Any) -> None:
+            await buffer.emptied.wait()
+            order.append("event" if "text" in message else "frames")
+
+        client.connection.queue_event("bank")
+        sending = asyncio.create_task(client.connection.send(send, client.free))
+        await asyncio.sleep(0.01)
+        buffer.emptied.set()
+        assert client.connection.send_frames(1, b"frames") == 0
+        assert not buffer.sent
+        await asyncio.sleep(0.01)
+        assert order == ["event"]
+        assert buffer.sent == [b"frames"]
+        sending.cancel()
+
+    asyncio.run(run())

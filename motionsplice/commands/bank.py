@@ -40,7 +40,7 @@ def register(app: typer.Typer) -> None:
 
 def precompute_command(
     clips: Annotated[
-        list[Path], typer.Argument(help="Motion files (.bvh, .amc, .glb, .gltf, .vrm), or folders of them.")
+        list[Path], typer.Argument(help="Motion files (.bvh, .amc, .glb, ...), or folders of them.")
     ],
     out: Annotated[Path, typer.Option(help="The bank to write, a folder.")],
     baseline: Annotated[

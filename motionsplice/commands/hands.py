@@ -40,7 +40,7 @@ def hands_command(
     hands: Annotated[
         Path, typer.Argument(help="The motion that gives the fingers: the same gestures, captured separately.")
     ],
-    out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
+    out: Annotated[Path, typer.Option(help="The file to write, .bvh or .glb, in metres.")],
     pair: Annotated[
         list[str] | None,
         typer.Option(help="BODY:HANDS, two frames to align; BODY:HANDS~N allows N frames of the hands either way."),

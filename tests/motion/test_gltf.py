@@ -24,28 +24,13 @@ from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.scene import nodes_of
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
+from tests.glb_files import edited
 
 WALK = make("walk", seconds=1.0)
 
 
 def alone(name: str) -> bytes:
     raise AssertionError(f"{name} was read")
-
-
-def edited(edit: Callable[[dict[str, Any]], None], data: bytes = dump_glb(WALK)) -> bytes:
-    """The file with another JSON document."""
-    size = struct.unpack_from("<I", data, 12)[0]
-    document = json.loads(data[20 : 20 + size])
-    edit(document)
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    rest = data[20 + size :]
-    return (
-        struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest))
-        + struct.pack("<I4s", len(text), b"JSON")
-        + text
-        + rest
-    )
 
 
 def read(tmp_path: Path, data: bytes, name: str = "walk.glb", **options: Any) -> Clip:
@@ -94,7 +79,7 @@ def test_local_axes_scale_and_order_of_nodes_do_not_matter(tmp_path: Path) -> No
         for channel in document["animations"][0]["channels"]:
             channel["target"]["node"] = at[channel["target"]["node"]]
 
-    clip = read(tmp_path, edited(edit, dump_glb(turned)))
+    clip = read(tmp_path, edited(dump_glb(turned), edit))
     where = [clip.skeleton.names.index(name) for name in WALK.skeleton.names]
     np.testing.assert_allclose(joint_positions(clip)[:, where], joint_positions(WALK), atol=2e-5)
     assert np.abs(clip.skeleton.offsets[where][1:] - WALK.skeleton.offsets[1:]).max() < 2e-5
@@ -157,7 +142,7 @@ def test_several_animations_are_chosen_by_name(tmp_path: Path) -> None:
     def twice(document: dict[str, Any]) -> None:
         document["animations"].append(document["animations"][0] | {"name": "again"})
 
-    data = edited(twice)
+    data = edited(dump_glb(WALK), twice)
     assert animation_names(data) == ["walk", "again"]
     with pytest.raises(FormatError, match=r"2 animations.*--animation.*walk, again"):
         read(tmp_path, data)
@@ -199,7 +184,7 @@ WRONG: dict[str, Callable[[dict[str, Any]], None]] = {
 @pytest.mark.parametrize("words", WRONG)
 def test_a_wrong_file_is_refused_with_the_reason(tmp_path: Path, words: str) -> None:
     with pytest.raises(FormatError, match=words) as raised:
-        read(tmp_path, edited(WRONG[words]))
+        read(tmp_path, edited(dump_glb(WALK), WRONG[words]))
     assert "walk.glb" in str(raised.value)
 
 

@@ -137,7 +137,7 @@ class Connection:
         return self.state is State.READY and (self._transport is None or self._transport.is_free)
 
     def _enter(self, state: State) -> None:
-        """Changes the state. Raises RuntimeError if the present state does not allow that."""
+        """Changes the state. Raises RuntimeError if the current state does not allow that."""
         if state not in NEXT[self.state]:
             raise RuntimeError(f"a connection cannot go from {self.state.value} to {state.value}")
         self.state = state

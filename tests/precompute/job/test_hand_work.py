@@ -145,7 +145,10 @@ def test_every_key_of_hands_toml_is_read(tmp_path: Path) -> None:
         ("hands = 3", "it must hold [[hands]] tables and nothing else"),
         ("[hands]\nbody = 'a'", "it must hold [[hands]] tables and nothing else"),
         ("[[hands]\n", "not a TOML file"),
-        ("[[hands]]\nbody = 'a'", "hands 1: the key 'hands' is missing. Add hands = \"NAME\", the name of a clip"),
+        (
+            "[[hands]]\nbody = 'a'",
+            "hands 1: the key 'hands' is missing. Add hands = \"NAME\", the name of a hands clip",
+        ),
         ("[[hands]]\nhands = 'a'", "hands 1: the key 'body' is missing"),
         (
             "[[hands]]\nbody = 'a'\nhands = 3",

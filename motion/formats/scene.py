@@ -54,7 +54,7 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
     inside = [node for node in kept if node not in ends]
     places = {node: place for place, node in enumerate(inside)}
     parents = np.array([places.get(int(scene.parents[node]), -1) for node in inside])
-    bound, turned = _rotations(scene.bind[inside]), _rotations(scene.world[:, inside])
+    bound, turned = rotations_of(scene.bind[inside]), rotations_of(scene.world[:, inside])
     world = quaternion.multiply(turned, quaternion.conjugate(bound))
     local = world.copy()
     local[:, 1:] = quaternion.multiply(quaternion.conjugate(world[:, parents[1:]]), world[:, 1:])
@@ -110,7 +110,7 @@ def _translations(at: Floats, world: Floats, parents: Integers, offsets: Floats)
     return found
 
 
-def _rotations(transforms: Floats) -> Floats:
+def rotations_of(transforms: Floats) -> Floats:
     """Returns the rotations [..., 4] of transforms [..., 3, 4]: their axes without scale, made orthogonal."""
     axes = transforms[..., :3]
     x = _unit(axes[..., 0])
@@ -120,20 +120,26 @@ def _rotations(transforms: Floats) -> Floats:
     return _quaternions(np.stack([x, y, z], axis=-1))
 
 
-def _quaternions(m: Floats) -> Floats:
-    """Returns the quaternions [..., 4] of rotation matrices [..., 3, 3], by the largest of their components."""
-    x, y, z = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
-    squares = np.stack([1.0 + x - y - z, 1.0 - x + y - z, 1.0 - x - y + z, 1.0 + x + y + z], axis=-1)
-    xy, yz, zx = m[..., 1, 0] + m[..., 0, 1], m[..., 2, 1] + m[..., 1, 2], m[..., 0, 2] + m[..., 2, 0]
-    xw, yw, zw = m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]
-    products = np.stack([
-        np.stack([squares[..., 0], xy, zx, xw], axis=-1),
-        np.stack([xy, squares[..., 1], yz, yw], axis=-1),
-        np.stack([zx, yz, squares[..., 2], zw], axis=-1),
-        np.stack([xw, yw, zw, squares[..., 3]], axis=-1),
-    ], axis=-2)  # fmt: skip
-    best = np.argmax(squares, axis=-1)[..., None, None]
-    return quaternion.normalise(np.take_along_axis(products, best, axis=-2)[..., 0, :])
+def _quaternions(matrices: Floats) -> Floats:
+    """Returns the quaternions [..., 4] of rotation matrices [..., 3, 3], each from its largest component."""
+    m = matrices.reshape(-1, 3, 3)
+    x, y, z = m[:, 0, 0], m[:, 1, 1], m[:, 2, 2]
+    largest = np.argmax([x - y - z, y - z - x, z - x - y, x + y + z], axis=0)
+    q = np.empty((len(m), 4))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        rows = np.flatnonzero(largest == i)
+        if len(rows):
+            one = m[rows]
+            q[rows, i] = 1.0 + one[:, i, i] - one[:, j, j] - one[:, k, k]
+            q[rows, j] = one[:, j, i] + one[:, i, j]
+            q[rows, k] = one[:, k, i] + one[:, i, k]
+            q[rows, 3] = one[:, k, j] - one[:, j, k]
+    rows = np.flatnonzero(largest == 3)
+    one = m[rows]
+    q[rows, 0], q[rows, 1] = one[:, 2, 1] - one[:, 1, 2], one[:, 0, 2] - one[:, 2, 0]
+    q[rows, 2], q[rows, 3] = one[:, 1, 0] - one[:, 0, 1], 1.0 + one[:, 0, 0] + one[:, 1, 1] + one[:, 2, 2]
+    return quaternion.normalise(q).reshape(*matrices.shape[:-2], 4)
 
 
 def _unit(v: Floats) -> Floats:

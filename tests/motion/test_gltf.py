@@ -21,7 +21,7 @@ from motionsplice.motion.formats.gltf.container import Container
 from motionsplice.motion.formats.gltf.reader import animation_names, read_scene
 from motionsplice.motion.formats.gltf.tracks import Track
 from motionsplice.motion.formats.gltf.writer import dump_glb
-from motionsplice.motion.formats.scene import nodes_of
+from motionsplice.motion.formats.scene import nodes_of, rotations_of
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from tests.glb_files import edited
@@ -201,3 +201,13 @@ def test_a_damaged_file_is_a_typed_error_or_a_clip(data: st.DataObject) -> None:
                 nodes_of(read_scene(bytes(damaged), alone, name))
     except MotionError:
         pass
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_rotations_are_found_in_scaled_axes(seed: int) -> None:
+    """Also turns of 180 degrees, which have no w."""
+    draw = np.random.default_rng(seed)
+    turns = Rotation.from_quat(np.concatenate([draw.normal(size=(20, 4)), np.eye(4), [[1.0, 1.0, 0.0, 0.0]]]))
+    transforms = np.zeros((25, 3, 4))
+    transforms[..., :3] = turns.as_matrix() * draw.uniform(0.01, 100.0, (25, 1, 3))
+    assert quaternion.angle(rotations_of(transforms), turns.as_quat()).max() < 1e-7

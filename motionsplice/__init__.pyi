@@ -13,6 +13,7 @@ from .motion.errors import UnknownClipError as UnknownClipError
 from .motion.formats.bvh import dump_bvh as dump_bvh
 from .motion.formats.files import Reading as Reading
 from .motion.formats.files import read_clip as read_clip
+from .motion.formats.gltf.writer import dump_glb as dump_glb
 from .motion.roles import Roles as Roles
 from .motion.roles import find_roles as find_roles
 from .motion.samples import write_sample_clips as write_sample_clips

@@ -12,7 +12,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.requests import Posture
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.poses import POSES
-from motionsplice.service.answers.splice import BVH, SPLICE
+from motionsplice.service.answers.splice import FILES, SPLICE
 from motionsplice.service.answers.stream import MEDIA_TYPE as STREAM_TYPE
 from motionsplice.service.answers.stream import STREAM
 from motionsplice.service.characters.hub import CHARACTERS
@@ -133,7 +133,12 @@ def _direct(bank: Bank) -> dict[str, Any]:
                 "operationId": "get_splice",
                 "parameters": _parameters(SPLICE),
                 "responses": _responses(
-                    {**frames, BVH.decode(): {"schema": OCTETS}}, NOT_MODIFIED, UNKNOWN, LIMITED, BUSY, NOT_READY
+                    {**frames, **{form.decode(): {"schema": OCTETS} for form in FILES.values()}},
+                    NOT_MODIFIED,
+                    UNKNOWN,
+                    LIMITED,
+                    BUSY,
+                    NOT_READY,
                 ),
             }
         },

@@ -14,8 +14,7 @@ from rich.table import Table
 
 from motionsplice.commands.outputs import check_suffix
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import Reading, read_clip
+from motionsplice.motion.formats.files import Reading, read_clip, write_clip
 from motionsplice.motion.roles import read_roles_file
 from motionsplice.pictures.hand_charts import draw_alignment
 from motionsplice.precompute.hands.align import BANDS
@@ -37,11 +36,11 @@ def register(app: typer.Typer) -> None:
 
 
 def hands_command(
-    body: Annotated[Path, typer.Argument(help="The motion that gives the body (.bvh, .amc).")],
+    body: Annotated[Path, typer.Argument(help="The motion that gives the body (.bvh, .amc, .glb, ...).")],
     hands: Annotated[
         Path, typer.Argument(help="The motion that gives the fingers: the same gestures, captured separately.")
     ],
-    out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
+    out: Annotated[Path, typer.Option(help="The file to write, .bvh or .glb, in metres.")],
     pair: Annotated[
         list[str] | None,
         typer.Option(help="BODY:HANDS, two frames to align; BODY:HANDS~N allows N frames of the hands either way."),
@@ -66,7 +65,7 @@ def hands_command(
     The first pass aligns the phases of gestures, the second the frames within them. Pairs of frames constrain both.
     Frames count from 0.
     """
-    check_suffix(out, ".bvh")
+    check_suffix(out, ".bvh", ".glb")
     if picture is not None:
         check_suffix(picture, ".png", option="--picture")
     settings = HandSettings(hand, wrist, turn, _bands(band), tuple(FramePair.parse(one) for one in pair or ()))
@@ -81,7 +80,7 @@ def hands_command(
     console.print(phase_table(spliced, ours, theirs))
     for line in _alignment_lines(spliced, theirs, settings):
         console.print(f"  {line}", highlight=False)
-    out.write_bytes(dump_bvh(spliced.clip))
+    write_clip(out, spliced.clip)
     count = f"{spliced.clip.frame_count} frames at {spliced.clip.rate:g} per second"
     console.print(f"{out}: {count}, aligned and merged in {seconds:.2f} s", highlight=False, soft_wrap=True)
     if picture is not None:

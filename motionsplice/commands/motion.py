@@ -1,4 +1,4 @@
-"""`motionsplice splice` and `motionsplice render`: motions from a bank, and pictures of motions.
+"""`motionsplice splice`, `render` and `convert`: motions from a bank, pictures of motions, and other formats.
 
 The evaluator and the pictures are imported when they are needed, so that a misspelt clip name is reported at once.
 """
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from motionsplice.commands.outputs import check_suffix
 from motionsplice.motion.errors import SettingsError
@@ -64,13 +65,14 @@ def register(app: typer.Typer) -> None:
     app.command("render", epilog="Example: [bold]motionsplice render walk.bvh box.bvh --out sheet.png[/bold]")(
         render_command
     )
+    app.command("convert", epilog="Example: [bold]motionsplice convert walk.glb walk.bvh[/bold]")(convert_command)
 
 
 def splice_command(
     bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")],
     locomotion: Annotated[str, typer.Option(help="The clip that gives the root and the lower body.")],
     action: Annotated[str, typer.Option(help="The clip that gives the upper body.")],
-    out: Annotated[Path, typer.Option(help="The BVH file to write, in metres.")],
+    out: Annotated[Path, typer.Option(help="The file to write, .bvh or .glb, in metres.")],
     method: Annotated[
         Method,
         typer.Option(
@@ -90,16 +92,16 @@ def splice_command(
     ] = 0.0,
     hands: Annotated[str | None, typer.Option(help="A hands clip, aligned to the action, to lay on it.")] = None,
 ) -> None:
-    """Splice an action's upper body onto a locomotion, and write the motion as BVH."""
-    check_suffix(out, ".bvh")
+    """Splice an action's upper body onto a locomotion, and write the motion as BVH or GLB."""
+    check_suffix(out, ".bvh", ".glb")
     from motionsplice.runtime.bank import Bank
 
     opened = Bank.open(bank)
     whole, _ = opened.clip(locomotion), opened.clip(action)  # raises UnknownClipError before anything slow is imported
     clip = spliced(opened, locomotion, action, method, posture, start, hands)
-    from motionsplice.motion.formats.bvh import dump_bvh
+    from motionsplice.motion.formats.files import write_clip
 
-    out.write_bytes(dump_bvh(clip))
+    write_clip(out, clip)
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
 
@@ -137,7 +139,7 @@ def spliced(
 
 
 def render_command(
-    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc), one row each.")],
+    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc, .glb, ...), one row each.")],
     out: Annotated[Path, typer.Option(help="A .png contact sheet, or a .gif that plays the motions side by side.")],
     ghost: Annotated[Path | None, typer.Option(help="A motion of the same rig, drawn in grey behind each row.")] = None,
     columns: Annotated[int, typer.Option(min=1, max=60, help="Moments in each row of a contact sheet.")] = 10,
@@ -145,6 +147,7 @@ def render_command(
     end: Annotated[float | None, typer.Option(min=0.0, help="Second at which drawing ends; default: the last.")] = None,
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
     hand: Annotated[Side | None, typer.Option(help="Draw only this hand, as a close-up.")] = None,
+    clip: Annotated[str | None, typer.Option("--animation", help="The animation, of files that have several.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
@@ -156,7 +159,7 @@ def render_command(
     from motionsplice.pictures.sheets import animation, contact_sheet
 
     given = read_roles_file(roles) if roles else {}
-    readings = [read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
+    readings = [read_clip(file, animation=clip, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
     rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
     behind = read_clip(ghost, skip_frames=skip_frames, unit=unit, roles=given).clip if ghost else None
     if kind == ".png":
@@ -164,3 +167,31 @@ def render_command(
     else:
         out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind, hand=hand))
     console.print(f"{out}")
+
+
+def convert_command(
+    motion: Annotated[Path, typer.Argument(help="A motion file (.bvh, .amc, .glb, .gltf, .vrm, .vrma).")],
+    out: Annotated[Path, typer.Argument(help="The file to write, .bvh or .glb, in metres.")],
+    clip: Annotated[str | None, typer.Option("--animation", help="The animation, of a file that has several.")] = None,
+    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames to leave out (a T-pose).")] = 0,
+    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
+    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+) -> None:
+    """Read a motion file, print what was understood, and write it in another format."""
+    check_suffix(out, ".bvh", ".glb", option="OUT")
+    from motionsplice.motion.formats.files import read_clip, write_clip
+    from motionsplice.motion.roles import read_roles_file
+
+    given = read_roles_file(roles) if roles else {}
+    reading = read_clip(motion, animation=clip, skip_frames=skip_frames, unit=unit, roles=given)
+    write_clip(out, reading.clip)
+    found = reading.clip
+    console.print(
+        f"{out}: {found.name!r}, {found.frame_count} frames at {found.rate:g} per second, {found.duration:.2f} s, "
+        f"{found.skeleton.joint_count} joints, {found.skeleton.names[0]!r} is the root",
+        highlight=False,
+        soft_wrap=True,
+    )
+    for style, sentences in (("yellow", reading.warnings), ("dim", reading.notes)):
+        for sentence in sentences:
+            console.print(f"[{style}]{escape(sentence)}[/{style}]", highlight=False, soft_wrap=True)

@@ -48,7 +48,7 @@ def register(app: typer.Typer) -> None:
 
 
 def study_command(
-    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc); each is compared with the first.")],
+    motions: Annotated[list[Path], typer.Argument(help="Motion files; each is compared with the first.")],
     out: Annotated[Path | None, typer.Option(help="A folder for study.json and two plots of each motion.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,

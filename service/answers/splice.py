@@ -11,6 +11,7 @@ import orjson
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import pieces
+from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.problems import RequestError
@@ -20,31 +21,33 @@ from motionsplice.service.wire.messages import FORMS, frame_fields, json, packed
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
-BVH = b"application/x-bvh"
+FILES = {"bvh": b"application/x-bvh", "glb": b"model/gltf-binary"}  # files of a motion, by their suffix
 JSON_BLOCK = 64
-SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", "bvh"))
+SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", *FILES))
 
 
 async def splice(shared: Shared, query: bytes) -> Answer:
-    """Returns the frames as one map, or as a BVH file. Raises MotionError."""
+    """Returns the frames as one map, or as a BVH or GLB file. Raises MotionError."""
     values = SPLICE.read(query)
     frames = Frames.from_query(shared.serving.edition, values, shared.settings.max_frames)
     how = encoding(values)
-    if values["format"] == "bvh":
+    form: str = values["format"]
+    if form in FILES:
         if not how.axes.ours or how.parts != "local":
-            raise RequestError("a BVH file holds local rotations in the axes gltf", mend="Leave out axes and parts")
-        write = _bvh(frames)
+            problem = f"a {form.upper()} file holds local rotations in the axes gltf"
+            raise RequestError(problem, mend="Leave out axes and parts")
+        write = _file(frames, form)
     else:
-        write = _json(frames, how) if values["format"] == "json" else _msgpack(frames, how)
+        write = _json(frames, how) if form == "json" else _msgpack(frames, how)
     written = []
     with shared.admitted():
         for piece in write:
             written.append(piece)
             await asyncio.sleep(0)
-    if values["format"] == "bvh":
-        name = f'attachment; filename="{_file_name(values)}.bvh"'.encode()
-        return Answer(b"".join(written), BVH, headers=[(b"content-disposition", name)])
-    return Answer(b"".join(written), FORMS[values["format"]].media_type)
+    if form in FILES:
+        name = f'attachment; filename="{_file_name(values)}.{form}"'.encode()
+        return Answer(b"".join(written), FILES[form], headers=[(b"content-disposition", name)])
+    return Answer(b"".join(written), FORMS[form].media_type)
 
 
 def _fields(frames: Frames) -> dict[str, Any]:
@@ -75,7 +78,7 @@ def _json(frames: Frames, how: Encoding) -> Iterator[bytes]:
     yield b"}"
 
 
-def _bvh(frames: Frames) -> Iterator[bytes]:
+def _file(frames: Frames, form: str) -> Iterator[bytes]:
     roots, rotations = [], []
     for _, poses in frames.blocks(BLOCK):
         roots.append(poses.root_positions)
@@ -83,7 +86,8 @@ def _bvh(frames: Frames) -> Iterator[bytes]:
         yield b""
     skeleton = frames.edition.bank.skeleton
     places, turns = (np.concatenate(one).astype(np.float64) for one in (roots, rotations))
-    yield from pieces(Clip("splice", skeleton, frames.rate, places, turns))
+    clip = Clip(frames.splice.name, skeleton, frames.rate, places, turns)
+    yield from pieces(clip) if form == "bvh" else [dump_glb(clip)]
 
 
 def _file_name(values: dict[str, str | None]) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
 from motionsplice.motion.errors import BankError, FormatError, SettingsError
-from motionsplice.motion.formats.files import clip_files, files_behind
+from motionsplice.motion.formats.files import clip_files, clips_in, files_behind
 from motionsplice.runtime.format.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
 
 
@@ -17,6 +17,7 @@ class Folder:
     def __init__(self, clips: Path, bank: Path) -> None:
         self.clips = clips
         self.bank = bank
+        self._clips: dict[Path, tuple[Mark | None, tuple[str, ...]]] = {}
         self._digests: dict[Path, tuple[Mark | None, str]] = {}
         self._read: tuple[Mark | None, Manifest | None] = (None, None)
 
@@ -37,14 +38,29 @@ class Folder:
         waiting = {}
         for file in clip_files(self.clips):
             if file.is_file():
-                digests, entry = self._digests_behind(file), settings.get(file.stem, DEFAULT_SETTINGS)
-                if hands.get(file.stem) != digests[0] and not _is_built(built.get(file.stem), digests[0], entry):
-                    waiting[file.stem] = f"{' '.join(digests)} {astuple(entry)}"
+                digests = self._digests_behind(file)
+                for name in self._names(file):
+                    entry = settings.get(name, DEFAULT_SETTINGS)
+                    if hands.get(name) != digests[0] and not _is_built(built.get(name), digests[0], entry):
+                        waiting[name] = f"{' '.join(digests)} {astuple(entry)}"
         return waiting
 
     def missing(self) -> list[str]:
         """Returns the clips and hands of the bank that are not in the folder. A new bank would not have them."""
-        return sorted((self._built().keys() | self._hands()) - {file.stem for file in clip_files(self.clips)})
+        present = {name for file in clip_files(self.clips) for name in self._names(file)}
+        return sorted((self._built().keys() | self._hands()) - present)
+
+    def _names(self, file: Path) -> tuple[str, ...]:
+        """Returns the names of a file's clips."""
+        mark = mark_of(file)
+        known = self._clips.get(file)
+        if known is None or known[0] != mark:
+            try:
+                names = tuple(clips_in(file))
+            except FormatError:  # the job reports it
+                names = (file.stem,)
+            known = self._clips[file] = (mark, names)
+        return known[1]
 
     def _digests_behind(self, file: Path) -> list[str]:
         try:

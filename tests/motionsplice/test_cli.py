@@ -190,8 +190,8 @@ def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
     }
 
 
-@pytest.mark.parametrize("name", ["out.glb", "out.BVHX", "out"])
-def test_only_bvh_is_written(
+@pytest.mark.parametrize("name", ["out.fbx", "out.BVHX", "out"])
+def test_only_bvh_and_glb_are_written(
     bank: Bank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     out, absent = tmp_path / name, tmp_path / "absent"
@@ -200,8 +200,17 @@ def test_only_bvh_is_written(
         ["splice", absent, "--locomotion", "walk", "--action", "wave"],  # it is refused before a file is read
         ["hands", absent, absent],
     ):
-        assert f"--out {out}: only .bvh can be written" in failure(monkeypatch, capsys, *command, "--out", out)
+        assert f"--out {out}: only .bvh or .glb can be written" in failure(monkeypatch, capsys, *command, "--out", out)
     assert not out.exists()
+
+
+def test_a_splice_is_written_as_glb_and_converted_back(bank: Bank, tmp_path: Path) -> None:
+    glb, bvh = tmp_path / "wave.glb", tmp_path / "wave.bvh"
+    run("splice", bank.path, "--locomotion", "walk", "--action", "wave", "--out", glb)
+    output = run("convert", glb, bvh).output
+    assert "'wave', 301 frames at 60 per second, 5.00 s, 22 joints, 'Hips' is the root" in output
+    written, converted = (joint_positions(read_clip(file).clip) for file in (glb, bvh))
+    np.testing.assert_allclose(written, converted, atol=1e-5)
 
 
 def test_the_suffix_may_be_in_capital_letters(bank: Bank, tmp_path: Path) -> None:

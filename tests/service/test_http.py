@@ -5,6 +5,7 @@ import json
 import re
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -15,6 +16,7 @@ from fastapi.testclient import TestClient
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.bvh import parse
+from motionsplice.motion.formats.files import read_clip
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Posture
@@ -172,6 +174,17 @@ def test_a_splice_as_a_file_is_the_same_motion(client: TestClient, bank: Bank, c
     assert (len(nodes.rotations), round(rate)) == (count, bank.clip("run").rate)
     poses = expected(bank, "run", "carry_box")
     same = np.abs(np.sum(nodes.rotations * poses.rotations[:count], axis=-1))
+    np.testing.assert_allclose(same, 1.0, atol=1e-6)
+
+
+def test_a_splice_as_glb_is_the_same_motion(client: TestClient, bank: Bank, tmp_path: Path) -> None:
+    answer = client.get("/v1/splice?locomotion=run&action=carry_box&format=glb")
+    assert answer.headers["content-type"] == "model/gltf-binary"
+    assert answer.headers["content-disposition"] == 'attachment; filename="run+carry_box.glb"'
+    (tmp_path / "splice.glb").write_bytes(answer.content)
+    clip = read_clip(tmp_path / "splice.glb").clip
+    assert clip.skeleton.names == bank.skeleton.names
+    same = np.abs(np.sum(clip.rotations * expected(bank, "run", "carry_box").rotations, axis=-1))
     np.testing.assert_allclose(same, 1.0, atol=1e-6)
 
 

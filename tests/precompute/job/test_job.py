@@ -13,12 +13,14 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError, MotionError, SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import job
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import TABLE_FOLDER, Bank
 from motionsplice.runtime.format.manifest import MANIFEST
 from tests.conftest import CLIPS
+from tests.glb_files import with_animation
 
 
 def write(folder: Path, **clips: Clip) -> Path:
@@ -291,3 +293,28 @@ def test_paths_may_be_text(tmp_path: Path) -> None:
     assert outcome.clips == ("walk",)
     assert motionsplice.read_clip(str(walk)).clip.name == "walk"
     assert motionsplice.Bank.open(str(tmp_path / "bank")).digest == outcome.digest
+
+
+def test_each_animation_of_a_file_is_a_clip(tmp_path: Path) -> None:
+    """Two animations of one skeleton in one file, beside a BVH file of the same rig."""
+    walk, run = dump_glb(CLIPS["walk"]), CLIPS["run"]
+    both = tmp_path / "moves.glb"
+    both.write_bytes(with_animation(walk, run))
+    clips = write(tmp_path / "clips", wave=CLIPS["wave"])
+    both.rename(clips / "moves.glb")
+    (clips / "clips.toml").write_text('[wave]\nkind = "action"\n["moves:run"]\ntags = ["fast"]\n')
+    outcome = build_bank([clips], tmp_path / "bank", baseline="moves:walk")
+    assert (outcome.clips, outcome.failed) == (("moves:run", "moves:walk", "wave"), {})
+    bank = Bank.open(tmp_path / "bank")
+    assert bank.clip("moves:run").tags == ("fast",)
+    assert bank.clip("moves:run").frame_count == run.frame_count
+    assert quaternion.angle(bank.motion("moves:run").rotations, run.rotations).max() < 1e-4
+    assert build_bank([clips], tmp_path / "bank", baseline="moves:walk").unchanged
+
+
+def test_a_damaged_glb_fails_alone(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    (clips / "broken.glb").write_bytes(dump_glb(CLIPS["run"])[:1000])
+    outcome = build_bank([clips], tmp_path / "bank")
+    assert outcome.clips == ("walk",)
+    assert "broken.glb: its header says" in str(outcome.failed["broken"])

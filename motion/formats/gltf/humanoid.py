@@ -1,0 +1,25 @@
+"""The humanoid map of VRM 0.x, VRM 1.0 and VRM animations: which node is which bone of a person."""
+
+from __future__ import annotations
+
+from typing import Any
+
+SIDED = {
+    "UpperLeg": "hip", "LowerLeg": "knee", "Foot": "ankle", "Toes": "toe", "UpperArm": "shoulder",
+    "LowerArm": "elbow", "Hand": "wrist",
+}  # fmt: skip
+ROLES = {f"{side}{bone}": f"{side}_{role}" for side in ("left", "right") for bone, role in SIDED.items()} | {
+    "neck": "neck",
+    "head": "head",
+}
+
+
+def humanoid_nodes(document: dict[str, Any]) -> dict[str, int]:
+    """Returns the nodes of the limbs, neck and head by role; none if the file has no such map."""
+    extensions = document.get("extensions", {})
+    for name in ("VRMC_vrm", "VRMC_vrm_animation"):
+        bones = extensions.get(name, {}).get("humanoid", {}).get("humanBones", {})
+        if bones:
+            return {ROLES[bone]: int(one["node"]) for bone, one in bones.items() if bone in ROLES}
+    bones = extensions.get("VRM", {}).get("humanoid", {}).get("humanBones", [])
+    return {ROLES[one["bone"]]: int(one["node"]) for one in bones if one["bone"] in ROLES}

@@ -1,0 +1,208 @@
+"""Reads the nodes and animations of a glTF 2.0 file as scenes."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+
+from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.formats.gltf.accessors import read_accessor
+from motionsplice.motion.formats.gltf.container import EXPORT, Container, open_container, read_document
+from motionsplice.motion.formats.gltf.humanoid import humanoid_nodes
+from motionsplice.motion.formats.gltf.tracks import Track, key_rate
+from motionsplice.motion.formats.scene import Scene
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Integers, chain
+
+PATHS = {"translation": 3, "rotation": 4, "scale": 3}
+DEFAULTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
+MALFORMED = (
+    *(KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError, OverflowError, struct.error),
+)
+MOST_TRANSFORMS = 20_000_000  # nodes times frames
+Tracks = dict[tuple[int, str], Track]
+
+
+def animation_names(data: bytes) -> list[str]:
+    """Returns the names of a file's animations; those without a name are called by their number. Raises FormatError."""
+    with _malformed():
+        return _names(read_document(data)[0])
+
+
+def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str) -> Scene:
+    """Reads the nodes of a file, moved by one of its animations, at the rate of its keys.
+
+    `read_beside` reads a file in the same folder, for buffers. Raises FormatError.
+    """
+    with _malformed():
+        container = open_container(data, read_beside)
+        names = _names(container.document)
+        if animation not in names:
+            raise FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
+        return _scene(container, names.index(animation))
+
+
+def buffer_files(data: bytes) -> list[str]:
+    """Returns the names of the files beside it that hold its buffers. Raises FormatError."""
+    with _malformed():
+        uris = [buffer.get("uri") for buffer in read_document(data)[0].get("buffers", ())]
+        return [unquote(uri) for uri in uris if uri is not None and not uri.startswith("data:")]
+
+
+@contextmanager
+def _malformed() -> Iterator[None]:
+    """Turns what malformed JSON leads to into a FormatError."""
+    try:
+        yield
+    except MALFORMED as error:
+        problem = f"the file is malformed: {type(error).__name__} {str(error)[:80]}"
+        raise FormatError(problem, mend=EXPORT) from None
+
+
+def _names(document: dict[str, Any]) -> list[str]:
+    names: list[str] = []
+    for number, animation in enumerate(document.get("animations", ())):
+        name = str(animation.get("name") or number)
+        names.append(name if name not in names else f"{name}.{number}")
+    return names
+
+
+def _scene(container: Container, number: int) -> Scene:
+    document = container.document
+    nodes = document["nodes"]
+    order, parents = _order(nodes)
+    tracks = _tracks(container, document["animations"][number], len(nodes))
+    moving = [track for (_, path), track in tracks.items() if path in PATHS]
+    if not moving:
+        raise FormatError("this animation moves no node", mend="Choose another one, or bake it before the export")
+    times, rate = _times(moving, len(nodes))
+    rest = _world([_local(nodes[node], node, {}, times[:1]) for node in order], parents)[0]
+    world = _world([_local(nodes[node], node, tracks, times) for node in order], parents)
+    places = {node: place for place, node in enumerate(order)}
+    roles = humanoid_nodes(document)
+    joints, bind = _skeleton(container, places, parents, rest)
+    joints[[places[node] for node in roles.values()]] = True
+    if not joints.any():
+        joints[[places[node] for node, path in tracks if path in PATHS]] = True
+    names = tuple(str(nodes[node].get("name") or f"node {node}") for node in order)
+    named = {role: names[places[node]] for role, node in roles.items()}
+    return Scene(names, parents, joints, bind, world, rate, named)
+
+
+def _order(nodes: list[dict[str, Any]]) -> tuple[list[int], Integers]:
+    """Returns the nodes parent before child, and for each in this order the place of its parent, or -1."""
+    above = {}
+    for node, one in enumerate(nodes):
+        for child in one.get("children", ()):
+            if not 0 <= child < len(nodes) or child in above:
+                raise FormatError(f"node {child} is not the child of one node", place=f"node {node}", mend=EXPORT)
+            above[child] = node
+    waiting = [node for node in range(len(nodes) - 1, -1, -1) if node not in above]
+    order, places = list[int](), dict[int, int]()
+    while waiting:
+        node = waiting.pop()
+        places[node] = len(order)
+        order.append(node)
+        waiting.extend(reversed(nodes[node].get("children", ())))
+    if len(order) < len(nodes):
+        raise FormatError("its nodes form a circle", mend=EXPORT)
+    return order, np.array([places[above[node]] if node in above else -1 for node in order])
+
+
+def _tracks(container: Container, animation: dict[str, Any], count: int) -> Tracks:
+    tracks: Tracks = {}
+    for channel in animation["channels"]:
+        node, path = channel["target"].get("node"), channel["target"]["path"]
+        if node is None or path not in PATHS:
+            continue  # an extension's target, or weights of morph targets
+        if not 0 <= node < count:
+            raise FormatError(f"an animation moves node {node} of {count}", mend=EXPORT)
+        sampler = animation["samplers"][channel["sampler"]]
+        times = read_accessor(container, sampler["input"])[:, 0]
+        values = read_accessor(container, sampler["output"])
+        if values.shape[1] != PATHS[path]:
+            raise FormatError(f"a {path} has {values.shape[1]} numbers, expected {PATHS[path]}", mend=EXPORT)
+        tracks[node, path] = Track(times, values, sampler.get("interpolation", "LINEAR"), path == "rotation")
+    return tracks
+
+
+def _times(tracks: list[Track], nodes: int) -> tuple[Floats, float]:
+    """Returns the times [F] of frames from the first key to the last, and their rate."""
+    rate = key_rate(tracks)
+    first = min(float(track.times[0]) for track in tracks)
+    last = max(float(track.times[-1]) for track in tracks)
+    frames = round((last - first) * rate) + 1
+    if frames * nodes > MOST_TRANSFORMS:
+        problem = f"{last - first:g} s of {nodes} nodes at {rate:g} frames per second take too much memory"
+        raise FormatError(problem, mend="Cut the animation into shorter ones")
+    return first + np.arange(frames) / rate, rate
+
+
+def _local(node: dict[str, Any], number: int, tracks: Tracks, times: Floats) -> Floats:
+    """Returns a node's transforms to its parent [F or 1, 3, 4]."""
+    moved = {path: tracks[number, path].sampled(times) for path in PATHS if (number, path) in tracks}
+    if "matrix" in node and not moved:
+        return np.array(node["matrix"], np.float64).reshape(4, 4).T[None, :3]
+    values = {
+        path: moved.get(path, np.array([node.get(path, DEFAULTS[path])], np.float64)) for path in PATHS
+    }  # [F or 1, width]
+    x, y, z, w = np.moveaxis(values["rotation"], -1, 0)
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (z * x + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (z * z + x * x), 2.0 * (y * z - w * x)],
+        [2.0 * (z * x - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    axes = np.moveaxis(np.array(rows), -1, 0) * values["scale"][:, None, :]
+    frames = max(len(axes), len(values["translation"]))
+    local = np.empty((frames, 3, 4))
+    local[..., :3], local[..., 3] = axes, values["translation"]
+    return local
+
+
+def _world(locals_: list[Floats], parents: Integers) -> Floats:
+    """Returns world transforms [F, N, 3, 4] of nodes with transforms to their parents [F or 1, 3, 4]."""
+    frames = max(len(local) for local in locals_)
+    world = np.empty((frames, len(locals_), 3, 4))
+    for node, local in enumerate(locals_):
+        if parents[node] < 0:
+            world[:, node] = local
+        else:
+            above = world[:, parents[node]]
+            world[:, node] = above[..., :3] @ local
+            world[:, node, :, 3] += above[..., 3]
+    return world
+
+
+def _skeleton(container: Container, places: dict[int, int], parents: Integers, rest: Floats) -> tuple[Any, Floats]:
+    """Returns which nodes are joints of a skin, and the bind pose of all nodes [N, 3, 4].
+
+    A node's bind pose is its inverse bind matrix inverted, if a skin has one, else its transform at rest. Exporters
+    state bind matrices in the space of the mesh or of the armature; the one in which most joints are at rest is taken.
+    """
+    joints, bind = np.zeros(len(places), np.bool_), rest.copy()
+    for skin in container.document.get("skins", ()):
+        own = [places[node] for node in skin["joints"]]
+        joints[own] = True
+        if "inverseBindMatrices" in skin:
+            inverse = read_accessor(container, skin["inverseBindMatrices"])
+            if inverse.shape != (len(own), 16):
+                raise FormatError(f"{len(own)} joints have {len(inverse)} inverse bind matrices", mend=EXPORT)
+            stated = np.asarray(np.linalg.inv(inverse.reshape(-1, 4, 4).transpose(0, 2, 1)), np.float64)
+            top = min(own, key=lambda node: len(chain(parents, node)))
+            bind[own] = _in_the_world(stated, rest[own], rest[parents[top]] if parents[top] >= 0 else None)
+    return joints, bind
+
+
+def _in_the_world(stated: Floats, rest: Floats, armature: Floats | None) -> Floats:
+    """Returns stated bind transforms [J, 4, 4] in the world [J, 3, 4], given the joints' and the armature's at rest."""
+    spaces = [np.eye(4)]
+    if armature is not None:
+        spaces.append(np.concatenate([armature, [[0.0, 0.0, 0.0, 1.0]]]))
+    found = [(space @ stated)[:, :3] for space in spaces]
+    off = [float(np.median(np.abs(one - rest).max(axis=(1, 2)) / (1e-9 + np.abs(rest).max()))) for one in found]
+    return found[int(np.argmin(off))]

@@ -1,0 +1,161 @@
+"""A scene of moving nodes, as glTF and FBX files hold it, and the joints in it as the project's `Nodes`.
+
+In those files a joint's local axes are whatever the exporter chose. Here each joint's axes become those of the world in
+the bind pose, so that the bind pose has no rotations, as in a BVH file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import FormatError
+from motionsplice.motion.formats.fold import Nodes
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Integers, chain
+
+END = re.compile(r"(_end|[_ .]?End|Nub|_leaf|HeadTop_End)(\d*|_\d+)$")  # leaves that mark the tip of a bone
+STEADY = 1e-4  # of the longest bone: a joint that moves less on its parent does not move
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """N nodes over F frames.
+
+    names: [N]; parents: [N], parent before child, -1 for those at the top.
+    joints: [N] whether a node is a joint of a body rather than a mesh, a camera or a prop.
+    bind, world: [N, 3, 4] and [F, N, 3, 4] transforms to the world, in the bind pose and over time. The first three
+    columns are the axes, with their scale, and the last is the position.
+    roles: names of nodes by role, if the file states them. notes: what was left out or assumed.
+    """
+
+    names: tuple[str, ...]
+    parents: Integers
+    joints: NDArray[np.bool_]
+    bind: Floats
+    world: Floats
+    rate: float
+    roles: Mapping[str, str]
+    notes: tuple[str, ...] = ()
+
+
+def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
+    """Makes the joints of a scene `Nodes`, and returns notes for the user. Raises FormatError if there are none.
+
+    Joints are kept with all nodes between them. Transforms above them become part of the root's.
+    """
+    kept, dropped = _body(scene)
+    ends = _ends(scene, kept)
+    inside = [node for node in kept if node not in ends]
+    places = {node: place for place, node in enumerate(inside)}
+    parents = np.array([places.get(int(scene.parents[node]), -1) for node in inside])
+    bound, turned = rotations_of(scene.bind[inside]), rotations_of(scene.world[:, inside])
+    world = quaternion.multiply(turned, quaternion.conjugate(bound))
+    local = world.copy()
+    local[:, 1:] = quaternion.multiply(quaternion.conjugate(world[:, parents[1:]]), world[:, 1:])
+    at, rest = scene.world[..., 3][:, inside], scene.bind[inside][..., 3]
+    offsets = np.concatenate([np.zeros((1, 3)), rest[1:] - rest[parents[1:]]])
+    end_parents = np.array([places[int(scene.parents[node])] for node in ends], np.int64)
+    nodes = Nodes(
+        names=_unique([scene.names[node] for node in inside]),
+        parents=parents,
+        offsets=offsets,
+        end_parents=end_parents,
+        end_offsets=(scene.bind[ends][..., 3] - rest[end_parents]).reshape(-1, 3),
+        translations=_translations(at, world, parents, offsets),
+        rotations=quaternion.one_hemisphere(local),
+    )
+    notes = list(scene.notes)
+    if dropped:
+        notes.append(f"left out, not part of the skeleton: {_listed(dropped)}")
+    return nodes, tuple(notes)
+
+
+def _body(scene: Scene) -> tuple[list[int], list[str]]:
+    """Returns the nodes of the largest skeleton, parent before child, and the names of joints that are not in it."""
+    joints = np.flatnonzero(scene.joints).tolist()
+    if not joints:
+        raise FormatError("no skeleton found", mend="Export the armature with the animation")
+    tops: dict[int, list[int]] = {}
+    for joint in joints:
+        path = chain(scene.parents, joint)
+        tops.setdefault(next(node for node in reversed(path) if scene.joints[node]), []).append(joint)
+    top = max(tops, key=lambda node: len(tops[node]))
+    between = {node for joint in tops[top] for node in chain(scene.parents, joint)}
+    kept = sorted(node for node in between if top in chain(scene.parents, node))
+    return kept, [scene.names[joint] for joint in joints if joint not in between]
+
+
+def _ends(scene: Scene, kept: list[int]) -> list[int]:
+    """Returns the nodes that only mark the tip of a joint; a skin may list them as joints or not."""
+    parents = {int(parent) for parent in scene.parents}
+    tips = [node for node, name in enumerate(scene.names) if node not in parents and END.search(name)]
+    return [node for node in tips if int(scene.parents[node]) in kept]
+
+
+def _translations(at: Floats, world: Floats, parents: Integers, offsets: Floats) -> dict[int, Floats]:
+    """The root's path, and the joints that move on their parents, as seen from these."""
+    longest = float(np.linalg.norm(offsets[1:], axis=1).max(initial=0.0))
+    found = {0: at[:, 0]}
+    for joint in range(1, len(parents)):
+        parent = int(parents[joint])
+        moved = quaternion.rotate(quaternion.conjugate(world[:, parent]), at[:, joint] - at[:, parent])
+        if np.abs(moved - offsets[joint]).max() > STEADY * longest:
+            found[joint] = moved
+    return found
+
+
+def rotations_of(transforms: Floats) -> Floats:
+    """Returns the rotations [..., 4] of transforms [..., 3, 4]: their axes without scale, made orthogonal."""
+    axes = transforms[..., :3]
+    x = _unit(axes[..., 0])
+    y = axes[..., 1] - np.sum(x * axes[..., 1], axis=-1, keepdims=True) * x
+    y = _unit(y)
+    z = np.cross(x, y)
+    return _quaternions(np.stack([x, y, z], axis=-1))
+
+
+def _quaternions(matrices: Floats) -> Floats:
+    """Returns the quaternions [..., 4] of rotation matrices [..., 3, 3], each from its largest component."""
+    m = matrices.reshape(-1, 3, 3)
+    x, y, z = m[:, 0, 0], m[:, 1, 1], m[:, 2, 2]
+    largest = np.argmax([x - y - z, y - z - x, z - x - y, x + y + z], axis=0)
+    q = np.empty((len(m), 4))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        rows = np.flatnonzero(largest == i)
+        if len(rows):
+            one = m[rows]
+            q[rows, i] = 1.0 + one[:, i, i] - one[:, j, j] - one[:, k, k]
+            q[rows, j] = one[:, j, i] + one[:, i, j]
+            q[rows, k] = one[:, k, i] + one[:, i, k]
+            q[rows, 3] = one[:, k, j] - one[:, j, k]
+    rows = np.flatnonzero(largest == 3)
+    one = m[rows]
+    q[rows, 0], q[rows, 1] = one[:, 2, 1] - one[:, 1, 2], one[:, 0, 2] - one[:, 2, 0]
+    q[rows, 2], q[rows, 3] = one[:, 1, 0] - one[:, 0, 1], 1.0 + one[:, 0, 0] + one[:, 1, 1] + one[:, 2, 2]
+    return quaternion.normalise(q).reshape(*matrices.shape[:-2], 4)
+
+
+def _unit(v: Floats) -> Floats:
+    length = np.sqrt(np.sum(v * v, axis=-1, keepdims=True))
+    return np.where(length > 0.0, v / np.where(length > 0.0, length, 1.0), 0.0)
+
+
+def _unique(names: list[str]) -> tuple[str, ...]:
+    """Numbers names that come twice: exporters allow them."""
+    seen: dict[str, int] = {}
+    unique = []
+    for name in names:
+        seen[name] = seen.get(name, 0) + 1
+        unique.append(name if seen[name] == 1 else f"{name}.{seen[name]:03d}")
+    return tuple(unique)
+
+
+def _listed(names: list[str]) -> str:
+    return f"{', '.join(names[:5])}{' ...' * (len(names) > 5)}"

@@ -17,6 +17,7 @@ from bench.quality.scores import Form, score_pair, splice_pair
 from bench.speed import flatness
 from bench.speed.frames import batches
 from bench.speed.speed_charts import speed_chart
+from bench.structure.layers import layers_picture, read_contracts
 from motionsplice.commands.demo import demo_command
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.hand_joints import Side
@@ -39,13 +40,15 @@ from motionsplice.runtime.requests import Posture
 from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 
-IMAGES = Path(__file__).parent / "images"
+PROJECT = Path(__file__).parents[1]
+IMAGES = PROJECT / "docs" / "images"
 FORMS: tuple[Posture, ...] = ("off", "absolute", "relative")
 
 
 def main() -> None:
     """Writes all pictures to docs/images."""
     IMAGES.mkdir(exist_ok=True)
+    (IMAGES / "layers.png").write_bytes(layers_picture(read_contracts(PROJECT / "pyproject.toml")))
     draw_study()
     draw_hands()
     draw_speed()

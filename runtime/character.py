@@ -102,21 +102,13 @@ class Characters:
         return twin
 
     def add(self, count: int, locomotion: Locomotion, *, time: float = 0.0, loop: bool = True) -> NDArray[np.int64]:
-        """Adds characters at the origin, facing Z.
+        """Adds `count` characters at the origin, facing Z, and returns their rows [count].
 
         Args:
             count: How many to add.
             locomotion: What they play, as in `play`.
             time: Seconds into the clips at which they start.
             loop: Whether to go on at the end of a clip, instead of holding its last frame.
-
-        Returns:
-            Their rows [count].
-
-        Raises:
-            UnknownClipError: A clip is unknown.
-            TimeRangeError: `time` is outside a clip.
-            SettingsError: `count` is negative, or the weights are invalid.
         """
         if count < 0:
             raise SettingsError(f"cannot add {count} characters", mend="Add 0 or more")
@@ -254,14 +246,10 @@ class Characters:
     def advance(self, frames: int = 1) -> int:
         """Advances all characters, by one frame if not given otherwise.
 
-        Several frames in one step give nearly the same as one by one: what begins or ends within the step does so at
-        its end.
+        In one step of several frames, what begins or ends does so at the end of the step.
 
         Returns:
             The bits of all events that happened to any character (EVENT_NAMES); `events` has them by character.
-
-        Raises:
-            SettingsError: `frames` is negative.
         """
         if frames < 0:
             raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")

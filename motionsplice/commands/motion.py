@@ -71,8 +71,10 @@ def register(app: typer.Typer) -> None:
 def splice_command(
     bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")],
     locomotion: Annotated[str, typer.Option(help="The clip that gives the root and the lower body.")],
-    action: Annotated[str, typer.Option(help="The clip that gives the upper body.")],
     out: Annotated[Path, typer.Option(help="The file to write, .bvh or .glb, in metres.")],
+    action: Annotated[
+        str | None, typer.Option(help="The clip that gives the upper body; without it, the locomotion alone.")
+    ] = None,
     method: Annotated[
         Method,
         typer.Option(
@@ -97,7 +99,9 @@ def splice_command(
     from motionsplice.runtime.bank import Bank
 
     opened = Bank.open(bank)
-    whole, _ = opened.clip(locomotion), opened.clip(action)  # raises UnknownClipError before anything slow is imported
+    whole = opened.clip(locomotion)  # raises UnknownClipError before anything slow is imported
+    if action is not None:
+        opened.clip(action)
     clip = spliced(opened, locomotion, action, method, posture, start, hands)
     from motionsplice.motion.formats.files import write_clip
 
@@ -109,18 +113,18 @@ def splice_command(
 def spliced(
     bank: Bank,
     locomotion: str,
-    action: str,
+    action: str | None,
     method: Method,
     posture: Posture,
     start: float,
     hands: str | None = None,
 ) -> Clip:
     """Returns a whole splice by any method. Raises MotionError."""
-    if method is not Method.EXACT:
+    if method is not Method.EXACT or action is None:
         from motionsplice.runtime.evaluator import Evaluator
         from motionsplice.runtime.splice import Splice
 
-        form = RUN_TIME_METHODS[method]
+        form = RUN_TIME_METHODS.get(method, "none")
         return Evaluator(bank).clip(
             Splice(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
         )

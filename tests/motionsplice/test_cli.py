@@ -213,6 +213,12 @@ def test_a_splice_is_written_as_glb_and_converted_back(bank: Bank, tmp_path: Pat
     np.testing.assert_allclose(written, converted, atol=1e-5)
 
 
+def test_without_an_action_the_locomotion_is_written(bank: Bank, tmp_path: Path) -> None:
+    run("splice", bank.path, "--locomotion", "walk", "--out", tmp_path / "walk.bvh")
+    written = joint_positions(read_clip(tmp_path / "walk.bvh").clip)
+    np.testing.assert_allclose(written, joint_positions(bank.motion("walk")), atol=1e-5)
+
+
 def test_the_suffix_may_be_in_capital_letters(bank: Bank, tmp_path: Path) -> None:
     run("splice", bank.path, "--locomotion", "walk", "--action", "wave", "--out", tmp_path / "OUT.BVH")
     assert (tmp_path / "OUT.BVH").exists()

@@ -64,6 +64,16 @@ def test_the_wheel_has_one_name_at_its_top(wheel: Path) -> None:
     assert "motionsplice/__init__.pyi" in names
 
 
+def test_a_wheel_from_the_sdist_has_the_same_files(wheel: Path, tmp_path: Path) -> None:
+    build = [sys.executable, "-m", "build", "--no-isolation", "--sdist", "--outdir", str(tmp_path), str(ROOT)]
+    subprocess.run(build, check=True, capture_output=True)
+    (sdist,) = tmp_path.glob("*.tar.gz")
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-deps"]
+    subprocess.run([*pip, "--no-build-isolation", "--wheel-dir", tmp_path, sdist], check=True, capture_output=True)
+    (again,) = tmp_path.glob("*.whl")
+    assert sorted(zipfile.ZipFile(again).namelist()) == sorted(zipfile.ZipFile(wheel).namelist())
+
+
 def test_installed_packages_of_our_folders_names_do_no_harm(environment: Path, tmp_path: Path, bank: Bank) -> None:
     shown = run(
         environment, tmp_path, "-c", "import motionsplice; print(motionsplice.__file__, motionsplice.Evaluator)"

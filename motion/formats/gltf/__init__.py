@@ -1,1 +1,1 @@
-"""glTF 2.0 files (.glb, .gltf, .vrm, .vrma): container, accessors, tracks and scene. Imported by `formats.files`."""
+"""glTF 2.0 files (.glb, .gltf, .vrm, .vrma): container, accessors, tracks and scene."""

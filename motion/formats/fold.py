@@ -76,9 +76,7 @@ def fold(nodes: Nodes, root: int) -> Folded:
             if np.abs(moved - offsets[place]).max() > STEADY * longest:
                 notes.append(f"joint {nodes.names[joint]!r} moves on its parent; fixed at its median offset")
     if dropped := [name for joint, name in enumerate(nodes.names) if joint not in places]:
-        notes.append(
-            f"{nodes.names[root]!r} is the root; left out: {', '.join(dropped[:5])}{' ...' * (len(dropped) > 5)}"
-        )
+        notes.append(f"{nodes.names[root]!r} is the root; left out: {listed(dropped)}")
     ends = [end for end, joint in enumerate(nodes.end_parents) if int(joint) in places]
     offsets[0] = 0.0
     skeleton = Skeleton(
@@ -91,6 +89,11 @@ def fold(nodes: Nodes, root: int) -> Folded:
     rotations = nodes.rotations[:, inside]
     rotations[:, 0] = rotation
     return Folded(skeleton, position, rotations, tuple(notes))
+
+
+def listed(names: list[str]) -> str:
+    """Returns the first five names as text."""
+    return f"{', '.join(names[:5])}{' ...' * (len(names) > 5)}"
 
 
 def _world(nodes: Nodes, joint: int) -> tuple[Floats, Floats]:

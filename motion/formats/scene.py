@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError
-from motionsplice.motion.formats.fold import Nodes
+from motionsplice.motion.formats.fold import Nodes, listed
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.skeleton import Integers, chain
+from motionsplice.motion.skeleton import Integers
 
 END = re.compile(r"(_end|[_ .]?End|Nub|_leaf|HeadTop_End)(\d*|_\d+)$")  # leaves that mark the tip of a bone
 STEADY = 1e-4  # of the longest bone: a joint that moves less on its parent does not move
@@ -51,7 +51,7 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
     """
     kept, dropped = _body(scene)
     ends = _ends(scene, kept)
-    inside = [node for node in kept if node not in ends]
+    inside = sorted(set(kept) - set(ends))
     places = {node: place for place, node in enumerate(inside)}
     parents = np.array([places.get(int(scene.parents[node]), -1) for node in inside])
     bound, turned = rotations_of(scene.bind[inside]), rotations_of(scene.world[:, inside])
@@ -72,30 +72,33 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
     )
     notes = list(scene.notes)
     if dropped:
-        notes.append(f"left out, not part of the skeleton: {_listed(dropped)}")
+        notes.append(f"left out, not part of the skeleton: {listed(dropped)}")
     return nodes, tuple(notes)
 
 
 def _body(scene: Scene) -> tuple[list[int], list[str]]:
     """Returns the nodes of the largest skeleton, parent before child, and the names of joints that are not in it."""
-    joints = np.flatnonzero(scene.joints).tolist()
-    if not joints:
+    if not scene.joints.any():
         raise FormatError("no skeleton found", mend="Export the armature with the animation")
-    tops: dict[int, list[int]] = {}
-    for joint in joints:
-        path = chain(scene.parents, joint)
-        tops.setdefault(next(node for node in reversed(path) if scene.joints[node]), []).append(joint)
-    top = max(tops, key=lambda node: len(tops[node]))
-    between = {node for joint in tops[top] for node in chain(scene.parents, joint)}
-    kept = sorted(node for node in between if top in chain(scene.parents, node))
-    return kept, [scene.names[joint] for joint in joints if joint not in between]
+    top = np.full(len(scene.names), -1)  # the highest joint above each node, or the node itself
+    for node, parent in enumerate(scene.parents.tolist()):
+        above = top[parent] if parent >= 0 else -1
+        top[node] = above if above >= 0 or not scene.joints[node] else node
+    inside = top == np.argmax(np.bincount(top[scene.joints]))
+    needed = scene.joints & inside
+    for node in range(len(needed) - 1, -1, -1):
+        parent = scene.parents[node]
+        if needed[node] and parent >= 0 and inside[parent]:
+            needed[parent] = True
+    dropped = np.flatnonzero(scene.joints & ~needed)
+    return np.flatnonzero(needed).tolist(), [scene.names[joint] for joint in dropped]
 
 
 def _ends(scene: Scene, kept: list[int]) -> list[int]:
     """Returns the nodes that only mark the tip of a joint; a skin may list them as joints or not."""
-    parents = {int(parent) for parent in scene.parents}
+    parents, joints = set(scene.parents.tolist()), set(kept)
     tips = [node for node, name in enumerate(scene.names) if node not in parents and END.search(name)]
-    return [node for node in tips if int(scene.parents[node]) in kept]
+    return [node for node in tips if int(scene.parents[node]) in joints]
 
 
 def _translations(at: Floats, world: Floats, parents: Integers, offsets: Floats) -> dict[int, Floats]:
@@ -117,29 +120,7 @@ def rotations_of(transforms: Floats) -> Floats:
     y = axes[..., 1] - np.sum(x * axes[..., 1], axis=-1, keepdims=True) * x
     y = _unit(y)
     z = np.cross(x, y)
-    return _quaternions(np.stack([x, y, z], axis=-1))
-
-
-def _quaternions(matrices: Floats) -> Floats:
-    """Returns the quaternions [..., 4] of rotation matrices [..., 3, 3], each from its largest component."""
-    m = matrices.reshape(-1, 3, 3)
-    x, y, z = m[:, 0, 0], m[:, 1, 1], m[:, 2, 2]
-    largest = np.argmax([x - y - z, y - z - x, z - x - y, x + y + z], axis=0)
-    q = np.empty((len(m), 4))
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        rows = np.flatnonzero(largest == i)
-        if len(rows):
-            one = m[rows]
-            q[rows, i] = 1.0 + one[:, i, i] - one[:, j, j] - one[:, k, k]
-            q[rows, j] = one[:, j, i] + one[:, i, j]
-            q[rows, k] = one[:, k, i] + one[:, i, k]
-            q[rows, 3] = one[:, k, j] - one[:, j, k]
-    rows = np.flatnonzero(largest == 3)
-    one = m[rows]
-    q[rows, 0], q[rows, 1] = one[:, 2, 1] - one[:, 1, 2], one[:, 0, 2] - one[:, 2, 0]
-    q[rows, 2], q[rows, 3] = one[:, 1, 0] - one[:, 0, 1], 1.0 + one[:, 0, 0] + one[:, 1, 1] + one[:, 2, 2]
-    return quaternion.normalise(q).reshape(*matrices.shape[:-2], 4)
+    return quaternion.from_matrices(np.stack([x, y, z], axis=-1))
 
 
 def _unit(v: Floats) -> Floats:
@@ -155,7 +136,3 @@ def _unique(names: list[str]) -> tuple[str, ...]:
         seen[name] = seen.get(name, 0) + 1
         unique.append(name if seen[name] == 1 else f"{name}.{seen[name]:03d}")
     return tuple(unique)
-
-
-def _listed(names: list[str]) -> str:
-    return f"{', '.join(names[:5])}{' ...' * (len(names) > 5)}"

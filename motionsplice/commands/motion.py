@@ -176,7 +176,7 @@ def render_command(
 def convert_command(
     motion: Annotated[Path, typer.Argument(help="A motion file (.bvh, .amc, .glb, .gltf, .vrm, .vrma).")],
     out: Annotated[Path, typer.Argument(help="The file to write, .bvh or .glb, in metres.")],
-    clip: Annotated[str | None, typer.Option("--animation", help="The animation, of a file that has several.")] = None,
+    animation: Annotated[str | None, typer.Option(help="The animation, of a file that has several.")] = None,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames to leave out (a T-pose).")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
@@ -187,7 +187,7 @@ def convert_command(
     from motionsplice.motion.roles import read_roles_file
 
     given = read_roles_file(roles) if roles else {}
-    reading = read_clip(motion, animation=clip, skip_frames=skip_frames, unit=unit, roles=given)
+    reading = read_clip(motion, animation=animation, skip_frames=skip_frames, unit=unit, roles=given)
     write_clip(out, reading.clip)
     found = reading.clip
     console.print(

@@ -17,7 +17,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.formats.gltf.accessors import read_accessor
-from motionsplice.motion.formats.gltf.container import Container
+from motionsplice.motion.formats.gltf.container import Container, read_document
 from motionsplice.motion.formats.gltf.reader import animation_names, read_scene
 from motionsplice.motion.formats.gltf.tracks import Track
 from motionsplice.motion.formats.gltf.writer import dump_glb
@@ -186,6 +186,38 @@ def test_a_wrong_file_is_refused_with_the_reason(tmp_path: Path, words: str) -> 
     with pytest.raises(FormatError, match=words) as raised:
         read(tmp_path, edited(dump_glb(WALK), WRONG[words]))
     assert "walk.glb" in str(raised.value)
+
+
+def test_keys_far_apart_take_no_memory(tmp_path: Path) -> None:
+    """Two keys a day apart are 5 million frames of each node."""
+
+    def edit(document: dict[str, Any]) -> None:
+        document["animations"][0]["samplers"] = [{"input": 0, "output": 1}]
+        document["animations"][0]["channels"] = [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]
+        document["accessors"] = [
+            {"bufferView": 0, "componentType": 5126, "type": "SCALAR", "count": 2},
+            {"bufferView": 1, "componentType": 5126, "type": "VEC3", "count": 2},
+        ]
+        del document["skins"]
+
+    binary = np.array([0.0, 86400.0], "<f4").tobytes()
+    data = edited(dump_glb(WALK), edit, binary + read_document(dump_glb(WALK))[1][len(binary) :])
+    with pytest.raises(FormatError, match="take too much memory"):
+        read(tmp_path, data)
+
+
+def test_accessors_over_the_same_bytes_take_no_memory(tmp_path: Path) -> None:
+    def edit(document: dict[str, Any]) -> None:
+        (animation,) = document["animations"]
+        sampler, channel = animation["samplers"][1], animation["channels"][1]
+        output = document["accessors"][sampler["output"]]
+        for _ in range(6000):
+            document["accessors"].append(output)
+            animation["samplers"].append(sampler | {"output": len(document["accessors"]) - 1})
+            animation["channels"].append(channel | {"sampler": len(animation["samplers"]) - 1})
+
+    with pytest.raises(FormatError, match="share their bytes"):
+        read(tmp_path, edited(dump_glb(WALK), edit))
 
 
 @given(st.data())

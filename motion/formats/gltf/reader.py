@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import cache, partial
 from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
 
+from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
 from motionsplice.motion.formats.gltf.accessors import read_accessor
 from motionsplice.motion.formats.gltf.container import EXPORT, Container, open_container, read_document
@@ -17,14 +19,15 @@ from motionsplice.motion.formats.gltf.humanoid import humanoid_nodes
 from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.scene import Scene
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.skeleton import Integers, chain
+from motionsplice.motion.skeleton import Integers
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3}
 DEFAULTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 MALFORMED = (
     *(KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError, OverflowError, struct.error),
 )
-MOST_TRANSFORMS = 20_000_000  # nodes times frames
+MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
+MOST_NUMBERS = 1_000_000  # in the tracks of a small file, whose accessors may all lie over the same bytes
 Tracks = dict[tuple[int, str], Track]
 
 
@@ -65,11 +68,11 @@ def _malformed() -> Iterator[None]:
 
 
 def _names(document: dict[str, Any]) -> list[str]:
-    names: list[str] = []
+    names: dict[str, None] = {}
     for number, animation in enumerate(document.get("animations", ())):
         name = str(animation.get("name") or number)
-        names.append(name if name not in names else f"{name}.{number}")
-    return names
+        names[name if name not in names else f"{name}.{number}"] = None
+    return list(names)
 
 
 def _scene(container: Container, number: int) -> Scene:
@@ -77,18 +80,17 @@ def _scene(container: Container, number: int) -> Scene:
     nodes = document["nodes"]
     order, parents = _order(nodes)
     tracks = _tracks(container, document["animations"][number], len(nodes))
-    moving = [track for (_, path), track in tracks.items() if path in PATHS]
-    if not moving:
+    if not tracks:
         raise FormatError("this animation moves no node", mend="Choose another one, or bake it before the export")
-    times, rate = _times(moving, len(nodes))
-    rest = _world([_local(nodes[node], node, {}, times[:1]) for node in order], parents)[0]
-    world = _world([_local(nodes[node], node, tracks, times) for node in order], parents)
+    times, rate = _times(list(tracks.values()), len(nodes), max(MOST_TRANSFORMS, container.size))
+    rest = _world((_local(nodes[node], node, {}, times) for node in order), parents, 1)[0]
+    world = _world((_local(nodes[node], node, tracks, times) for node in order), parents, len(times))
     places = {node: place for place, node in enumerate(order)}
     roles = humanoid_nodes(document)
     joints, bind = _skeleton(container, places, parents, rest)
     joints[[places[node] for node in roles.values()]] = True
     if not joints.any():
-        joints[[places[node] for node, path in tracks if path in PATHS]] = True
+        joints[[places[node] for node, _ in tracks]] = True
     names = tuple(str(nodes[node].get("name") or f"node {node}") for node in order)
     named = {role: names[places[node]] for role, node in roles.items()}
     return Scene(names, parents, joints, bind, world, rate, named)
@@ -116,6 +118,8 @@ def _order(nodes: list[dict[str, Any]]) -> tuple[list[int], Integers]:
 
 def _tracks(container: Container, animation: dict[str, Any], count: int) -> Tracks:
     tracks: Tracks = {}
+    read = cache(partial(read_accessor, container))  # channels share their times
+    left = max(MOST_NUMBERS, container.size)
     for channel in animation["channels"]:
         node, path = channel["target"].get("node"), channel["target"]["path"]
         if node is None or path not in PATHS:
@@ -123,21 +127,23 @@ def _tracks(container: Container, animation: dict[str, Any], count: int) -> Trac
         if not 0 <= node < count:
             raise FormatError(f"an animation moves node {node} of {count}", mend=EXPORT)
         sampler = animation["samplers"][channel["sampler"]]
-        times = read_accessor(container, sampler["input"])[:, 0]
-        values = read_accessor(container, sampler["output"])
+        times, values = read(sampler["input"])[:, 0], read(sampler["output"])
+        left -= values.size
+        if left < 0:
+            raise FormatError("its accessors share their bytes and take too much memory", mend=EXPORT)
         if values.shape[1] != PATHS[path]:
             raise FormatError(f"a {path} has {values.shape[1]} numbers, expected {PATHS[path]}", mend=EXPORT)
         tracks[node, path] = Track(times, values, sampler.get("interpolation", "LINEAR"), path == "rotation")
     return tracks
 
 
-def _times(tracks: list[Track], nodes: int) -> tuple[Floats, float]:
-    """Returns the times [F] of frames from the first key to the last, and their rate."""
+def _times(tracks: list[Track], nodes: int, most: int) -> tuple[Floats, float]:
+    """Returns the times [F] of frames from the first key to the last, and their rate; `most` transforms in all."""
     rate = key_rate(tracks)
     first = min(float(track.times[0]) for track in tracks)
     last = max(float(track.times[-1]) for track in tracks)
     frames = round((last - first) * rate) + 1
-    if frames * nodes > MOST_TRANSFORMS:
+    if frames * nodes > most:
         problem = f"{last - first:g} s of {nodes} nodes at {rate:g} frames per second take too much memory"
         raise FormatError(problem, mend="Cut the animation into shorter ones")
     return first + np.arange(frames) / rate, rate
@@ -151,23 +157,17 @@ def _local(node: dict[str, Any], number: int, tracks: Tracks, times: Floats) -> 
     values = {
         path: moved.get(path, np.array([node.get(path, DEFAULTS[path])], np.float64)) for path in PATHS
     }  # [F or 1, width]
-    x, y, z, w = np.moveaxis(values["rotation"], -1, 0)
-    rows = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (z * x + w * y)],
-        [2.0 * (x * y + w * z), 1.0 - 2.0 * (z * z + x * x), 2.0 * (y * z - w * x)],
-        [2.0 * (z * x - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-    ]
-    axes = np.moveaxis(np.array(rows), -1, 0) * values["scale"][:, None, :]
+    turned = quaternion.rotate(values["rotation"][:, None], np.eye(3))  # the axes, one after the other
+    axes = np.swapaxes(turned, 1, 2) * values["scale"][:, None, :]
     frames = max(len(axes), len(values["translation"]))
     local = np.empty((frames, 3, 4))
     local[..., :3], local[..., 3] = axes, values["translation"]
     return local
 
 
-def _world(locals_: list[Floats], parents: Integers) -> Floats:
+def _world(locals_: Iterable[Floats], parents: Integers, frames: int) -> Floats:
     """Returns world transforms [F, N, 3, 4] of nodes with transforms to their parents [F or 1, 3, 4]."""
-    frames = max(len(local) for local in locals_)
-    world = np.empty((frames, len(locals_), 3, 4))
+    world = np.empty((frames, len(parents), 3, 4))
     for node, local in enumerate(locals_):
         if parents[node] < 0:
             world[:, node] = local
@@ -193,7 +193,7 @@ def _skeleton(container: Container, places: dict[int, int], parents: Integers, r
             if inverse.shape != (len(own), 16):
                 raise FormatError(f"{len(own)} joints have {len(inverse)} inverse bind matrices", mend=EXPORT)
             stated = np.asarray(np.linalg.inv(inverse.reshape(-1, 4, 4).transpose(0, 2, 1)), np.float64)
-            top = min(own, key=lambda node: len(chain(parents, node)))
+            top = min(own)  # parents come before children
             bind[own] = _in_the_world(stated, rest[own], rest[parents[top]] if parents[top] >= 0 else None)
     return joints, bind
 

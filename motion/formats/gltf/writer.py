@@ -44,11 +44,11 @@ def dump_glb(clip: Clip) -> bytes:
     ]
     for parent, offset in zip(skeleton.end_parents.tolist(), skeleton.end_offsets.tolist(), strict=True):
         nodes.append({"name": f"{skeleton.names[parent]}_end", "translation": offset})
-    bind = np.tile(np.eye(4), (count, 1, 1))
-    for joint, parent in enumerate(skeleton.parents.tolist()):
-        bind[joint, :3, 3] = offsets[joint] + (bind[parent, :3, 3] if parent >= 0 else 0.0)
-    inverse = bind.copy()
-    inverse[:, :3, 3] *= -1.0
+    places = offsets.copy()
+    for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
+        places[joint] += places[parent]
+    inverse = np.tile(np.eye(4), (count, 1, 1))
+    inverse[:, :3, 3] = -places
     times = binary.add(np.arange(clip.frame_count)[:, None] / clip.rate, bounds=True)
     turns = quaternion.one_hemisphere(clip.rotations)
     samplers = [{"input": times, "output": binary.add(clip.root_positions)}]

@@ -11,9 +11,9 @@ from .motion.errors import SkeletonError as SkeletonError
 from .motion.errors import TimeRangeError as TimeRangeError
 from .motion.errors import UnknownClipError as UnknownClipError
 from .motion.formats.bvh import dump_bvh as dump_bvh
-from .motion.formats.files import Reading as Reading
-from .motion.formats.files import read_clip as read_clip
 from .motion.formats.gltf.writer import dump_glb as dump_glb
+from .motion.formats.reading import Reading as Reading
+from .motion.formats.reading import read_clip as read_clip
 from .motion.roles import Roles as Roles
 from .motion.roles import find_roles as find_roles
 from .motion.samples import write_sample_clips as write_sample_clips

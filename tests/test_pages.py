@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import pytest
 
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"(?:<!-- not run: (?P<reason>[^\n]+) -->\n)?^```(?P<language>\w*)\n(?P<code>.*?)^```", re.S | re.M)

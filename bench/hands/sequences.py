@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.formats.files import clip_files, read_clip
+from motionsplice.motion.formats.files import clip_files
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.quaternion import Floats, about, rotate

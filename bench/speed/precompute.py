@@ -30,7 +30,7 @@ from bench.speed.generated_clips import generated, write_generated
 from motionsplice.cli import run
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.job import CACHE, build_bank

@@ -14,7 +14,8 @@ from rich.table import Table
 
 from motionsplice.commands.outputs import check_suffix
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.formats.files import Reading, read_clip, write_clip
+from motionsplice.motion.formats.files import write_clip
+from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.roles import read_roles_file
 from motionsplice.pictures.hand_charts import draw_alignment
 from motionsplice.precompute.hands.align import BANDS

@@ -158,7 +158,7 @@ def render_command(
 ) -> None:
     """Draw motions as stick figures, or one hand of each, to judge them by eye."""
     kind = check_suffix(out, ".png", ".gif")
-    from motionsplice.motion.formats.files import read_clip
+    from motionsplice.motion.formats.reading import read_clip
     from motionsplice.motion.roles import read_roles_file
     from motionsplice.pictures.sheets import animation, contact_sheet
 
@@ -183,7 +183,8 @@ def convert_command(
 ) -> None:
     """Read a motion file, print what was understood, and write it in another format."""
     check_suffix(out, ".bvh", ".glb", option="OUT")
-    from motionsplice.motion.formats.files import read_clip, write_clip
+    from motionsplice.motion.formats.files import write_clip
+    from motionsplice.motion.formats.reading import read_clip
     from motionsplice.motion.roles import read_roles_file
 
     given = read_roles_file(roles) if roles else {}

@@ -15,7 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.roles import read_roles_file
 from motionsplice.pictures.correlation_charts import draw_chart
 from motionsplice.precompute.study.body_angles import View

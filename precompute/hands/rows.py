@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.formats.files import Reading
+from motionsplice.motion.formats.reading import Reading
 from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.body.rig import Rig

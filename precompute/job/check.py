@@ -15,7 +15,8 @@ from pathlib import Path
 
 from motionsplice.motion.errors import ClipError, MotionError
 from motionsplice.motion.formats.asf_amc import parse_skeleton
-from motionsplice.motion.formats.files import read_bytes, read_clip
+from motionsplice.motion.formats.files import read_bytes
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.runtime.format.manifest import Manifest

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.formats.files import Reading
+from motionsplice.motion.formats.reading import Reading
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Alignment, Baseline

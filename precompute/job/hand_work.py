@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from itertools import chain
 
 from motionsplice.motion.errors import SettingsError, did_you_mean
-from motionsplice.motion.formats.files import Reading
+from motionsplice.motion.formats.reading import Reading
 from motionsplice.motion.hand_joints import fingered, has_fingers
 from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.rows import LaidHands, lay_hands

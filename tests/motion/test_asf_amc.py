@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats.asf_amc import parse_motion, parse_skeleton
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 
 ASF = """# a comment

@@ -12,7 +12,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import MotionError, RoleError, SettingsError
 from motionsplice.motion.formats import bvh
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.formats.units import UNITS, guess_unit, metres_per_unit
 from motionsplice.motion.kinematics import joint_positions
 from tests.conftest import CLIPS

@@ -15,12 +15,12 @@ from scipy.spatial.transform import Rotation
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
-from motionsplice.motion.formats.files import read_clip
 from motionsplice.motion.formats.gltf.accessors import read_accessor
 from motionsplice.motion.formats.gltf.container import Container, read_document
 from motionsplice.motion.formats.gltf.reader import animation_names, read_scene
 from motionsplice.motion.formats.gltf.tracks import Track
 from motionsplice.motion.formats.gltf.writer import dump_glb
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.formats.scene import nodes_of, rotations_of
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make

@@ -12,7 +12,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.hand_joints import (
     SIDES,
     bind_turn,

@@ -15,7 +15,7 @@ import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
 from motionsplice.commands import motion
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.precompute.hands.settings import read_hand_settings
 from motionsplice.runtime.bank import Bank

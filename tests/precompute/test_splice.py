@@ -10,7 +10,7 @@ from bench.quality.measures import posture_error, upper_body_errors
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError, SkeletonError
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.variants import local_axes, uneven_time, warped, with_local_axes
 from motionsplice.motion.quaternion import Floats

@@ -11,7 +11,7 @@ import pytest
 from bench.quality.rhythm import arm_lag, lag_error
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles

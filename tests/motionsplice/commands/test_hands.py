@@ -18,7 +18,7 @@ from motionsplice.cli import app, main
 from motionsplice.commands import hands as command_hands
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.hand_joints import fingers_of, wrist_of
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.gestures import gesture_pair

@@ -12,7 +12,7 @@ import pytest
 
 from motionsplice.motion.errors import ClipError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import clip_work, job
 from motionsplice.precompute.job.clip_work import Identified, Preparation

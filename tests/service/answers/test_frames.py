@@ -12,7 +12,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from motionsplice.motion.formats.bvh import parse
-from motionsplice.motion.formats.files import read_clip
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Posture

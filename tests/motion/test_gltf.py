@@ -18,7 +18,7 @@ from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats.gltf.accessors import read_accessor
 from motionsplice.motion.formats.gltf.container import Container, read_document
 from motionsplice.motion.formats.gltf.reader import animation_names, read_scene
-from motionsplice.motion.formats.gltf.tracks import Track
+from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.formats.scene import nodes_of, rotations_of
@@ -95,6 +95,16 @@ def test_a_track_has_its_keys_at_their_times(interpolation: str) -> None:
     np.testing.assert_allclose(track.sampled(np.array([-1.0, 9.0])), values[[0, 2]])
     middle = {"LINEAR": [2.0, 0.5], "STEP": [1.0, 2.0], "CUBICSPLINE": [2.0, 0.5]}[interpolation]
     np.testing.assert_allclose(track.sampled(np.array([0.25])), [middle])
+
+
+@pytest.mark.parametrize("rate", [24.0, 60.0, 120.0])
+def test_frames_of_a_long_capture_are_its_keys(rate: float) -> None:
+    """After minutes, times in float32 are rounded by a hundredth of a frame."""
+    rounded = (np.arange(20_000) / rate).astype(np.float32).astype(np.float64)
+    values = np.random.default_rng(0).normal(size=(20_000, 3))
+    track = Track(rounded, values, "LINEAR", False)
+    assert key_rate([track]) == rate
+    np.testing.assert_array_equal(track.sampled(np.arange(20_000) / rate), values)
 
 
 def test_a_cubic_spline_follows_its_tangents() -> None:

@@ -150,32 +150,33 @@ def _times(tracks: list[Track], nodes: int, most: int) -> tuple[Floats, float]:
 
 
 def _local(node: dict[str, Any], number: int, tracks: Tracks, times: Floats) -> Floats:
-    """Returns a node's transforms to its parent [F or 1, 3, 4]."""
+    """Returns a node's transforms to its parent [3, 4, F or 1]."""
     moved = {path: tracks[number, path].sampled(times) for path in PATHS if (number, path) in tracks}
     if "matrix" in node and not moved:
-        return np.array(node["matrix"], np.float64).reshape(4, 4).T[None, :3]
+        return np.array(node["matrix"], np.float64).reshape(4, 4).T[:3, :, None]
     values = {
         path: moved.get(path, np.array([node.get(path, DEFAULTS[path])], np.float64)) for path in PATHS
     }  # [F or 1, width]
-    turned = quaternion.rotate(values["rotation"][:, None], np.eye(3))  # the axes, one after the other
-    axes = np.swapaxes(turned, 1, 2) * values["scale"][:, None, :]
-    frames = max(len(axes), len(values["translation"]))
-    local = np.empty((frames, 3, 4))
-    local[..., :3], local[..., 3] = axes, values["translation"]
+    local = np.empty((3, 4, max(len(value) for value in values.values())))
+    axes = quaternion.to_matrices(values["rotation"]).transpose(1, 2, 0)
+    local[:, :3], local[:, 3] = axes * values["scale"].T, values["translation"].T
     return local
 
 
 def _world(locals_: Iterable[Floats], parents: Integers, frames: int) -> Floats:
-    """Returns world transforms [F, N, 3, 4] of nodes with transforms to their parents [F or 1, 3, 4]."""
-    world = np.empty((frames, len(parents), 3, 4))
+    """Returns world transforms [F, N, 3, 4] of nodes with transforms to their parents [3, 4, F or 1].
+
+    In memory all frames of a number lie together, because the work goes from node to node.
+    """
+    world = np.empty((len(parents), 3, 4, frames))
     for node, local in enumerate(locals_):
         if parents[node] < 0:
-            world[:, node] = local
+            world[node] = local
         else:
-            above = world[:, parents[node]]
-            world[:, node] = above[..., :3] @ local
-            world[:, node, :, 3] += above[..., 3]
-    return world
+            above = world[parents[node]]
+            world[node] = above[:, 0, None] * local[0] + above[:, 1, None] * local[1] + above[:, 2, None] * local[2]
+            world[node, :, 3] += above[:, 3]
+    return world.transpose(3, 0, 1, 2)
 
 
 def _skeleton(container: Container, places: dict[int, int], parents: Integers, rest: Floats) -> tuple[Any, Floats]:

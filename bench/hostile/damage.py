@@ -12,11 +12,12 @@ from motionsplice.motion.formats.gltf.container import CHUNK, HEAD, MAGIC, VERSI
 
 Damage = Callable[[bytes, bytes, Random], bytes]  # of a file, with another file of its kind at hand
 
-DEEP: Any = json.loads("[" * 400 + "]" * 400)
-VALUES = (
-    *(0, 1, -1, 2, 3, 255, 65536, 2**31 - 1, 2**32, 2**53, 2**63, -(2**63), 10**30, 0.5, -0.5, 1e9, 1e300, -1e300),
-    *(float("nan"), float("inf"), True, False, None, "", "0", "node", "../x", "\ud800", [], [[]], [0] * 4, {}, {"": 0}),
-    *([float("nan")] * 16, [1e300] * 16, [0] * 16, DEEP),
+VALUES = (  # in JSON, so that each file gets its own
+    *("0", "1", "-1", "2", "3", "255", "65536", "2147483647", "4294967296", "9007199254740993", "9223372036854775808"),
+    *("-9223372036854775808", "1" + "0" * 30, "0.5", "-0.5", "1e9", "1e300", "-1e300", "NaN", "Infinity", "true"),
+    *("false", "null", '""', '"0"', '"node"', '"../x"', '"\\ud800"', "[]", "[[]]", "[0, 0, 0, 0]", "{}", '{"": 0}'),
+    *(f"[{', '.join([number] * 16)}]" for number in ("NaN", "1e300", "0")),
+    "[" * 400 + "]" * 400,
 )
 WORDS = ("0", "-1", "1e308", "-1e400", "nan", "inf", "1e-320", "9" * 400, "{", "}", "JOINT x", "End Site", ":", "\0")
 INTEGERS = (0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
@@ -117,4 +118,4 @@ def _damage_json(document: dict[str, Any], draw: Random) -> None:
     elif kind == 4:
         inside[key] = draw.randrange(40)
     else:
-        inside[key] = draw.choice(VALUES)
+        inside[key] = json.loads(draw.choice(VALUES))

@@ -47,11 +47,12 @@ BONE = """  begin
     direction {x:.6f} {y:.6f} {z:.6f}
     length {length:.6f}
     axis 0 0 20 XYZ
-    dof rx ry rz
+{dof}
+  end"""
+DOF = """    dof rx ry rz
     limits (-160 20)
            (-70 70)
-           (-60 inf)
-  end"""
+           (-60 inf)"""
 SUFFIXES = {"gltf": GLTF, "bvh": (".bvh",), "amc": (".amc",)}
 DAMAGES: dict[str, tuple[Damage, ...]] = {
     "gltf": (damage_gltf, damage_gltf, damage_gltf, damage_bytes),
@@ -98,15 +99,16 @@ def _bvh_files(clip: Clip) -> list[Good]:
 
 
 def _amc_files(clip: Clip) -> list[Good]:
-    """Bones that end where the clip's joints are."""
+    """For each joint a stiff bone that leads to it, and one without length that turns."""
     bones, pairs = [], []
     skeleton = clip.skeleton
     for joint in range(1, skeleton.joint_count):
         name, above = skeleton.names[joint], int(skeleton.parents[joint])
         length = float(np.linalg.norm(skeleton.offsets[joint]))
         x, y, z = skeleton.offsets[joint] / length
-        bones.append(BONE.format(id=joint, name=name, x=x, y=y, z=z, length=length))
-        pairs.append(f"    {skeleton.names[above] if above else 'root'} {name}")
+        bones.append(BONE.format(id=2 * joint, name=f"to{name}", x=x, y=y, z=z, length=length, dof=""))
+        bones.append(BONE.format(id=2 * joint + 1, name=name, x=0.0, y=1.0, z=0.0, length=0.0, dof=DOF))
+        pairs += [f"    {skeleton.names[above] if above else 'root'} to{name}", f"    to{name} {name}"]
     asf = ASF.format(bones="\n".join(bones), pairs="\n".join(pairs))
     frames = [":FULLY-SPECIFIED", ":DEGREES"]
     for frame in range(FRAMES):

@@ -69,16 +69,17 @@ def read_damaged(kind: str, goods: list[Good], seed: int, count: int, jobs: int)
     while waiting or running:
         while waiting and len(running) < jobs:
             first, stop = waiting.pop()
-            ours, theirs = FORK.Pipe(duplex=False)
+            ours, own = FORK.Pipe(duplex=False)
             at = FORK.Value("q", first, lock=False)
-            process = FORK.Process(target=_read_batch, args=(theirs, kind, goods, seed, first, stop, at))
+            process = FORK.Process(target=_read_batch, args=(own, kind, goods, seed, first, stop, at))
             process.start()
-            theirs.close()
+            own.close()
             running[ours] = Batch(first, stop, process, at)
-        for ready in wait(list(running)):
-            batch = running.pop(ready)  # type: ignore[call-overload]
+        ended = wait(list(running))
+        for result in [one for one in running if one in ended]:
+            batch = running.pop(result)
             try:
-                tally.add(ready.recv())  # type: ignore[union-attr]
+                tally.add(result.recv())
                 batch.process.join()
             except EOFError:
                 batch.process.join()
@@ -87,7 +88,7 @@ def read_damaged(kind: str, goods: list[Good], seed: int, count: int, jobs: int)
                 tally.add(Tally(Counter({how: 1}), {how: culprit}))
                 rest = [(batch.first, culprit), (culprit + 1, batch.stop)]
                 waiting += [(first, stop) for first, stop in rest if first < stop]
-            ready.close()  # type: ignore[union-attr]
+            result.close()
     return tally
 
 

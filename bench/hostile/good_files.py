@@ -122,9 +122,9 @@ def _gltf_files(clip: Clip) -> list[Good]:
     document, binary = read_document(plain)
     return [
         Good({"walk.glb": plain}),
-        Good({"walk.gltf": _with_data(document, binary)}),
-        Good({"rich.gltf": _with_data(*rich_document(clip))}),
-        Good({"walk.vrma": _with_data(_with_humanoid(document), binary)}),
+        Good({"walk.gltf": with_data(document, binary)}),
+        Good({"rich.gltf": with_data(*rich_document(clip))}),
+        Good({"walk.vrma": with_data(_with_humanoid(document), binary)}),
     ]
 
 
@@ -133,7 +133,7 @@ def _with_humanoid(document: dict[str, Any]) -> dict[str, Any]:
     return document | {"extensions": {"VRMC_vrm_animation": {"specVersion": "1.0", "humanoid": {"humanBones": bones}}}}
 
 
-def _with_data(document: dict[str, Any], binary: bytes) -> bytes:
+def with_data(document: dict[str, Any], binary: bytes) -> bytes:
     """Returns a document that holds its own buffer."""
     uri = f"data:application/octet-stream;base64,{base64.b64encode(binary).decode()}"
     return json.dumps(document | {"buffers": [{"byteLength": len(binary), "uri": uri}]}).encode()

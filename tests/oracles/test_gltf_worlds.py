@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,10 +19,11 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.quaternion import Floats
 from tests.glb_files import with_animation
+from tests.oracles.node import needs_node, run
 
+pytestmark = needs_node
 CLOSE = 1e-5  # of the rig's size
 RIGS = Path(__file__).parents[3] / "shared" / "mocap" / "rigs"
-Ask = Callable[[str, Any], Any]
 
 WALK = make("walk", "wave", seed=1, seconds=4.0)
 MADE: dict[str, bytes] = {
@@ -34,46 +34,40 @@ MADE: dict[str, bytes] = {
 }
 
 
-def worlds(ask: Ask, file: Path) -> list[tuple[Scene, Floats]]:
+def worlds(file: Path) -> list[tuple[Scene, Floats]]:
     """Returns each animation's scene, and the worlds [F, N, 3, 4] of its nodes by three.js."""
     data = file.read_bytes()
     scenes = [read_scene(data, lambda name: read_bytes(file.parent / name), name) for name in animation_names(data)]
-    animations = [
-        {"number": number, "frames": len(scene.world), "rate": scene.rate} for number, scene in enumerate(scenes)
-    ]
-    found = ask("three_worlds.mjs", {"file": str(file), "animations": animations})
-    pairs = []
-    for scene, theirs in zip(scenes, found["worlds"], strict=True):
-        assert list(scene.names) == found["names"]
-        matrices = np.array(theirs).reshape(len(theirs), -1, 4, 4).transpose(0, 1, 3, 2)
-        pairs.append((scene, matrices[:, :, :3]))
-    return pairs
+    frames = [{"frames": len(scene.world), "rate": scene.rate} for scene in scenes]
+    names, *matrices = run("three_worlds.mjs", file, json.dumps(frames))
+    assert all(list(scene.names) == names for scene in scenes)
+    found = [np.reshape(theirs, (len(theirs), -1, 4, 4)).transpose(0, 1, 3, 2)[:, :, :3] for theirs in matrices]
+    return list(zip(scenes, found, strict=True))
 
 
-def check(ask: Ask, file: Path) -> None:
-    for scene, theirs in worlds(ask, file):
+def check(file: Path) -> None:
+    for scene, theirs in worlds(file):
         off = np.abs(scene.world - theirs).max(axis=(0, 1))
         assert off[:, 3].max() < CLOSE * np.ptp(theirs[0, ..., 3], axis=0).max()
         assert off[:, :3].max() < CLOSE * np.abs(theirs[..., :3]).max()
 
 
 @pytest.mark.parametrize("name", MADE)
-def test_nodes_of_made_files_are_where_three_has_them(ask: Ask, tmp_path: Path, name: str) -> None:
+def test_nodes_of_made_files_are_where_three_has_them(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(MADE[name])
-    check(ask, tmp_path / name)
+    check(tmp_path / name)
 
 
 @pytest.mark.parametrize("name", ["robot.glb", "m2m-human-addon-animations.glb"])
-def test_nodes_of_other_peoples_files_are_where_three_has_them(ask: Ask, name: str) -> None:
+def test_nodes_of_other_peoples_files_are_where_three_has_them(name: str) -> None:
     if not (RIGS / name).exists():
         pytest.skip(f"{name} not found (../shared/mocap/rigs)")
-    check(ask, RIGS / name)
+    check(RIGS / name)
 
 
-def test_joints_of_a_clip_are_where_three_has_them(ask: Ask, tmp_path: Path) -> None:
-    """Those of the clip, too, whose bind pose has no rotations, which the file's has."""
+def test_joints_of_a_clip_are_where_three_has_them(tmp_path: Path) -> None:
     (tmp_path / "walk.glb").write_bytes(MADE["walk.glb"])
-    ((scene, theirs),) = worlds(ask, tmp_path / "walk.glb")
+    ((scene, theirs),) = worlds(tmp_path / "walk.glb")
     clip = read_clip(tmp_path / "walk.glb").clip
     order = [scene.names.index(name) for name in clip.skeleton.names]
     size = np.ptp(theirs[0, ..., 3], axis=0).max()

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,11 +13,13 @@ from motionsplice.motion.procedural.gestures import sample_gestures
 from motionsplice.motion.procedural.library import sample_clips
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.bank import Bank
+from tests.oracles.node import needs_node, run
 
 SUFFIXES = (".glb",)  # that are written
 
 
-def test_written_files_are_valid(ask: Callable[[str, Any], Any], bank: Bank, tmp_path: Path) -> None:
+@needs_node
+def test_written_files_are_valid(bank: Bank, tmp_path: Path) -> None:
     clips = sample_clips() | sample_gestures()
     walk = clips["walk"]
     names = tuple(f'骨 "{name}" \\ é\n' for name in walk.skeleton.names)
@@ -35,6 +35,5 @@ def test_written_files_are_valid(ask: Callable[[str, Any], Any], bank: Bank, tmp
         for name, clip in clips.items():
             files.append(str(tmp_path / f"{name}{suffix}"))
             write_clip(Path(files[-1]), clip)
-    found = ask("validate.mjs", files)
-    assert set(found) == set(files)
-    assert {file: messages for file, messages in found.items() if messages} == {}
+    found = dict(zip(files, run("validate.mjs", *files), strict=True))
+    assert {file: issues for file, issues in found.items() if issues} == {}

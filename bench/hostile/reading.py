@@ -19,7 +19,7 @@ from typing import Any
 
 from bench.hostile.good_files import Good, hostile
 from motionsplice.motion.errors import MotionError
-from motionsplice.motion.formats.files import clips_in
+from motionsplice.motion.formats.files import clips_in, files_behind
 from motionsplice.motion.formats.reading import read_clip
 
 MOST_MEMORY = 256 * 2**20  # bytes that reading a file may add
@@ -123,9 +123,12 @@ def _read_batch(result: Connection, kind: str, goods: list[Good], seed: int, fir
 def read(path: Path) -> tuple[str, bool]:
     """Reads the clips of a file. Returns what came of it in words without numbers, and whether it is a bug."""
     try:
+        files_behind(path)
         for animation in list(clips_in(path).values())[:MOST_CLIPS]:
-            read_clip(path, animation=animation)
+            clip = read_clip(path, animation=animation).clip
+            f"{clip.name} {clip.skeleton.names}".encode()
     except MotionError as error:
+        str(error).encode()  # as printing does
         problem = re.sub(r"'[^']*'|\"[^\"]*\"|-?\d[\w.+-]*", "…", error.problem)
         return f"{type(error).__name__}: {problem[:70]}", False
     except Exception as error:

@@ -105,16 +105,20 @@ def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
 def _beside(path: Path, name: str) -> Path:
     """Returns a file in the same folder or below it. Raises FormatError for others, which a hostile file may name."""
     file = path.parent / name
-    if not file.resolve().is_relative_to(path.parent.resolve()):
+    try:
+        is_inside = file.resolve().is_relative_to(path.parent.resolve())
+    except ValueError:
+        raise FormatError(f"it refers to {name!r}, which cannot be a file's name", mend="Export it again") from None
+    if not is_inside:
         raise FormatError(f"it refers to {name!r}, outside its folder", mend="Put all its files into one folder")
     return file
 
 
 def read_bytes(path: Path) -> bytes:
     """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty."""
-    if not path.exists():
-        raise FormatError("no such file", file=str(path), mend="Check the path")
     try:
+        if not path.exists():
+            raise FormatError("no such file", file=str(path), mend="Check the path")
         data = path.read_bytes()
     except OSError as error:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None

@@ -15,8 +15,9 @@ from scipy.spatial.transform import Rotation
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
+from motionsplice.motion.formats.files import files_behind
 from motionsplice.motion.formats.gltf.accessors import read_accessor
-from motionsplice.motion.formats.gltf.container import Container, read_document
+from motionsplice.motion.formats.gltf.container import Container, open_container, read_document
 from motionsplice.motion.formats.gltf.reader import animation_names, read_scene
 from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.gltf.writer import dump_glb
@@ -119,7 +120,8 @@ def container(*views: bytes, **accessor: Any) -> Container:
     """A document with one accessor, over the views one after the other."""
     places = np.cumsum([0, *(len(view) for view in views)]).tolist()
     listed = [{"buffer": 0, "byteOffset": at, "byteLength": len(view)} for at, view in zip(places, views, strict=False)]
-    return Container({"accessors": [accessor], "bufferViews": listed}, (b"".join(views),))
+    data = b"".join(views)
+    return Container({"accessors": [accessor], "bufferViews": listed}, (memoryview(data),), len(data))
 
 
 def test_normalised_numbers_are_parts_of_1() -> None:
@@ -228,6 +230,37 @@ def test_accessors_over_the_same_bytes_take_no_memory(tmp_path: Path) -> None:
 
     with pytest.raises(FormatError, match="share their bytes"):
         read(tmp_path, edited(dump_glb(WALK), edit))
+
+
+def test_buffers_over_the_same_bytes_do_not_raise_the_bound_on_memory(tmp_path: Path) -> None:
+    """A buffer's size is what the file may take of memory; here 10,000 share one."""
+
+    def edit(document: dict[str, Any]) -> None:
+        document["buffers"] *= 10_000
+
+    _, binary = read_document(edited(dump_glb(WALK), edit))
+    assert open_container(edited(dump_glb(WALK), edit), alone).size == len(binary)
+
+
+@pytest.mark.parametrize("uri", ["walk\0.bin", "x" * 5000, "\ud800"])
+def test_names_that_files_cannot_have_are_refused(tmp_path: Path, uri: str) -> None:
+    document = read_document(dump_glb(WALK))[0]
+    document["buffers"][0]["uri"] = uri
+    with pytest.raises(FormatError):
+        read(tmp_path, json.dumps(document).encode(), "walk.gltf")
+    if len(uri) < 100:
+        with pytest.raises(FormatError, match="cannot be a file's name"):
+            files_behind(tmp_path / "walk.gltf")
+
+
+def test_half_characters_in_names_become_question_marks(tmp_path: Path) -> None:
+    def edit(document: dict[str, Any]) -> None:
+        document["nodes"][3]["name"] = "Spine\ud800"
+        document["animations"] = [document["animations"][0] | {"name": name} for name in ("a", "b\udfff")]
+
+    data = edited(dump_glb(WALK), edit)
+    assert animation_names(data) == ["a", "b?"]
+    assert read(tmp_path, data, animation="b?").skeleton.names[3] == "Spine?"
 
 
 @given(st.data())

@@ -27,6 +27,7 @@ MALFORMED = (
     *(KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError, OverflowError, struct.error),
 )
 MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
+BYTES = 4  # that a transform takes in a file at least: a key takes 16 bytes, and some nodes have none
 MOST_NUMBERS = 1_000_000  # in the tracks of a small file, whose accessors may all lie over the same bytes
 Tracks = dict[tuple[int, str], Track]
 
@@ -70,9 +71,14 @@ def _malformed() -> Iterator[None]:
 def _names(document: dict[str, Any]) -> list[str]:
     names: dict[str, None] = {}
     for number, animation in enumerate(document.get("animations", ())):
-        name = str(animation.get("name") or number)
+        name = _text(animation.get("name") or number)
         names[name if name not in names else f"{name}.{number}"] = None
     return list(names)
+
+
+def _text(name: Any) -> str:
+    """Returns a name as text that can be written: JSON may hold half a character."""
+    return str(name).encode(errors="replace").decode()
 
 
 def _scene(container: Container, number: int) -> Scene:
@@ -82,7 +88,7 @@ def _scene(container: Container, number: int) -> Scene:
     tracks = _tracks(container, document["animations"][number], len(nodes))
     if not tracks:
         raise FormatError("this animation moves no node", mend="Choose another one, or bake it before the export")
-    times, rate = _times(list(tracks.values()), len(nodes), max(MOST_TRANSFORMS, container.size))
+    times, rate = _times(list(tracks.values()), len(nodes), max(MOST_TRANSFORMS, container.size // BYTES))
     rest = _world((_local(nodes[node], node, {}, times) for node in order), parents, 1)[0]
     world = _world((_local(nodes[node], node, tracks, times) for node in order), parents, len(times))
     places = {node: place for place, node in enumerate(order)}
@@ -91,7 +97,7 @@ def _scene(container: Container, number: int) -> Scene:
     joints[[places[node] for node in roles.values()]] = True
     if not joints.any():
         joints[[places[node] for node, _ in tracks]] = True
-    names = tuple(str(nodes[node].get("name") or f"node {node}") for node in order)
+    names = tuple(_text(nodes[node].get("name") or f"node {node}") for node in order)
     named = {role: names[places[node]] for role, node in roles.items()}
     return Scene(names, parents, joints, bind, world, rate, named)
 

@@ -12,28 +12,13 @@ from motionsplice.motion.formats.gltf.container import CHUNK, HEAD, MAGIC, VERSI
 
 Damage = Callable[[bytes, bytes, Random], bytes]  # of a file, with another file of its kind at hand
 
-VALUES = (  # in JSON, so that each file gets its own
-    *("0", "1", "-1", "2", "3", "255", "65536", "2147483647", "4294967296", "9007199254740993", "9223372036854775808"),
-    *("-9223372036854775808", "1" + "0" * 30, "0.5", "-0.5", "1e9", "1e300", "-1e300", "NaN", "Infinity", "true"),
-    *(
-        "false",
-        "null",
-        '""',
-        '"0"',
-        '"node"',
-        '"../x"',
-        '"\\ud800"',
-        "\\u0000",
-        "x" * 5000,
-        "[]",
-        "[[]]",
-        "[0, 0, 0, 0]",
-        "{}",
-        '{"": 0}',
-    ),
-    *(f"[{', '.join([number] * 16)}]" for number in ("NaN", "1e300", "0")),
-    "[" * 400 + "]" * 400,
-)
+VALUES = [  # in JSON, so that each file gets its own
+    *"0 1 -1 2 3 255 65536 2147483647 4294967296 9007199254740993 9223372036854775808 -9223372036854775808".split(),
+    *"0.5 -0.5 1e9 1e30 1e300 -1e300 NaN Infinity true false null [] [[]] [0,0,0,0] {}".split(),
+    *r'{"":0} "" "0" "node" "../x" "\ud800" "\u0000"'.split(),
+    *(f"[{','.join([number] * 16)}]" for number in ("NaN", "1e300", "0")),
+    *("1" + "0" * 30, f'"{"x" * 5000}"', "[" * 400 + "]" * 400),
+]
 WORDS = ("0", "-1", "1e308", "-1e400", "nan", "inf", "1e-320", "9" * 400, "{", "}", "JOINT x", "End Site", ":", "\0")
 INTEGERS = (0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 FLOATS = (float("nan"), float("inf"), -1.0, 0.0, 1e30, -1e30, 1e38, 1e-45)

@@ -4,12 +4,14 @@ import os
 import signal
 from pathlib import Path
 from random import Random
+from types import SimpleNamespace
 
 import pytest
 
 from bench.hostile import reading
 from bench.hostile.good_files import DAMAGES, Good, good_files
 from bench.hostile.reading import damaged, read, read_damaged
+from motionsplice.motion.procedural.library import make
 
 
 @pytest.mark.parametrize("kind", DAMAGES)
@@ -38,7 +40,9 @@ def test_an_exception_too_much_memory_time_and_a_crash_are_findings(monkeypatch:
     def hostile(kind: str, goods: list[Good], draw: Random) -> Good:
         return Good({"one.bvh": draw.choice([b"exception", b"memory", b"time", b"crash", b"fine"])})
 
-    def read_clip(path: Path, animation: None) -> None:
+    clip = make("walk", seconds=0.5)
+
+    def read_clip(path: Path, animation: None) -> SimpleNamespace:
         match path.read_bytes():
             case b"exception":
                 raise KeyError("joint")
@@ -48,6 +52,7 @@ def test_an_exception_too_much_memory_time_and_a_crash_are_findings(monkeypatch:
                 sum(range(10**6))
             case b"crash":
                 os.kill(os.getpid(), signal.SIGKILL)
+        return SimpleNamespace(clip=clip)
 
     monkeypatch.setattr(reading, "hostile", hostile)
     monkeypatch.setattr(reading, "read_clip", read_clip)

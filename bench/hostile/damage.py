@@ -12,13 +12,13 @@ from motionsplice.motion.formats.gltf.container import CHUNK, HEAD, MAGIC, VERSI
 
 Damage = Callable[[bytes, bytes, Random], bytes]  # of a file, with another file of its kind at hand
 
-VALUES = [  # in JSON, so that each file gets its own
-    *"0 1 -1 2 3 255 65536 2147483647 4294967296 9007199254740993 9223372036854775808 -9223372036854775808".split(),
-    *"0.5 -0.5 1e9 1e30 1e300 -1e300 NaN Infinity true false null [] [[]] [0,0,0,0] {}".split(),
-    *r'{"":0} "" "0" "node" "../x" "\ud800" "\u0000"'.split(),
-    *(f"[{','.join([number] * 16)}]" for number in ("NaN", "1e300", "0")),
-    *("1" + "0" * 30, f'"{"x" * 5000}"', "[" * 400 + "]" * 400),
-]
+NUMBERS = (
+    "0, 1, -1, 2, 3, 255, 65536, 2147483647, 4294967296, 9223372036854775808, 0.5, -0.5, 1e9, 1e300, NaN, Infinity"
+)
+TEXTS = r'"", "0", "node", "../x", "\ud800", "\u0000"'
+OTHERS = 'true, false, null, [], [[]], [0, 0, 0, 0], {}, {"": 0}'
+LARGE = f'1{"0" * 30}, "{"x" * 5000}", {"[" * 400 + "]" * 400}, [NaN{", NaN" * 15}], [1e300{", 1e300" * 15}]'
+VALUES = f"[{NUMBERS}, {TEXTS}, {OTHERS}, {LARGE}]"  # read anew for each file, because damage changes them
 WORDS = ("0", "-1", "1e308", "-1e400", "nan", "inf", "1e-320", "9" * 400, "{", "}", "JOINT x", "End Site", ":", "\0")
 INTEGERS = (0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 FLOATS = (float("nan"), float("inf"), -1.0, 0.0, 1e30, -1e30, 1e38, 1e-45)
@@ -118,4 +118,4 @@ def _damage_json(document: dict[str, Any], draw: Random) -> None:
     elif kind == 4:
         inside[key] = draw.randrange(40)
     else:
-        inside[key] = json.loads(draw.choice(VALUES))
+        inside[key] = draw.choice(json.loads(VALUES))

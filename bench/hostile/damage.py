@@ -112,7 +112,7 @@ def _damage_json(document: dict[str, Any], draw: Random) -> None:
     elif kind == 1 and isinstance(value, int | float):
         inside[key] = value + draw.choice((-1, 1, 2, 4, 1000))
     elif kind == 2 and isinstance(inside, list):
-        inside.extend([value] * draw.choice((1, 3, 3000)))
+        inside.extend([value] * draw.choice((1, 3, 300)))
     elif kind == 3:
         inside[key] = inside[draw.choice(keys)]
     elif kind == 4:

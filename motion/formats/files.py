@@ -91,13 +91,7 @@ def parse(path: Path, animation: str | None) -> Parsed:
 
 
 def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
-    names = gltf_reader.animation_names(data)
-    if not names:
-        raise FormatError("it has no animation", mend="Export the armature with its animation")
-    if animation is None and len(names) > 1:
-        problem = f"it has {len(names)} animations"
-        raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
-    scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation or names[0])
+    scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation)
     nodes, notes = nodes_of(scene)
     return Parsed(nodes, scene.rate, 1.0, scene.roles, notes)
 

@@ -38,14 +38,21 @@ def animation_names(data: bytes) -> list[str]:
         return _names(read_document(data)[0])
 
 
-def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str) -> Scene:
-    """Reads the nodes of a file, moved by one of its animations, at the rate of its keys.
+def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str | None) -> Scene:
+    """Reads the nodes of a file, moved by one of its animations, or by its only one, at the rate of its keys.
 
     `read_beside` reads a file in the same folder, for buffers. Raises FormatError.
     """
     with _malformed():
         container = open_container(data, read_beside)
         names = _names(container.document)
+        if not names:
+            raise FormatError("it has no animation", mend="Export the armature with its animation")
+        if animation is None:
+            if len(names) > 1:
+                problem = f"it has {len(names)} animations"
+                raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
+            animation = names[0]
         if animation not in names:
             raise FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
         return _scene(container, names.index(animation))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import asf_amc, bvh
+from motionsplice.motion.formats.fbx import reader as fbx_reader
 from motionsplice.motion.formats.fold import Nodes
 from motionsplice.motion.formats.gltf import reader as gltf_reader
 from motionsplice.motion.formats.gltf.writer import dump_glb
@@ -19,7 +20,7 @@ from motionsplice.motion.roles import (
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 WRITERS: Mapping[str, Callable[[Clip], bytes]] = {".bvh": bvh.dump_bvh, ".glb": dump_glb}
-SUFFIXES = (".amc", ".bvh", *GLTF)
+SUFFIXES = (".amc", ".bvh", ".fbx", *GLTF)
 
 
 class Parsed(NamedTuple):
@@ -40,7 +41,7 @@ def clip_files(folder: Path) -> list[Path]:
 def clips_in(path: Path) -> dict[str, str | None]:
     """Returns the names of the clips in a file, each with its animation; None for a file that holds one motion.
 
-    A glTF file with several animations holds a clip `file:animation` for each. Raises FormatError.
+    A glTF or FBX file with several animations holds a clip `file:animation` for each. Raises FormatError.
     """
     names = _animations(path)
     return {clip_name(path, name if len(names) > 1 else None): name for name in names} or {path.stem: None}
@@ -65,7 +66,10 @@ def clip_name(path: Path, animation: str | None) -> str:
 
 
 def _animations(path: Path) -> list[str]:
-    return gltf_reader.animation_names(read_bytes(path)) if path.suffix.lower() in GLTF else []
+    suffix = path.suffix.lower()
+    if suffix == ".fbx":
+        return fbx_reader.animation_names(read_bytes(path))
+    return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
 def parse(path: Path, animation: str | None) -> Parsed:
@@ -78,6 +82,10 @@ def parse(path: Path, animation: str | None) -> Parsed:
     data = read_bytes(path)
     if suffix in GLTF:
         return _parse_gltf(path, data, animation)
+    if suffix == ".fbx":
+        scene = fbx_reader.read_scene(data, animation)
+        nodes, notes = nodes_of(scene)
+        return Parsed(nodes, scene.rate, 1.0, scene.roles, notes)
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":

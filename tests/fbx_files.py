@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -19,15 +19,14 @@ TIME_MODES = {24.0: 11, 30.0: 6, 60.0: 3, 100.0: 2, 120.0: 1}
 ROOT, SKIN, GEOMETRY, MESH, POSE = range(1, 6)
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Variant:
     """How a file is written.
 
     unit: metres per unit. up: "y" or "z". rate: the file's frame rate, if it is not the first clip's. kind: what the
-    joints are, "LimbNode" or "Null". bone_axes: [J, 4] each joint's own axes in the bind pose, which pre-rotations make.
+    joints are, "LimbNode" or "Null". bone_axes: [J, 4] each joint's own axes in the bind pose, made by pre-rotations.
     scale: of the whole skeleton, by an armature above it. rest: the frame of the first clip in which nodes rest, None
-    for the bind pose. bind: "pose", "skin" or "" for what states the bind pose. extra: further lines of objects and of
-    connections.
+    for the bind pose. bind: what states the bind pose, "pose", "skin" or nothing. objects, connections: further lines.
     """
 
     unit: float = 0.01
@@ -38,7 +37,8 @@ class Variant:
     scale: float = 1.0
     rest: int | None = None
     bind: str = ""
-    extra: tuple[list[str], list[str]] = field(default_factory=lambda: ([], []))
+    objects: tuple[str, ...] = ()
+    connections: tuple[str, ...] = ()
 
 
 def dump_fbx(clips: Sequence[Clip], variant: Variant | None = None) -> bytes:
@@ -50,7 +50,7 @@ def dump_fbx(clips: Sequence[Clip], variant: Variant | None = None) -> bytes:
 class _File:
     def __init__(self, clips: Sequence[Clip], variant: Variant) -> None:
         self.clips, self.variant = clips, variant
-        self.objects, self.connections = list(variant.extra[0]), list(variant.extra[1])
+        self.objects, self.connections = list(variant.objects), list(variant.connections)
         skeleton = clips[0].skeleton
         self.count = skeleton.joint_count
         self.own = quaternion.IDENTITY[None].repeat(self.count, 0) if variant.bone_axes is None else variant.bone_axes
@@ -93,12 +93,10 @@ class _File:
 
     def _armature(self) -> None:
         scale = (self.variant.scale,) * 3
-        self._model(ROOT, "Armature", "Null", 0, [("Lcl Scaling", "Lcl Scaling", scale)])
+        self._model(ROOT, "Armature", "Null", 0, {"Lcl Scaling": scale})
 
-    def _model(
-        self, number: int, name: str, kind: str, parent: int, properties: Iterable[tuple[str, str, Iterable[float]]]
-    ) -> None:
-        lines = [f'P: "{name_}", "{type_}", "", "A",{_numbers(value)}' for name_, type_, value in properties]
+    def _model(self, number: int, name: str, kind: str, parent: int, vectors: Mapping[str, Iterable[float]]) -> None:
+        lines = [f'P: "{key}", "{key}", "", "A",{_numbers(value)}' for key, value in vectors.items()]
         self.objects += [
             f'Model: {number}, "Model::{name}", "{kind}" {{',
             "Version: 232",
@@ -111,26 +109,28 @@ class _File:
         self.connections.append(f'C: "OO",{number},{parent}')
 
     def _joints(self) -> None:
-        skeleton, kind = self.clips[0].skeleton, self.variant.kind
+        skeleton = self.clips[0].skeleton
         translations, angles = self._local(self.clips[0]) if self.variant.rest is not None else self._bound()
         frame = self.variant.rest or 0
         pre = _degrees(self._pre())
         for joint, name in enumerate(skeleton.names):
             parent = joint_id(int(skeleton.parents[joint])) if joint else ROOT
-            places = [
-                ("Lcl Translation", "Lcl Translation", translations[frame, joint]),
-                ("Lcl Rotation", "Lcl Rotation", angles[frame, joint]),
-                ("PreRotation", "Vector3D", pre[joint]),
-            ]
-            self._model(joint_id(joint), name, kind, parent, places)
-            if kind == "LimbNode":
-                self.objects.append(f'NodeAttribute: {joint_id(joint) + 1}, "NodeAttribute::", "LimbNode" {{')
-                self.objects += ['TypeFlags: "Skeleton"', "}"]
-                self.connections.append(f'C: "OO",{joint_id(joint) + 1},{joint_id(joint)}')
+            places = {
+                "Lcl Translation": translations[frame, joint],
+                "Lcl Rotation": angles[frame, joint],
+                "PreRotation": pre[joint],
+            }
+            self._joint(joint_id(joint), name, parent, places)
         for end, parent in enumerate(skeleton.end_parents.tolist()):
             at = quaternion.rotate(quaternion.conjugate(self.own[parent]), skeleton.end_offsets[end])
-            places = [("Lcl Translation", "Lcl Translation", self._length(at))]
-            self._model(joint_id(self.count + end), f"{skeleton.names[parent]}_end", "Null", joint_id(parent), places)
+            name, number = f"{skeleton.names[parent]}_end", joint_id(self.count + end)
+            self._joint(number, name, joint_id(parent), {"Lcl Translation": self._length(at)})
+
+    def _joint(self, number: int, name: str, parent: int, vectors: Mapping[str, Iterable[float]]) -> None:
+        self._model(number, name, self.variant.kind, parent, vectors)
+        self.objects.append(f'NodeAttribute: {number + 1}, "NodeAttribute::", "{self.variant.kind}" {{')
+        self.objects += [f'TypeFlags: "{"Skeleton" if self.variant.kind == "LimbNode" else "Null"}"', "}"]
+        self.connections.append(f'C: "OO",{number + 1},{number}')
 
     def _length(self, metres: Floats) -> Floats:
         return metres / (self.variant.unit * self.variant.scale)
@@ -176,7 +176,7 @@ class _File:
         triangle = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
         self.objects.append(f'Geometry: {GEOMETRY}, "Geometry::body", "Mesh" {{')
         self.objects += [*_array("Vertices", triangle), *_array("PolygonVertexIndex", [0, 1, -3]), "}"]
-        self._model(MESH, "body", "Mesh", 0, [])
+        self._model(MESH, "body", "Mesh", 0, {})
         self.objects += [f'Deformer: {SKIN}, "Deformer::", "Skin" {{', "Version: 101", "}"]
         self.connections += [f'C: "OO",{GEOMETRY},{MESH}', f'C: "OO",{SKIN},{GEOMETRY}']
         for joint, matrix in enumerate(matrices):

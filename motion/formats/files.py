@@ -13,14 +13,15 @@ from motionsplice.motion.formats.fbx import reader as fbx_reader
 from motionsplice.motion.formats.fold import Nodes
 from motionsplice.motion.formats.gltf import reader as gltf_reader
 from motionsplice.motion.formats.gltf.writer import dump_glb
-from motionsplice.motion.formats.scene import nodes_of
+from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import (
     NOTHING_GIVEN,
 )
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
+SCENES = (*GLTF, ".fbx")
 WRITERS: Mapping[str, Callable[[Clip], bytes]] = {".bvh": bvh.dump_bvh, ".glb": dump_glb}
-SUFFIXES = (".amc", ".bvh", ".fbx", *GLTF)
+SUFFIXES = (".amc", ".bvh", *SCENES)
 
 
 class Parsed(NamedTuple):
@@ -83,9 +84,7 @@ def parse(path: Path, animation: str | None) -> Parsed:
     if suffix in GLTF:
         return _parse_gltf(path, data, animation)
     if suffix == ".fbx":
-        scene = fbx_reader.read_scene(data, animation)
-        nodes, notes = nodes_of(scene)
-        return Parsed(nodes, scene.rate, 1.0, scene.roles, notes)
+        return _parsed(fbx_reader.read_scene(data, animation))
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
@@ -106,8 +105,12 @@ def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
         problem = f"it has {len(names)} animations"
         raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
     scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation or names[0])
+    return _parsed(scene)
+
+
+def _parsed(scene: Scene) -> Parsed:
     nodes, notes = nodes_of(scene)
-    return Parsed(nodes, scene.rate, 1.0, scene.roles, notes)
+    return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes)
 
 
 def _beside(path: Path, name: str) -> Path:

@@ -20,8 +20,8 @@ from motionsplice.motion.skeleton import Integers
 
 WORKER = Path(__file__).with_name("worker.py")
 MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
-SECONDS, SECONDS_PER_BYTE = 20.0, 2e-6  # that a child may take: a crowded machine, a large file
-MEMORY, MEMORY_PER_BYTE = 400_000_000, 20  # that a child may take, bytes: Python and ufbx, compressed arrays
+SECONDS, SECONDS_PER_BYTE = 20.0, 1e-5  # for a child: far more than it needs, since the machine may be busy
+MEMORY, MEMORY_PER_BYTE = 200_000_000, 120  # bytes for a child: Python takes 40 MB, a transform of the result 80
 STACK = (b"\0\1AnimStack", b'"AnimStack::')  # ends, in a binary file, or begins, in a text, the name of a stack
 EXPORT = "Export it again as FBX 2014 or newer"
 
@@ -71,10 +71,11 @@ def _ask(data: bytes, **options: Any) -> tuple[dict[str, Any], Floats]:
     except OSError as error:
         problem = f"the process that reads FBX files cannot be started: {error.strerror}"
         raise FormatError(problem, mend="Try again when the machine has more memory") from None
-    if child.returncode != 0:
+    if child.returncode < 0:
+        raise FormatError(f"reading it ended with signal {-child.returncode}", mend=EXPORT)
+    if child.returncode > 0:
         last = child.stderr.decode(errors="replace").strip().rpartition("\n")[2]
-        problem = f"the process that reads FBX files failed ({last[:200] or f'exit code {child.returncode}'})"
-        raise FormatError(problem, mend=EXPORT)
+        raise FormatError(f"reading it failed: {last[:200]}", mend=EXPORT)
     head, _, numbers = child.stdout.partition(b"\n")
     answer = json.loads(head)
     if "problem" in answer:
@@ -88,7 +89,9 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
     bind, rest, moved = np.split(numbers, np.cumsum([12 * len(bound), 10 * count]))
     stated = dict(zip(bound, bind.reshape(-1, 4, 3).transpose(0, 2, 1), strict=True))
     world = _world(_matrices(moved.reshape(frames, count, 10)), parents, {})
-    notes = [f"left out, no joints: {listed(answer['left_out'])}"] if answer["left_out"] else []
+    notes = [f"left out, not joints: {listed(answer['left_out'])}"] if answer["left_out"] else []
+    if not bound:
+        notes.append("it states no bind pose; the pose of its nodes at rest is taken")
     return Scene(
         names=tuple(name or f"node {place}" for place, name in enumerate(answer["names"])),
         parents=parents,
@@ -97,6 +100,7 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
         world=world,
         rate=answer["rate"],
         roles={},
+        unit=answer["unit"],
         notes=tuple(notes),
     )
 

@@ -14,6 +14,7 @@ import sys
 from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from itertools import pairwise
 from typing import Any, BinaryIO, TypeVar
 
 FEWEST_KEYS = 4  # of which a rate can be told
@@ -78,7 +79,6 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
                 ignore_geometry=True,
                 ignore_embedded=True,
                 target_axes=ufbx.axes_right_handed_y_up,
-                target_unit_meters=1.0,
                 space_conversion=ufbx.SpaceConversion.ADJUST_TRANSFORMS,
                 # A node's transform to the world is then the product of those above it, however it inherits scale.
                 inherit_mode_handling=ufbx.InheritModeHandling.COMPENSATE,
@@ -96,7 +96,9 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
     if names_only or animation not in stacks:
         return answer, []
     stack, keys = stacks[animation]
-    begin, end = (stack.time_begin, stack.time_end) if stack.time_end > stack.time_begin else (keys[0], keys[-1])
+    begin, end = stack.time_begin, stack.time_end
+    if end <= begin:
+        begin, end = min(keys), max(keys)
     rate = rate_of(keys, begin, scene.settings.frames_per_second)
     frames = 1 + round(min((end - begin) * rate, most))
     if frames * len(tree.kept) > most:
@@ -118,6 +120,7 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
         "parents": [places.get(tree.parents[node], -1) for node in tree.kept],
         "joints": [node in tree.joints for node in tree.kept],
         "left_out": tree.left_out,
+        "unit": scene.settings.unit_meters,
         "bound": list(bound),
         "rate": rate,
         "frames": frames,
@@ -133,7 +136,8 @@ def extend(numbers: array[float], vectors: Iterable[Iterable[float]]) -> None:
 class Tree:
     """The nodes of a scene, parent before child; the first is the scene's root.
 
-    nodes: all of them. parents: by node. joints: which nodes are joints. kept: the joints and the nodes above them.
+    nodes: all of them. parents: by node. joints: which nodes are joints. kept: the joints and the nodes above them,
+    in the order of the tree.
     """
 
     def __init__(self, ufbx: Any, scene: Any) -> None:
@@ -151,13 +155,23 @@ class Tree:
         for at in range(len(self.nodes) - 1, 0, -1):
             if at in needed:
                 needed.add(self.parents[at])
-        self.kept = sorted(needed - {0})
+        self.kept = [at for at in self.in_depth() if at in needed]
         # Every file has these cameras; nobody misses them.
         system = of_kind.get(kinds.CAMERA_SWITCHER, set()) | {
             at for at in of_kind.get(kinds.CAMERA, set()) if self.nodes[at].name.startswith("Producer ")
         }
         others = set(map(self.owner, self.nodes)) - needed - system - {0}
         self.left_out = [self.nodes[at].name for at in sorted(others)]
+
+    def in_depth(self) -> Iterator[int]:
+        """Yields the nodes below the root, each followed by all that lies below it, as other formats order joints."""
+        below: list[list[int]] = [[] for _ in self.nodes]
+        for at in range(len(self.nodes) - 1, 0, -1):
+            below[self.parents[at]].append(at)
+        waiting = list(below[0])
+        while waiting:
+            yield (at := waiting.pop())
+            waiting.extend(below[at])
 
     def owner(self, node: Any) -> int:
         """Returns the place of a node, or of the parent whose attribute it bears.
@@ -206,7 +220,7 @@ def rate_of(keys: list[float], begin: float, stated: float) -> float:
         stated = USUAL_RATE
     if len(keys) < FEWEST_KEYS or lie_on_frames(keys, begin, stated):
         return stated
-    steps = sorted(after - before for before, after in zip(keys, keys[1:], strict=False))
+    steps = sorted(after - before for before, after in pairwise(keys))
     own = round(1.0 / max(steps[len(steps) // 2], 1e-6), 6)
     return own if SLOWEST <= own <= FASTEST and lie_on_frames(keys, keys[0], own) else stated
 

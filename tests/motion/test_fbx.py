@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from motionsplice.motion.formats.files import clips_in
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
-from tests.fbx_files import POSE, Variant, dump_fbx
+from tests.fbx_files import Variant, dump_fbx
 
 pytest.importorskip("ufbx")
 
@@ -165,3 +165,106 @@ def test_curves_are_followed_between_keys(tmp_path: Path) -> None:
     x = clip.root_positions
     wanted = 0.5 * (x[1:-2] + x[2:-1]) + (x[2:-1] - x[:-3] - x[3:] + x[1:-2]) / 16.0  # Catmull-Rom, half-way
     np.testing.assert_allclose(found.root_positions[3:-3:2], wanted, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "data", [b"not a motion", b"HIERARCHY\nROOT Hips\n", bytes(1000), b"Kaydara FBX Binary  \x00\x1a\x00"]
+)
+def test_other_files_are_refused(tmp_path: Path, data: bytes) -> None:
+    with pytest.raises(FormatError, match=r"walk\.fbx: (not an FBX file, or a damaged one|the file is empty)"):
+        read(tmp_path, data)
+
+
+def test_a_cut_file_is_refused(tmp_path: Path) -> None:
+    data = dump_fbx([WALK])
+    for part in (0.3, 0.6, 0.9):
+        with pytest.raises(FormatError, match=r"not an FBX file, or a damaged one|no animation that moves a joint"):
+            read(tmp_path, data[: int(part * len(data))])
+
+
+@settings(max_examples=40)
+@given(
+    place=st.floats(0.0, 1.0),
+    length=st.integers(0, 30),
+    new=st.sampled_from([b"", b"1e308", b"nan", b"-1", b"{", b'"']),
+)
+def test_damaged_files_give_typed_errors(
+    tmp_path_factory: pytest.TempPathFactory, place: float, length: int, new: bytes
+) -> None:
+    data = dump_fbx([WALK.frames(0, 4)], Variant(bind="skin"))
+    at = int(place * len(data))
+    with suppress(MotionError):
+        read(tmp_path_factory.mktemp("damaged"), data[:at] + new + data[at + length :])
+
+
+def test_a_motion_far_larger_than_its_file_is_refused(tmp_path: Path) -> None:
+    stop = b'"LocalStop", "KTime", "Time", "",'
+    data = dump_fbx([WALK])
+    endless = data.replace(stop, stop + b"9999999")
+    assert endless != data
+    with pytest.raises(FormatError, match="s of 28 nodes at 60 frames per second take too much memory"):
+        read(tmp_path, endless)
+
+
+def fake_worker(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, program: str) -> None:
+    """Replaces the child process by another program."""
+    (tmp_path / "worker.py").write_text(program)
+    monkeypatch.setattr(reader, "WORKER", tmp_path / "worker.py")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals")
+def test_a_child_that_crashes_is_an_error_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fake_worker(monkeypatch, tmp_path, "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    with pytest.raises(FormatError, match=r"walk\.fbx: reading it ended with signal 11\. Export it again"):
+        read(tmp_path, dump_fbx([WALK]))
+
+
+def test_a_child_that_fails_says_how(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fake_worker(monkeypatch, tmp_path, "import no_such_module")
+    with pytest.raises(FormatError, match="reading it failed: ModuleNotFoundError: No module named 'no_such_module'"):
+        read(tmp_path, dump_fbx([WALK]))
+    fake_worker(monkeypatch, tmp_path, "import os; os._exit(3)")
+    with pytest.raises(FormatError, match="reading it failed: exit code 3"):
+        read(tmp_path, dump_fbx([WALK]))
+
+
+def test_a_child_that_takes_too_long_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fake_worker(monkeypatch, tmp_path, "import time; time.sleep(60)")
+    monkeypatch.setattr(reader, "SECONDS", 0.2)
+    monkeypatch.setattr(reader, "SECONDS_PER_BYTE", 0.0)
+    with pytest.raises(FormatError, match=r"reading it takes more than 0\.2 s"):
+        read(tmp_path, dump_fbx([WALK]))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits a process's memory")
+def test_a_child_that_takes_too_much_memory_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reader, "MEMORY", 60_000_000)
+    monkeypatch.setattr(reader, "MEMORY_PER_BYTE", 0)
+    assert read(tmp_path, dump_fbx([WALK])).clip.frame_count == WALK.frame_count
+    with pytest.raises(FormatError, match=r"it takes too much memory\. Export the armature without meshes"):
+        read(tmp_path, dump_fbx([WALK]) + 60_000_000 * b" ")
+
+
+def test_a_child_that_cannot_be_started_is_an_error_of_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "no python"))
+    with pytest.raises(FormatError, match="the process that reads FBX files cannot be started: No such file"):
+        read(tmp_path, dump_fbx([WALK]))
+
+
+def test_without_the_extra_the_error_says_how_to_install_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reader, "find_spec", lambda _: None)
+    with pytest.raises(FormatError, match=r"FBX files need the package ufbx\. Run: pip install 'motionsplice\[fbx\]'"):
+        read(tmp_path, dump_fbx([WALK]))
+
+
+@pytest.mark.skipif(not RIGS.is_dir(), reason="real rigs not found (../shared/mocap/rigs)")
+@pytest.mark.parametrize(("name", "frames"), [("crossarms", 259), ("jog", 25), ("run", 21), ("walk", 41)])
+def test_real_files_are_read(name: str, frames: int) -> None:
+    """3ds Max Biped, exported by the FBX SDK in centimetres and Y up."""
+    reading = read_clip(RIGS / f"{name}.fbx", roles={"left_wrist": "Lefthand"})
+    assert (reading.clip.rate, reading.clip.frame_count) == (30.0, frames)
+    assert reading.roles.leg_length(reading.clip.skeleton) == pytest.approx(0.9296, abs=1e-4)
+    assert reading.unit == pytest.approx(0.01)
+    assert clips_in(RIGS / f"{name}.fbx") == {name: None}

@@ -67,7 +67,7 @@ def _ask(data: bytes, **options: Any) -> tuple[dict[str, Any], Floats]:
         sent = json.dumps(request).encode() + b"\n" + data
         child = subprocess.run(command, input=sent, capture_output=True, timeout=seconds)
     except subprocess.TimeoutExpired:
-        raise FormatError(f"reading it takes more than {seconds:.0f} s", mend=EXPORT) from None
+        raise FormatError(f"reading it takes more than {seconds:.3g} s", mend=EXPORT) from None
     except OSError as error:
         problem = f"the process that reads FBX files cannot be started: {error.strerror}"
         raise FormatError(problem, mend="Try again when the machine has more memory") from None
@@ -75,7 +75,7 @@ def _ask(data: bytes, **options: Any) -> tuple[dict[str, Any], Floats]:
         raise FormatError(f"reading it ended with signal {-child.returncode}", mend=EXPORT)
     if child.returncode > 0:
         last = child.stderr.decode(errors="replace").strip().rpartition("\n")[2]
-        raise FormatError(f"reading it failed: {last[:200]}", mend=EXPORT)
+        raise FormatError(f"reading it failed: {last[:200] or f'exit code {child.returncode}'}", mend=EXPORT)
     head, _, numbers = child.stdout.partition(b"\n")
     answer = json.loads(head)
     if "problem" in answer:

@@ -13,6 +13,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.formats.fbx.biped import with_legs_on_the_pelvis
 from motionsplice.motion.formats.fold import listed
 from motionsplice.motion.formats.scene import Scene
 from motionsplice.motion.quaternion import Floats
@@ -92,7 +93,7 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
     notes = [f"left out, not joints: {listed(answer['left_out'])}"] if answer["left_out"] else []
     if not bound:
         notes.append("it states no bind pose; the pose of its nodes at rest is taken")
-    return Scene(
+    scene = Scene(
         names=tuple(name or f"node {place}" for place, name in enumerate(answer["names"])),
         parents=parents,
         joints=np.array(answer["joints"], np.bool_),
@@ -103,6 +104,7 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
         unit=answer["unit"],
         notes=tuple(notes),
     )
+    return with_legs_on_the_pelvis(scene)
 
 
 def _matrices(local: Floats) -> Floats:

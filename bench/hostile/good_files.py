@@ -53,11 +53,12 @@ DOF = """    dof rx ry rz
     limits (-160 20)
            (-70 70)
            (-60 inf)"""
-SUFFIXES = {"gltf": GLTF, "bvh": (".bvh",), "amc": (".amc",)}
+SUFFIXES = {"gltf": GLTF, "bvh": (".bvh",), "amc": (".amc",), "fbx": (".fbx",)}
 DAMAGES: dict[str, tuple[Damage, ...]] = {
     "gltf": (damage_gltf, damage_gltf, damage_gltf, damage_bytes),
     "bvh": (damage_text, damage_text, damage_bytes),
     "amc": (damage_text, damage_text, damage_bytes),
+    "fbx": (damage_bytes, damage_text),
 }
 
 
@@ -73,9 +74,10 @@ class Good:
 
 
 def good_files(kind: str, folder: Path | None) -> list[Good]:
-    """Returns built-in files of a kind, and those in a folder."""
+    """Returns built-in files of a kind, and those in a folder; for FBX there are none but those."""
     clip = make("walk", "wave", seed=1, seconds=1.0).frames(0, FRAMES)
-    made = {"gltf": _gltf_files, "bvh": _bvh_files, "amc": _amc_files}[kind](clip)
+    makers = {"gltf": _gltf_files, "bvh": _bvh_files, "amc": _amc_files}
+    made = makers[kind](clip) if kind in makers else []
     return made + [
         Good({file.name: file.read_bytes()})
         for file in (sorted(folder.iterdir()) if folder else ())

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import re
 import resource
 import signal
+import subprocess
 import tempfile
 import time
 import traceback
 import warnings
 from collections import Counter
 from dataclasses import dataclass, field
+from importlib import import_module
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -19,13 +22,15 @@ from typing import Any
 
 from bench.hostile.good_files import Good, hostile
 from motionsplice.motion.errors import MotionError
+from motionsplice.motion.formats.fbx import worker as fbx_worker
 from motionsplice.motion.formats.files import clips_in, files_behind
 from motionsplice.motion.formats.reading import read_clip
 
 MOST_MEMORY = 256 * 2**20  # bytes that reading a file may add
 MOST_SECONDS = 1.0  # of the processor, as other work on the machine slows the clock on the wall
 HANGING = 20  # seconds on the wall, after which a process is ended
-BATCH = 500  # files a process
+BATCHES = {"fbx": 20}  # files a process: ufbx keeps their memory
+BATCH = 500  # of other kinds
 MOST_CLIPS = 3  # read from one file
 PAGE = resource.getpagesize()
 FORK = get_context("fork")  # a process begins with all that is imported
@@ -64,8 +69,11 @@ def damaged(kind: str, goods: list[Good], seed: int, number: int) -> Good:
 
 def read_damaged(kind: str, goods: list[Good], seed: int, count: int, jobs: int) -> Tally:
     """Damages and reads `count` files, in `jobs` processes at a time."""
+    if kind == "fbx":
+        import_module("ufbx")  # once, rather than in each process
     tally, running = Tally(), dict[Connection, Batch]()
-    waiting = [(first, min(first + BATCH, count)) for first in range(0, count, BATCH)][::-1]
+    size = BATCHES.get(kind, BATCH)
+    waiting = [(first, min(first + size, count)) for first in range(0, count, size)][::-1]
     while waiting or running:
         while waiting and len(running) < jobs:
             first, stop = waiting.pop()
@@ -85,7 +93,8 @@ def read_damaged(kind: str, goods: list[Good], seed: int, count: int, jobs: int)
                 batch.process.join()
                 culprit = int(batch.at.value)
                 how = f"the process ended with {batch.process.exitcode}"
-                tally.add(Tally(Counter({how: 1}), {how: culprit}))
+                is_typed = kind == "fbx" and batch.process.exitcode != -signal.SIGALRM  # by the process that waits
+                tally.add(Tally(Counter({how: 1}), {} if is_typed else {how: culprit}))
                 rest = [(batch.first, culprit), (culprit + 1, batch.stop)]
                 waiting += [(first, stop) for first, stop in rest if first < stop]
             result.close()
@@ -97,6 +106,8 @@ def _read_batch(result: Connection, kind: str, goods: list[Good], seed: int, fir
     resource.setrlimit(resource.RLIMIT_AS, (size + MOST_MEMORY, size + MOST_MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     warnings.simplefilter("error")
+    if kind == "fbx":
+        read_fbx_here()
     begun = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     tally = Tally()
     with tempfile.TemporaryDirectory() as name:
@@ -118,6 +129,18 @@ def _read_batch(result: Connection, kind: str, goods: list[Good], seed: int, fir
             tally.slowest = max(tally.slowest, taken)
     tally.growth = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - begun) * 1024
     result.send(tally)
+
+
+def read_fbx_here() -> None:
+    """Has FBX files read by this process, which is a child as that of the reader is, and under a limit of its own."""
+
+    def run(command: list[str], input: bytes, **_: Any) -> subprocess.CompletedProcess[bytes]:  # noqa: A002
+        output = io.BytesIO()
+        fbx_worker.main(io.BytesIO(input), output)
+        return subprocess.CompletedProcess(command, 0, output.getvalue(), b"")
+
+    subprocess.run = run  # type: ignore[assignment]
+    fbx_worker.limit_memory = lambda size: None
 
 
 def read(path: Path) -> tuple[str, bool]:

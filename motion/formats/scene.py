@@ -22,6 +22,8 @@ from motionsplice.motion.skeleton import Integers
 END = re.compile(r"(_end|[_ .]?End|Nub|_leaf|HeadTop_End)(\d*|_\d+)$")  # leaves that mark the tip of a bone
 STEADY = 1e-4  # of the longest bone: a joint that moves less on its parent does not move
 
+BLOCK = 8192  # transforms that are worked on at once: few enough for the processor's cache
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -55,12 +57,7 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
     inside = sorted(set(kept) - set(ends))
     places = {node: place for place, node in enumerate(inside)}
     parents = np.array([places.get(int(scene.parents[node]), -1) for node in inside])
-    unbound = quaternion.conjugate(rotations_of(scene.bind[inside]))
-    world, local = np.empty((2, len(inside), len(scene.world), 4))
-    for joint, parent in enumerate(parents.tolist()):
-        world[joint] = quaternion.multiply(rotations_of(scene.world[:, inside[joint]]), unbound[joint])
-        above = world[parent] if parent >= 0 else quaternion.IDENTITY
-        local[joint] = quaternion.one_hemisphere(quaternion.multiply(quaternion.conjugate(above), world[joint]))
+    world, local = _turns(scene, inside, parents)
     at, rest = scene.world[..., 3][:, inside], scene.bind[inside][..., 3]
     offsets = np.concatenate([np.zeros((1, 3)), rest[1:] - rest[parents[1:]]])
     end_parents = np.array([places[int(scene.parents[node])] for node in ends], np.int64)
@@ -71,12 +68,27 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
         end_parents=end_parents,
         end_offsets=(scene.bind[ends][..., 3] - rest[end_parents]).reshape(-1, 3),
         translations=_translations(at, world, parents, offsets),
-        rotations=np.ascontiguousarray(local.transpose(1, 0, 2)),
+        rotations=local,
     )
     notes = list(scene.notes)
     if dropped:
         notes.append(f"left out, not part of the skeleton: {listed(dropped)}")
     return nodes, tuple(notes)
+
+
+def _turns(scene: Scene, inside: list[int], parents: Integers) -> tuple[Floats, Floats]:
+    """Returns the rotations since the bind pose, of joints to the world [J, F, 4] and to their parents [F, J, 4]."""
+    unbound = quaternion.conjugate(rotations_of(scene.bind[inside]))[:, None]
+    frames = len(scene.world)
+    world, local = np.empty((len(inside), frames, 4)), np.empty((frames, len(inside), 4))
+    by_node = scene.world.transpose(1, 0, 2, 3)
+    step = max(1, BLOCK // frames)
+    for block in (slice(first, first + step) for first in range(0, len(inside), step)):
+        world[block] = quaternion.multiply(rotations_of(by_node[inside[block]]), unbound[block])
+        above = np.where(parents[block, None, None] < 0, quaternion.IDENTITY, world[parents[block]])
+        turns = quaternion.multiply(quaternion.conjugate(above), world[block])
+        local[:, block] = quaternion.one_hemisphere(turns.swapaxes(0, 1))
+    return world, local
 
 
 def _body(scene: Scene) -> tuple[list[int], list[str]]:

@@ -91,7 +91,8 @@ def from_euler(order: str, sines: Floats, cosines: Floats) -> Floats:
 
 def to_matrices(q: ArrayLike) -> Floats:
     """Returns the matrices of unit quaternions: their columns are the turned axes. [..., 4] -> [..., 3, 3]."""
-    x, y, z, w = np.moveaxis(np.asarray(q, np.float64), -1, 0)
+    q = np.asarray(q, np.float64)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     matrices = np.empty((3, 3, *x.shape))
     matrices[0] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
     matrices[1] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)

@@ -69,6 +69,17 @@ def about(axis: ArrayLike, radians: ArrayLike) -> Floats:
     return np.concatenate([vector, np.cos(half)[..., None]], axis=-1)
 
 
+def between(a: Floats, b: Floats) -> Floats:
+    """Returns the shortest rotation [4] that turns the direction of `a` [3] to that of `b` [3]; neither may be zero."""
+    a, b = normalise(a), normalise(b)
+    half = a + b
+    if np.dot(half, half) < 1e-12:  # opposite: half a turn about any axis across them
+        half = np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
+        return np.append(normalise(half), 0.0)
+    half = normalise(half)
+    return np.append(np.cross(a, half), np.dot(a, half))
+
+
 def from_euler(order: str, sines: Floats, cosines: Floats) -> Floats:
     """Returns the rotation [..., 4] of n intrinsic Euler angles about the axes in `order`, such as "zxy".
 

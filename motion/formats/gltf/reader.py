@@ -15,7 +15,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
 from motionsplice.motion.formats.gltf.accessors import read_accessor
 from motionsplice.motion.formats.gltf.container import EXPORT, Container, open_container, read_document
-from motionsplice.motion.formats.gltf.humanoid import humanoid_nodes
+from motionsplice.motion.formats.gltf.humanoid import human_bones, humanoid_nodes
 from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.scene import Scene
 from motionsplice.motion.quaternion import Floats
@@ -88,7 +88,7 @@ def _scene(container: Container, number: int) -> Scene:
     places = {node: place for place, node in enumerate(order)}
     roles = humanoid_nodes(document)
     joints, bind = _skeleton(container, places, parents, rest)
-    joints[[places[node] for node in roles.values()]] = True
+    joints[[places[node] for node in human_bones(document).values()]] = True
     if not joints.any():
         joints[[places[node] for node, _ in tracks]] = True
     names = tuple(str(nodes[node].get("name") or f"node {node}") for node in order)

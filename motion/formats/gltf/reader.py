@@ -50,6 +50,18 @@ def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str)
         return _scene(container, names.index(animation))
 
 
+def read_rest(data: bytes) -> tuple[Scene, list[int]]:
+    """Reads the nodes of a GLB file as they rest, in one frame, and each one's number in the file. Raises FormatError."""
+    with _malformed():
+        container = open_container(data, _not_beside)
+        order, parents = _order(container.document["nodes"])
+        return _posed(container, order, parents, {}, np.zeros(1), 1.0), order
+
+
+def _not_beside(name: str) -> bytes:
+    raise FormatError(f"its data are in another file, {name!r}", mend="Export it as one GLB file")
+
+
 def buffer_files(data: bytes) -> list[str]:
     """Returns the names of the files beside it that hold its buffers. Raises FormatError."""
     with _malformed():
@@ -77,12 +89,18 @@ def _names(document: dict[str, Any]) -> list[str]:
 
 def _scene(container: Container, number: int) -> Scene:
     document = container.document
-    nodes = document["nodes"]
-    order, parents = _order(nodes)
-    tracks = _tracks(container, document["animations"][number], len(nodes))
+    order, parents = _order(document["nodes"])
+    tracks = _tracks(container, document["animations"][number], len(order))
     if not tracks:
         raise FormatError("this animation moves no node", mend="Choose another one, or bake it before the export")
-    times, rate = _times(list(tracks.values()), len(nodes), max(MOST_TRANSFORMS, container.size))
+    times, rate = _times(list(tracks.values()), len(order), max(MOST_TRANSFORMS, container.size))
+    return _posed(container, order, parents, tracks, times, rate)
+
+
+def _posed(
+    container: Container, order: list[int], parents: Integers, tracks: Tracks, times: Floats, rate: float
+) -> Scene:
+    document, nodes = container.document, container.document["nodes"]
     rest = _world((_local(nodes[node], node, {}, times) for node in order), parents, 1)[0]
     world = _world((_local(nodes[node], node, tracks, times) for node in order), parents, len(times))
     places = {node: place for place, node in enumerate(order)}

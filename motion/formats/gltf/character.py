@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -55,7 +55,7 @@ class Character:
         The nodes of the skeleton get keys; everything else is as it was, other animations included. If one of these has
         the clip's name, a number is added to the new one's.
         """
-        document: Document = json.loads(json.dumps(self.document))
+        document = deepcopy(self.document)
         translations, rotations = self._keys(clip)
         for node in rotations:
             _without_matrix(document["nodes"][node])
@@ -101,6 +101,8 @@ def _read(data: bytes, given: Mapping[str, GivenRole]) -> Character:
     if data[:4] != MAGIC:
         raise FormatError("this is not a GLB file", mend="Export the character as .glb or .vrm")
     document, binary = read_document(data)
+    if "uri" in document.get("buffers", [{}])[0]:
+        raise FormatError("its data are not in the file's binary chunk", mend="Export it as one GLB file")
     scene, numbers = read_rest(data)
     inside, _, _ = joints_of(scene)
     nodes, _ = nodes_of(scene)

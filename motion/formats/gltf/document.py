@@ -20,18 +20,16 @@ Document = dict[str, Any]
 
 
 class Binary:
-    """A document's only buffer, as it grows: each array becomes one buffer view and one accessor of the document.
+    """A document's first buffer, as it grows: each array becomes one buffer view and one accessor of the document.
 
-    Args:
-        document: The document; its `buffers`, `bufferViews` and `accessors` are extended.
-        data: The contents of its buffer so far.
+    document: its `buffers`, `bufferViews` and `accessors` are extended. data: the contents of the buffer so far.
     """
 
     def __init__(self, document: Document, data: bytes = b"") -> None:
         self.data = bytearray(data + b"\0" * (-len(data) % 4))
         self._views = document.setdefault("bufferViews", [])
         self._accessors = document.setdefault("accessors", [])
-        (self._buffer,) = document.setdefault("buffers", [{}])
+        self._buffer = document.setdefault("buffers", [{}])[0]
 
     def add(self, values: Floats, *, bounds: bool = False) -> int:
         """Adds an array [n, width] as float32, and returns its accessor."""

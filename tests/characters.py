@@ -1,4 +1,4 @@
-"""Character files for tests: a skeleton with bones turned and scaled as an exporter pleases, and a box for each bone."""
+"""Character files for tests: a skeleton with bones turned and scaled as exporters do, and a box for each bone."""
 
 from __future__ import annotations
 
@@ -25,9 +25,13 @@ def character_file(skeleton: Skeleton, *, scale: float = 1.0, seed: int | None =
     seed: of random axes for the bones; None for the world's. matrices: whether nodes have matrices.
     """
     count = skeleton.joint_count
-    places = bind_positions(skeleton) + (0.0, HEIGHT, 0.0)
+    places = standing(skeleton)
     lying = quaternion.about([1.0, 0.0, 0.0], -np.pi / 2)
-    axes = np.tile(quaternion.IDENTITY, (count, 1)) if seed is None else Rotation.random(count, random_state=seed).as_quat()
+    axes = (
+        np.tile(quaternion.IDENTITY, (count, 1))
+        if seed is None
+        else Rotation.random(count, random_state=seed).as_quat()
+    )
     world = np.tile(np.eye(4), (count + 2, 1, 1))  # armature, base, joints
     world[0, :3, :3] = scale * quaternion_matrix(lying)
     world[1, :3] = world[0, :3] + [[0.0, 0.0, 0.0, 0.1]] * 3
@@ -50,7 +54,7 @@ def character_file(skeleton: Skeleton, *, scale: float = 1.0, seed: int | None =
         "materials": [{"name": "skin", "pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.5, 0.3, 1.0]}}],
     }
     binary = Binary(document)
-    inverse = np.linalg.inv(world[2:]).transpose(0, 2, 1).reshape(-1, 16)
+    inverse = np.asarray(np.linalg.inv(world[2:]), np.float64).transpose(0, 2, 1).reshape(-1, 16)
     document["skins"] = [{"joints": list(range(2, count + 2)), "inverseBindMatrices": binary.add(inverse)}]
     vertices, normals, moved_by, indices = boxes(skeleton, places)
     attributes = {
@@ -64,11 +68,17 @@ def character_file(skeleton: Skeleton, *, scale: float = 1.0, seed: int | None =
     return glb(document, binary.data)
 
 
+def standing(skeleton: Skeleton) -> Floats:
+    """Returns the positions of the joints [J, 3] in which the mesh is bound."""
+    return bind_positions(skeleton) + np.array([0.0, HEIGHT, 0.0])
+
+
 def boxes(skeleton: Skeleton, places: Floats) -> tuple[Floats, Floats, Any, Any]:
     """Returns the vertices and normals [V, 3] of the boxes, the joint that moves each vertex, and the triangles."""
     corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (0.0, 1.0)])
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    vertices, normals, moved_by, indices = [], [], [], []
+    vertices, normals = list[Floats](), list[Floats]()
+    moved_by, indices = list[int](), list[int]()
     for joint in range(1, skeleton.joint_count):
         parent = int(skeleton.parents[joint])
         turn = quaternion_matrix(quaternion.between(np.array([0.0, 0.0, 1.0]), skeleton.offsets[joint]))

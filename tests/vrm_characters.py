@@ -1,4 +1,4 @@
-"""A VRM 1.0 character for tests: in a T-pose, of its own proportions, with bones turned as an exporter pleases."""
+"""A VRM 1.0 character for tests: in a T-pose, of its own proportions, with local axes that differ from bone to bone."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ needs_node = pytest.mark.skipif(not HAS_NODE, reason="needs Node, and `npm insta
 
 def run(script: str, *arguments: object) -> list[Any]:
     """Runs a script, and returns what its lines of JSON say."""
-    command = ["node", HERE / script, *(str(argument) for argument in arguments)]
+    command = ["node", str(HERE / script), *(str(argument) for argument in arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.formats.gltf.character import read_character
-from motionsplice.motion.formats.gltf.t_pose import bind_positions
+from motionsplice.motion.formats.character import read_character
 from motionsplice.motion.formats.gltf.vrma import dump_vrma
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
-from tests.characters import HEIGHT, boxes, character_file
+from tests.characters import boxes, character_file, standing
 from tests.oracles.node import needs_node, run
 
 CURVE = make("curve", "carry_box", seconds=2.0)
@@ -31,7 +30,7 @@ def test_the_mesh_of_a_character_moves_with_its_bones(tmp_path: Path, scale: flo
     assert run("validate.mjs", tmp_path / "out.glb") == [[]]
     frames = [0, 31, 77]
     found = run("skinned.mjs", tmp_path / "out.glb", clip.name, *(frame / clip.rate for frame in frames))
-    places = bind_positions(clip.skeleton) + (0.0, HEIGHT, 0.0)
+    places = standing(clip.skeleton)
     vertices, _, joints, _ = boxes(clip.skeleton, places)
     positions, turns = world_transforms(clip.skeleton, clip.root_positions[frames], clip.rotations[frames])
     expected = positions[:, joints] + quaternion.rotate(turns[:, joints], vertices - places[joints])

@@ -58,7 +58,7 @@ class Binary:
         keys = [(node, "translation", path) for node, path in translations.items()]
         keys += [(node, "rotation", quaternion.one_hemisphere(turns)) for node, turns in rotations.items()]
         times: dict[int, int] = {}
-        samplers, channels = [], []
+        samplers, channels = list[dict[str, int]](), list[dict[str, Any]]()
         for node, path, values in keys:
             if (count := len(values)) not in times:
                 times[count] = self.add(np.arange(count)[:, None] / rate, bounds=True)

@@ -51,7 +51,7 @@ def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str)
 
 
 def read_rest(data: bytes) -> tuple[Scene, list[int]]:
-    """Reads the nodes of a GLB file as they rest, in one frame, and each one's number in the file. Raises FormatError."""
+    """Reads the nodes of a GLB file at rest, as one frame, and the number of each in the file. Raises FormatError."""
     with _malformed():
         container = open_container(data, _not_beside)
         order, parents = _order(container.document["nodes"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from motionsplice.motion import quaternion
@@ -62,7 +64,7 @@ def _limb_aims(places: Floats, roles: Roles, side: Side) -> Aims:
     return {
         upper: (places[lower] - places[upper], aim)
         for limb, aim in ((down, -UP), (outwards, OUTWARDS[side]))
-        for upper, lower in zip(limb, limb[1:], strict=False)
+        for upper, lower in pairwise(limb)
     }
 
 

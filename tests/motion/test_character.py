@@ -8,7 +8,7 @@ import pytest
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, RoleError
-from motionsplice.motion.formats.gltf.character import read_character
+from motionsplice.motion.formats.character import read_character
 from motionsplice.motion.formats.gltf.container import read_document
 from motionsplice.motion.formats.gltf.reader import animation_names
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import FormatError, MotionError
+from motionsplice.motion.errors import FormatError, MotionError, RoleError
 from motionsplice.motion.formats.files import read_bytes
 from motionsplice.motion.formats.fold import fold
 from motionsplice.motion.formats.gltf.container import MAGIC, read_document
@@ -22,10 +21,11 @@ from motionsplice.motion.formats.reading import root_of
 from motionsplice.motion.formats.scene import joints_of, nodes_of, rotations_of
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import NOTHING_GIVEN, GivenRole, Roles, find_roles
+from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
 
 SUFFIXES = (".glb", ".vrm")
+RENAME = "Name its bones as a common rig does (Mixamo, Unreal, Rigify ...), or export it as VRM"
 PLACED = 1e-5  # of the longest bone: a node that rests nearer to its place in the bind pose needs no translation
 
 
@@ -86,18 +86,20 @@ class Character:
         return translations, rotations
 
 
-def read_character(path: Path, given: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Character:
+def read_character(path: Path) -> Character:
     """Reads a character, .glb or .vrm, for animations to be written into it. It need not have any.
 
     Raises FormatError if the file is not one that can be written into, RoleError if its roles cannot be found.
     """
     try:
-        return _read(read_bytes(path), given)
+        return _read(read_bytes(path))
+    except RoleError as error:
+        raise RoleError(error.problem, file=str(path), mend=RENAME) from None
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
-def _read(data: bytes, given: Mapping[str, GivenRole]) -> Character:
+def _read(data: bytes) -> Character:
     if data[:4] != MAGIC:
         raise FormatError("this is not a GLB file", mend="Export the character as .glb or .vrm")
     document, binary = read_document(data)
@@ -106,8 +108,7 @@ def _read(data: bytes, given: Mapping[str, GivenRole]) -> Character:
     scene, numbers = read_rest(data)
     inside, _, _ = joints_of(scene)
     nodes, _ = nodes_of(scene)
-    given = {**scene.roles, **given}
-    skeleton = fold(nodes, root_of(nodes, given)).skeleton
+    skeleton = fold(nodes, root_of(nodes, scene.roles)).skeleton
     places = [inside[nodes.names.index(name)] for name in skeleton.names]
     parent, above = scene.parents[places[0]], np.eye(4)
     if parent >= 0:
@@ -116,7 +117,7 @@ def _read(data: bytes, given: Mapping[str, GivenRole]) -> Character:
         document,
         binary,
         skeleton,
-        find_roles(skeleton, given),
+        find_roles(skeleton, scene.roles),
         [numbers[place] for place in places],
         rotations_of(scene.bind[places]),
         scene.world[0, places],

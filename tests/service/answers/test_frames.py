@@ -13,6 +13,7 @@ from fastapi.testclient import TestClient
 
 from motionsplice.motion.formats.bvh import parse
 from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.kinematics import joint_positions, world_transforms
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Posture

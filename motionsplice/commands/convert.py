@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from motionsplice.commands.outputs import CharacterOption, check_out, retargeted, write_motion
+from motionsplice.commands.outputs import CharacterOption, check_out, open_character, retargeted, write_motion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.character import SUFFIXES, read_character
@@ -49,7 +49,8 @@ def convert_command(
     """Read a motion file, print what was understood, and write it in another format."""
     if skeleton is not None and character is not None:
         raise SettingsError("the character has a skeleton of its own", mend="Leave out --skeleton or --character")
-    hero = check_out(out, character, option="OUT")
+    check_out(out, character, option="OUT")
+    hero = open_character(character)
     given = read_roles_file(roles) if roles else {}
     reading = read_clip(motion, animation=animation, skip_frames=skip_frames, unit=unit, roles=given)
     _show(motion, reading)

@@ -12,7 +12,14 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from motionsplice.commands.outputs import CharacterOption, OutOption, check_out, check_suffix, write_motion
+from motionsplice.commands.outputs import (
+    CharacterOption,
+    OutOption,
+    check_out,
+    check_suffix,
+    open_character,
+    write_motion,
+)
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.roles import read_roles_file
@@ -66,11 +73,12 @@ def hands_command(
     The first pass aligns the phases of gestures, the second the frames within them. Pairs of frames constrain both.
     Frames count from 0.
     """
-    hero = check_out(out, character)
+    check_out(out, character)
     if picture is not None:
         check_suffix(picture, ".png", option="--picture")
     settings = HandSettings(hand, wrist, turn, _bands(band), tuple(FramePair.parse(one) for one in pair or ()))
     given = read_roles_file(roles) if roles else {}
+    hero = open_character(character)
     ours, theirs = (read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in (body, hands))
     begin = time.perf_counter()
     spliced = splice_hands(ours.clip, ours.roles, theirs.clip, theirs.roles, settings)

@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from motionsplice.commands.outputs import CharacterOption, OutOption, check_out, check_suffix, write_motion
+from motionsplice.commands.outputs import (
+    CharacterOption,
+    OutOption,
+    check_out,
+    check_suffix,
+    open_character,
+    write_motion,
+)
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.hand_joints import Side
 
@@ -94,13 +101,14 @@ def splice_command(
     character: CharacterOption = None,
 ) -> None:
     """Splice an action's upper body onto a locomotion, and write the motion as BVH, glTF or VRM animation."""
-    hero = check_out(out, character)
+    check_out(out, character)
     from motionsplice.runtime.bank import Bank
 
     opened = Bank.open(bank)
     whole = opened.clip(locomotion)  # raises UnknownClipError before anything slow is imported
     if action is not None:
         opened.clip(action)
+    hero = open_character(character)
     clip = spliced(opened, locomotion, action, method, posture, start, hands)
     write_motion(out, clip, opened.roles, hero)
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from motionsplice.motion.roles import Roles
     from motionsplice.motion.skeleton import Skeleton
 
+WRITTEN = (".bvh", ".glb", ".gltf", ".vrma")  # the keys of `formats.files.WRITERS`, whose import takes a second
 OutOption = Annotated[Path, typer.Option(help="The file to write: .bvh, .glb, .gltf or .vrma, in metres.")]
 CharacterOption = Annotated[
     Path | None,
@@ -33,20 +34,23 @@ def check_suffix(file: Path, *suffixes: str, option: str = "--out") -> str:
     return suffix
 
 
-def check_out(out: Path, character: Path | None, *, option: str = "--out") -> Character | None:
-    """Checks that a motion can be written to a file, before anything slow is done; reads the character.
-
-    Raises SettingsError or FormatError.
-    """
+def check_out(out: Path, character: Path | None, *, option: str = "--out") -> None:
+    """Raises SettingsError unless a motion can be written to the file, or into a copy of the character's file."""
     if character is None:
-        from motionsplice.motion.formats.files import WRITERS
+        check_suffix(out, *WRITTEN, option=option)
+    elif character.suffix.lower() == ".vrm":
+        check_suffix(out, ".glb", ".vrm", option=option)
+    else:
+        check_suffix(out, ".glb", option=option)
 
-        check_suffix(out, *WRITERS, option=option)
+
+def open_character(file: Path | None) -> Character | None:
+    """Reads the file of `--character`, if there is one. Raises MotionError."""
+    if file is None:
         return None
     from motionsplice.motion.formats.character import read_character
 
-    check_suffix(out, *dict.fromkeys((".glb", character.suffix.lower())), option=option)
-    return read_character(character)
+    return read_character(file)
 
 
 def write_motion(out: Path, clip: Clip, roles: Roles, character: Character | None) -> None:

@@ -263,7 +263,9 @@ def test_a_connection_keeps_its_bank_while_a_newer_one_does_not_have_its_hands(
         loop.call_soon_threadsafe(serving.exchange, old)
 
 
-def test_a_vrm_animation_has_the_fingers_of_the_hands(hands_client: TestClient, hands_bank: Bank, tmp_path: Path) -> None:
+def test_a_vrm_animation_has_the_fingers_of_the_hands(
+    hands_client: TestClient, hands_bank: Bank, tmp_path: Path
+) -> None:
     query = "locomotion=run&action=counting&hands=counting_hands"
     (tmp_path / "x.vrma").write_bytes(hands_client.get(f"/v1/splice?{query}&format=vrma").content)
     clip = read_clip(tmp_path / "x.vrma").clip

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from motionsplice.cli import app
 from motionsplice.commands.convert import at_rate
+from motionsplice.commands.outputs import WRITTEN
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.formats.bvh import dump_bvh
@@ -56,8 +57,9 @@ def hero(tmp_path: Path) -> Path:
 
 
 def test_a_motion_goes_through_all_formats(walk: Path, tmp_path: Path) -> None:
+    assert tuple(WRITERS) == WRITTEN
     before = walk
-    for number, suffix in enumerate([*WRITERS, *reversed(WRITERS)]):
+    for number, suffix in enumerate([*WRITTEN, *reversed(WRITTEN)]):
         after = tmp_path / f"{number}{suffix}"
         run("convert", before, after)
         same_motion(after, WALK)
@@ -109,7 +111,18 @@ def test_a_motion_is_put_on_the_skeleton_of_another_file(walk: Path, hero: Path,
 
 def test_a_motion_is_written_into_a_character(walk: Path, hero: Path, bank: Bank, tmp_path: Path) -> None:
     run("convert", walk, tmp_path / "a.vrm", "--character", hero)
-    run("splice", bank.path, "--locomotion", "walk", "--action", "wave", "--out", tmp_path / "b.glb", "--character", hero)
+    run(
+        "splice",
+        bank.path,
+        "--locomotion",
+        "walk",
+        "--action",
+        "wave",
+        "--out",
+        tmp_path / "b.glb",
+        "--character",
+        hero,
+    )
     assert animation_names((tmp_path / "b.glb").read_bytes()) == ["walk+wave"]
     for name, clip in (("a.vrm", WALK), ("b.glb", Evaluator(bank).clip(Splice("walk", "wave")))):
         found = read_clip(tmp_path / name).clip

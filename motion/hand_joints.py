@@ -84,6 +84,24 @@ def has_fingers(skeleton: Skeleton, roles: Roles) -> bool:
     return any(fingers_of(skeleton, roles, side) for side in SIDES)
 
 
+def palm_of(skeleton: Skeleton, roles: Roles, side: Side) -> tuple[Floats, Floats] | None:
+    """Returns the vectors from the wrist to the knuckles and across them, from little to index finger, each [3] metres.
+
+    They are those of the bind pose. None if the rig has no index finger or no other finger with a known name.
+    """
+    wrist = wrist_of(roles, side)
+    knuckles: dict[str, tuple[int, Floats]] = {}
+    for joint, (finger, place) in finger_places(skeleton, fingers_of(skeleton, roles, side)).items():
+        if finger != "thumb" and place > 0 and (finger not in knuckles or place < knuckles[finger][0]):
+            path = skeleton.chain(joint)
+            knuckles[finger] = place, skeleton.offsets[path[: path.index(wrist)]].sum(axis=0)
+    across = [knuckles[finger][1] for finger in ("index", "middle", "ring", "pinky") if finger in knuckles]
+    if len(across) < 2 or "index" not in knuckles:
+        return None
+    along, line = np.mean(across, axis=0), across[0] - across[-1]
+    return (along, line) if np.linalg.norm(np.cross(along, line)) > STRAIGHT * np.linalg.norm(along) ** 2 else None
+
+
 def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: Roles, side: Side) -> dict[int, int]:
     """Returns the joint of their hand for each joint of ours, matched by name, or else by order if the trees are equal.
 

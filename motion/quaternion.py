@@ -69,15 +69,20 @@ def about(axis: ArrayLike, radians: ArrayLike) -> Floats:
     return np.concatenate([vector, np.cos(half)[..., None]], axis=-1)
 
 
-def between(a: Floats, b: Floats) -> Floats:
-    """Returns the shortest rotation [4] that turns the direction of `a` [3] to that of `b` [3]; neither may be zero."""
-    a, b = normalise(a), normalise(b)
-    half = a + b
-    if np.dot(half, half) < 1e-12:  # opposite: half a turn about any axis across them
-        half = np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
-        return np.append(normalise(half), 0.0)
-    half = normalise(half)
-    return np.append(np.cross(a, half), np.dot(a, half))
+def between(a: ArrayLike, b: ArrayLike) -> Floats:
+    """Returns the smallest rotation that turns the direction of `a` to that of `b`. [..., 3], [..., 3] -> [..., 4].
+
+    The axis is any perpendicular one if they are opposite; the rotation is the identity if either is zero.
+    """
+    a, b = np.broadcast_arrays(np.asarray(a, np.float64), np.asarray(b, np.float64))
+    sizes = np.sqrt(np.sum(a * a, axis=-1) * np.sum(b * b, axis=-1))[..., None]
+    cosine = np.sum(a * b, axis=-1, keepdims=True)
+    q = np.concatenate([np.cross(a, b), sizes + cosine], axis=-1)
+    opposite = length(q)[..., None] <= 1e-7 * sizes
+    least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]
+    aside = np.concatenate([np.cross(a, least), np.zeros_like(sizes)], axis=-1)
+    q = np.where(sizes > 0.0, np.where(opposite, aside, q), IDENTITY)
+    return normalise(q)
 
 
 def from_euler(order: str, sines: Floats, cosines: Floats) -> Floats:

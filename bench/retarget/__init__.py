@@ -1,0 +1,1 @@
+"""Measures retargeting between the rigs of the field; `python -m bench.retarget`."""

@@ -1,0 +1,103 @@
+"""The standing pose of a rig: upright, facing +Z, legs down.
+
+Most rigs stand in their bind pose, perhaps facing elsewhere. Others have all bones along one axis there, as LAFAN1's
+BVH files do. Their trunk is straight at least, but how far a leg has turned about itself shows only in a motion.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles, common_ancestor
+from motionsplice.motion.skeleton import Skeleton
+
+UP, LEFT = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+LEAST_TURN = np.radians(5.0)  # a bind pose that faces +Z but for less than this faces +Z; hips are seldom symmetric
+LEAST_DOWN = 0.5  # cosine of the angle between a thigh and straight down: with less, the bind pose does not stand
+SHORTEST = 1e-9  # metres: a shorter line has no direction
+LEAST_BEND = 0.05  # mean sine of the bend: a limb that bends less does not show its hinge
+LOWEST = 30.0  # percent of the frames, those in which an ankle is lowest: there the foot is flat
+
+
+def bind_positions(skeleton: Skeleton) -> Floats:
+    """Returns the positions of the joints in the bind pose [J, 3], metres, with the root at the origin."""
+    still = np.broadcast_to(quaternion.IDENTITY, (1, skeleton.joint_count, 4))
+    return np.asarray(world_transforms(skeleton, np.zeros((1, 3)), still)[0][0])
+
+
+def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) -> Floats:
+    """Returns the world rotations of the joints [J, 4] in the standing pose.
+
+    These are the bind pose's, turned upright and to +Z. If its legs do not point down then, limbs are turned to a
+    T-pose by the axes about which knees and elbows bend in `motion`, a clip of this skeleton, if there is one. Feet are
+    turned as they are where they stand in it.
+    """
+    at = bind_positions(skeleton)
+    body = _upright(at, skeleton, roles)
+    pose = np.tile(body, (skeleton.joint_count, 1))
+    thighs = [at[roles.left_knee] - at[roles.left_hip], at[roles.right_knee] - at[roles.right_hip]]
+    if motion is None or all(_descends(quaternion.rotate(body, thigh)) for thigh in thighs):
+        return pose
+    positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
+    for side, outwards in (("left", LEFT), ("right", -LEFT)):
+        ankle = int(getattr(roles, f"{side}_ankle"))
+        for limb, along, hinge in (
+            (("hip", "knee", "ankle"), -UP, LEFT),
+            (("shoulder", "elbow", "wrist"), outwards, -outwards[0] * UP),
+        ):
+            joints = [int(getattr(roles, f"{side}_{part}")) for part in limb]
+            axes = quaternion.rotate(quaternion.conjugate(world[:, joints[0]]), _hinge(positions[:, joints]))
+            bone, axis = at[joints[1]] - at[joints[0]], axes.mean(axis=0)
+            if np.linalg.norm(np.cross(bone, axis)) > LEAST_BEND * np.linalg.norm(bone):
+                turn = quaternion.multiply(frame(along, hinge), quaternion.conjugate(frame(bone, axis)))
+                pose[skeleton.subtree(joints[0])] = turn
+        height = positions[:, ankle, 1]
+        stands = height <= np.percentile(height, LOWEST)
+        for joint in skeleton.subtree(ankle):
+            on_root = quaternion.multiply(quaternion.conjugate(world[stands, 0]), world[stands, joint])
+            pose[joint] = quaternion.multiply(body, _mean(on_root))
+    return pose
+
+
+def _descends(bone: Floats) -> bool:
+    return bool(-bone[1] >= LEAST_DOWN * np.linalg.norm(bone))
+
+
+def frame(along: Floats, across: Floats) -> Floats:
+    """Returns the rotation [4] of the frame whose x points along a vector [3], and y across it, towards another."""
+    x = along / np.linalg.norm(along)
+    y = across - x * (x @ across)
+    y = y / np.linalg.norm(y)
+    return quaternion.from_matrices(np.stack([x, y, np.cross(x, y)], axis=-1))
+
+
+def _hinge(limb: Floats) -> Floats:
+    """Returns the axis [F, 3] about which a limb bends, as long as the sine of the bend, from its joints [F, 3, 3]."""
+    bones = np.diff(limb, axis=1)
+    bones /= np.maximum(np.linalg.norm(bones, axis=-1, keepdims=True), SHORTEST)
+    return np.cross(bones[:, 0], bones[:, 1])
+
+
+def _upright(at: Floats, skeleton: Skeleton, roles: Roles) -> Floats:
+    """Returns the rotation [4] that turns the bind pose upright and to +Z; the identity if it shows no direction."""
+    chest = common_ancestor(skeleton.parents, (roles.left_shoulder, roles.right_shoulder))
+    trunk = at[chest] - 0.5 * (at[roles.left_hip] + at[roles.right_hip])
+    up, axis = np.zeros(3), int(np.argmax(np.abs(trunk)))
+    up[axis] = np.sign(trunk[axis])
+    left = at[roles.left_hip] - at[roles.right_hip]
+    left = left - up * (up @ left)
+    width = float(np.linalg.norm(left))
+    if not np.any(up) or width < SHORTEST:
+        return quaternion.IDENTITY
+    left = left / width
+    turn = quaternion.from_matrices(np.stack([left, up, np.cross(left, up)]))
+    return turn if quaternion.angle(turn, quaternion.IDENTITY) > LEAST_TURN else quaternion.IDENTITY
+
+
+def _mean(rotations: Floats) -> Floats:
+    """Returns the mean of rotations [n, 4], the one with the least sum of squared chords (Markley et al. 2007)."""
+    return np.asarray(np.linalg.eigh(rotations.T @ rotations)[1][:, -1])

@@ -39,9 +39,10 @@ def turned(clip: Clip, seed: int, most: float) -> Clip:
     return with_bind_pose(clip, {**turns, "Hips": quaternion.about(Y, draw.uniform(-3.0, 3.0))})
 
 
-def in_t_pose(skeleton: Skeleton) -> tuple[Floats, Floats]:
+def in_t_pose(clip: Clip) -> tuple[Floats, Floats]:
     """Returns the positions [J, 3] and rotations [J, 4] in the world of the joints in the T-pose."""
-    turns = t_pose(skeleton, find_roles(skeleton))
+    skeleton = clip.skeleton
+    turns = t_pose(clip, find_roles(skeleton))
     places = np.zeros((skeleton.joint_count, 3))
     for joint in range(1, skeleton.joint_count):
         parent = skeleton.parents[joint]
@@ -53,7 +54,7 @@ def in_t_pose(skeleton: Skeleton) -> tuple[Floats, Floats]:
 @settings(max_examples=50)
 def test_the_t_pose_does_not_depend_on_the_bind_pose(seed: int) -> None:
     clip = turned(COUNTING.frames(0, 1), seed, 0.6)
-    places, _ = in_t_pose(clip.skeleton)
+    places, _ = in_t_pose(clip)
 
     def bone(upper: str, lower: str) -> Floats:
         between = places[clip.skeleton.index(lower)] - places[clip.skeleton.index(upper)]
@@ -78,17 +79,17 @@ def test_the_t_pose_does_not_depend_on_the_bind_pose(seed: int) -> None:
 
 
 def test_the_t_pose_of_a_t_pose_is_itself() -> None:
-    _, turns = in_t_pose(WALK.skeleton)
+    _, turns = in_t_pose(WALK)
     assert quaternion.angle(turns, quaternion.IDENTITY).max() < 1e-9
 
 
 def test_an_a_pose_keeps_the_roll_of_the_arms() -> None:
     """The T-pose turns back what has turned the arms down, and no more."""
     down = {"LeftArm": quaternion.about(Z, -0.9), "RightArm": quaternion.about(Z, 0.9)}
-    skeleton = with_bind_pose(WALK, down).skeleton
-    _, turns = in_t_pose(skeleton)
+    clip = with_bind_pose(WALK, down)
+    _, turns = in_t_pose(clip)
     for name in ("LeftArm", "LeftHand"):
-        assert quaternion.angle(turns[skeleton.index(name)], quaternion.about(Z, 0.9)) < 1e-9
+        assert quaternion.angle(turns[clip.skeleton.index(name)], quaternion.about(Z, 0.9)) < 1e-9
 
 
 @pytest.mark.parametrize("clip", [WALK, COUNTING, turned(COUNTING, 1, 0.5)], ids=["body", "fingers", "turned"])

@@ -11,8 +11,11 @@ from typing import Any
 import pytest
 
 HERE = Path(__file__).parent
-HAS_NODE = shutil.which("node") is not None and (HERE / "node_modules").is_dir()
-needs_node = pytest.mark.skipif(not HAS_NODE, reason="needs Node, and `npm install` in tests/oracles")
+INSTALL = "its packages are not installed: npm ci --prefix tests/oracles"
+MISSING = (
+    "Node is not installed" if shutil.which("node") is None else "" if (HERE / "node_modules").is_dir() else INSTALL
+)
+needs_node = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 
 
 def run(script: str, *arguments: object) -> list[Any]:

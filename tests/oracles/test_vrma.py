@@ -30,7 +30,13 @@ A_POSE = {
     "LeftFoot": quaternion.multiply(quaternion.about(Y, 0.4), quaternion.about(Z, -0.3)),
     "RightFoot": quaternion.multiply(quaternion.about(X, -0.3), quaternion.about(Z, 0.2)),
 }
+ALONG_X = {  # as in LAFAN1: legs and arms along one axis
+    "LeftUpLeg": quaternion.about(Z, np.pi / 2),
+    "RightUpLeg": quaternion.about(Z, np.pi / 2),
+    "RightArm": quaternion.about(Y, np.pi),
+}
 LIMBS = ("UpperLeg LowerLeg", "LowerLeg Foot", "UpperArm LowerArm", "LowerArm Hand")
+FOOT = "Foot Toes"
 FINGERS = tuple(
     f"{finger}{upper} {finger}{lower}"
     for finger in ("Index", "Middle", "Ring", "Little")
@@ -43,7 +49,7 @@ def unit(v: Floats) -> Floats:
 
 
 @needs_node
-@pytest.mark.parametrize("turns", [{}, A_POSE, {**A_POSE, "Hips": quaternion.about(Y, 0.9)}], ids=["T", "A", "turned"])
+@pytest.mark.parametrize("turns", [{}, A_POSE, {**A_POSE, "Hips": quaternion.about(Y, 0.9)}, ALONG_X])
 def test_a_vrm_character_points_its_limbs_and_fingers_as_the_clip_does(
     tmp_path: Path, turns: dict[str, Floats]
 ) -> None:
@@ -58,9 +64,10 @@ def test_a_vrm_character_points_its_limbs_and_fingers_as_the_clip_does(
     at = {bone: joint for joint, bone in vrm_bones(clip.skeleton, roles).items()}
     ours = joint_positions(clip)[frames]
     for side in ("left", "right"):
-        for bone in (*LIMBS, *FINGERS):
+        for bone in (*LIMBS, FOOT, *FINGERS):
             upper, lower = (f"{side}{name}" for name in bone.split())
             theirs = unit(np.array([one[lower] for one in found]) - np.array([one[upper] for one in found]))
             own = unit(ours[:, at[lower]] - ours[:, at[upper]])
             apart = np.degrees(np.arccos(np.clip((theirs * own).sum(axis=1), -1.0, 1.0)))
-            assert apart.max() < 0.01, (side, bone)
+            most = 0.01 if bone != FOOT else 6.0  # the feet at rest differ by 5 degrees
+            assert apart.max() < most, (side, bone)

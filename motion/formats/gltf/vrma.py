@@ -45,7 +45,7 @@ def dump_vrma(clip: Clip, roles: Roles) -> bytes:
     """
     bones = vrm_bones(clip.skeleton, roles)
     joints = sorted(bones)  # parent before child
-    straight = t_pose(clip.skeleton, roles)
+    straight = t_pose(clip, roles)
     positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
     turns = quaternion.multiply(world, quaternion.conjugate(straight))
     rest = _rest(clip.skeleton, straight, positions)

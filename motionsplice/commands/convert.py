@@ -50,7 +50,7 @@ def convert_command(
     if skeleton is not None and character is not None:
         raise SettingsError("the character has a skeleton of its own", mend="Leave out --skeleton or --character")
     check_out(out, character, option="OUT")
-    hero = open_character(character)
+    receiver = open_character(character)
     given = read_roles_file(roles) if roles else {}
     reading = read_clip(motion, animation=animation, skip_frames=skip_frames, unit=unit, roles=given)
     _show(motion, reading)
@@ -60,7 +60,7 @@ def convert_command(
         clip, own_roles = retargeted(clip, own_roles, target, target_roles), target_roles
     if fps is not None:
         clip = at_rate(clip, fps)
-    write_motion(out, clip, own_roles, hero)
+    write_motion(out, clip, own_roles, receiver)
     onto = f", on the skeleton of {skeleton or character}" if skeleton or character else ""
     console.print(f"{out}: {_length(clip)}{onto}", highlight=False, soft_wrap=True, markup=False)
 

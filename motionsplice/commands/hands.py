@@ -78,7 +78,7 @@ def hands_command(
         check_suffix(picture, ".png", option="--picture")
     settings = HandSettings(hand, wrist, turn, _bands(band), tuple(FramePair.parse(one) for one in pair or ()))
     given = read_roles_file(roles) if roles else {}
-    hero = open_character(character)
+    receiver = open_character(character)
     ours, theirs = (read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in (body, hands))
     begin = time.perf_counter()
     spliced = splice_hands(ours.clip, ours.roles, theirs.clip, theirs.roles, settings)
@@ -89,7 +89,7 @@ def hands_command(
     console.print(phase_table(spliced, ours, theirs))
     for line in _alignment_lines(spliced, theirs, settings):
         console.print(f"  {line}", highlight=False)
-    write_motion(out, spliced.clip, spliced.roles, hero)
+    write_motion(out, spliced.clip, spliced.roles, receiver)
     count = f"{spliced.clip.frame_count} frames at {spliced.clip.rate:g} per second"
     console.print(f"{out}: {count}, aligned and merged in {seconds:.2f} s", highlight=False, soft_wrap=True)
     if picture is not None:

@@ -108,9 +108,9 @@ def splice_command(
     whole = opened.clip(locomotion)  # raises UnknownClipError before anything slow is imported
     if action is not None:
         opened.clip(action)
-    hero = open_character(character)
+    receiver = open_character(character)
     clip = spliced(opened, locomotion, action, method, posture, start, hands)
-    write_motion(out, clip, opened.roles, hero)
+    write_motion(out, clip, opened.roles, receiver)
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
 

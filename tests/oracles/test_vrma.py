@@ -69,5 +69,5 @@ def test_a_vrm_character_points_its_limbs_and_fingers_as_the_clip_does(
             theirs = unit(np.array([one[lower] for one in found]) - np.array([one[upper] for one in found]))
             own = unit(ours[:, at[lower]] - ours[:, at[upper]])
             apart = np.degrees(np.arccos(np.clip((theirs * own).sum(axis=1), -1.0, 1.0)))
-            most = 0.01 if bone != FOOT else 6.0  # the feet at rest differ by 5 degrees
+            most = 0.01 if bone != FOOT else 10.0  # feet are not pointed, but turned as from rest, which differs by 5
             assert apart.max() < most, (side, bone)

@@ -73,5 +73,5 @@ def truth_of(pair: Pair, bank: Bank) -> Clip | None:
     locomotion, _, action = pair.truth.partition("+")
     if locomotion in LOCOMOTIONS and action in ACTIONS:
         generated = truth(locomotion, action)
-        return onto_skeleton(generated, find_roles(generated.skeleton), bank.skeleton, bank.roles)
+        return onto_skeleton(generated, find_roles(generated.skeleton), bank.skeleton, bank.roles).clip
     return bank.motion(pair.truth)

@@ -26,11 +26,13 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.retarget import measures
+from bench.retarget.kinds import KINDS
 from bench.retarget.measures import Posed
-from bench.retarget.rigs import KINDS, on_rig
+from bench.retarget.rigs import on_rig
 from motionsplice.cli import run
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.files import clips_in
-from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.retarget.by_roles import retarget
 from motionsplice.motion.retarget.stance import standing_pose
@@ -59,13 +61,13 @@ def main(
     Console(width=130).print(table)
 
 
-def _readings(files: Sequence[Path]) -> Iterator[tuple[str, object]]:
+def _readings(files: Sequence[Path]) -> Iterator[tuple[str, Reading]]:
     for file in files:
         name, animation = next(iter(clips_in(file).items()))
         yield name, read_clip(file, animation=animation)
 
 
-def _posed(clip):
+def _posed(clip: Clip) -> Posed:
     return Posed.of(clip, find_roles(clip.skeleton))
 
 

@@ -39,8 +39,7 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
     at = bind_positions(skeleton)
     body = _upright(at, skeleton, roles)
     pose = np.tile(body, (skeleton.joint_count, 1))
-    thighs = [at[roles.left_knee] - at[roles.left_hip], at[roles.right_knee] - at[roles.right_hip]]
-    if motion is None or all(_descends(quaternion.rotate(body, thigh)) for thigh in thighs):
+    if motion is None or stands(skeleton, roles):
         return pose
     positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
     for side, outwards in (("left", LEFT), ("right", -LEFT)):
@@ -56,15 +55,19 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
                 turn = quaternion.multiply(frame(along, hinge), quaternion.conjugate(frame(bone, axis)))
                 pose[skeleton.subtree(joints[0])] = turn
         height = positions[:, ankle, 1]
-        stands = height <= np.percentile(height, LOWEST)
+        flat = height <= np.percentile(height, LOWEST)
         for joint in skeleton.subtree(ankle):
-            on_root = quaternion.multiply(quaternion.conjugate(world[stands, 0]), world[stands, joint])
+            on_root = quaternion.multiply(quaternion.conjugate(world[flat, 0]), world[flat, joint])
             pose[joint] = quaternion.multiply(body, _mean(on_root))
     return pose
 
 
-def _descends(bone: Floats) -> bool:
-    return bool(-bone[1] >= LEAST_DOWN * np.linalg.norm(bone))
+def stands(skeleton: Skeleton, roles: Roles) -> bool:
+    """Returns whether the thighs point down in the bind pose, once it is turned upright."""
+    at = bind_positions(skeleton)
+    thighs = at[[roles.left_knee, roles.right_knee]] - at[[roles.left_hip, roles.right_hip]]
+    down = -quaternion.rotate(_upright(at, skeleton, roles), thighs)[:, 1]
+    return bool(np.all(down >= LEAST_DOWN * np.linalg.norm(thighs, axis=1)))
 
 
 def frame(along: Floats, across: Floats) -> Floats:

@@ -49,6 +49,13 @@ def precompute_command(
     hands: Annotated[
         list[str] | None, typer.Option(help="BODY:HANDS: lay the hands of clip HANDS on clip BODY.")
     ] = None,
+    skeleton: Annotated[
+        Path | None,
+        typer.Option(help="A motion file, or a bank, whose rig the bank gets; default: the baseline's rig."),
+    ] = None,
+    retarget: Annotated[
+        bool, typer.Option("--retarget/--no-retarget", help="Move clips of other rigs over by roles, or refuse them.")
+    ] = True,
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     progress: Annotated[Path | None, typer.Option(help="File to write progress to, as JSON.")] = None,
@@ -71,6 +78,8 @@ def precompute_command(
             settings=ClipSettings(skip_frames=skip_frames, unit=unit),
             roles_file=roles,
             hands=[HandsOnBody.parse(one) for one in hands or ()],
+            skeleton=skeleton,
+            retarget=retarget,
             file=file,
         )
     except MotionError as problem:
@@ -97,6 +106,8 @@ def run(
     settings: ClipSettings = DEFAULT_SETTINGS,
     roles_file: Path | None = None,
     hands: Sequence[HandsOnBody] = (),
+    skeleton: Path | None = None,
+    retarget: bool = True,
     file: ProgressFile | None = None,
 ) -> Outcome:
     """Runs the offline job behind a progress bar. Raises MotionError."""
@@ -122,6 +133,8 @@ def run(
             settings=settings,
             roles=read_roles_file(roles_file) if roles_file else {},
             hands=hands,
+            skeleton=skeleton,
+            retarget=retarget,
             progress=show,
         )
 

@@ -1,39 +1,82 @@
-"""Moving clips of differently built performers onto the bank's skeleton."""
+"""Moves clips of any rig onto the bank's skeleton."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
+from motionsplice.motion.formats.fold import listed
 from motionsplice.motion.hand_joints import fingered, has_fingers
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.by_roles import retarget
 from motionsplice.motion.roles import LIMBS, Roles
 from motionsplice.motion.skeleton import Skeleton
 
+OTHER_LIMB = 10.0  # rig sizes: joints of different limbs are matched only if nothing else is left
 WIDEST_BIND_ANGLE = np.radians(25.0)  # radians between the same bone of two rigs in their bind poses
 
 
-def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles) -> Clip:
-    """Puts the clip's rotations on `skeleton` and scales its root path by the ratio of the leg lengths.
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A clip on the bank's skeleton, and notes on how it came there."""
 
-    The rigs may differ in bone lengths, joint order and joint names (CMU's two releases do). Their topology must be the
-    same, except that fingers may be missing. Their bind poses must agree too: with another bind pose, the same
-    rotations give another pose. Raises SkeletonError.
+    clip: Clip
+    notes: tuple[str, ...] = ()
+
+
+def onto_skeleton(
+    clip: Clip,
+    roles: Roles,
+    skeleton: Skeleton,
+    skeleton_roles: Roles,
+    *,
+    pose: Floats | None = None,
+    retargeting: bool = True,
+) -> Fitted:
+    """Puts a clip on the bank's skeleton, and scales its root path by the ratio of the leg lengths.
+
+    If the rigs have the same topology, but for missing fingers, and the same bind pose, the rotations are copied; bone
+    lengths, joint order and joint names may differ (CMU's two releases do). Other rigs are retargeted by roles.
+
+    Args:
+        clip: The motion.
+        roles: The roles of its joints.
+        skeleton: The bank's skeleton.
+        skeleton_roles: The roles of its joints.
+        pose: [J, 4] the skeleton's standing pose, if it was found from a motion.
+        retargeting: Whether other rigs are retargeted.
+
+    Raises:
+        SkeletonError: The legs have no length, or the rigs differ and `retargeting` is off.
     """
+    try:
+        return Fitted(_copied(clip, roles, skeleton, skeleton_roles))
+    except SkeletonError as difference:
+        if not retargeting:
+            raise
+        moved = retarget(clip, roles, skeleton, skeleton_roles, pose)
+        notes = [f"retargeted by roles: {difference.problem}"]
+    if moved.left_out:
+        notes.append(f"not carried over, the skeleton has no such joints: {listed(list(moved.left_out))}")
+    return Fitted(moved.clip, tuple(notes))
+
+
+def _copied(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles) -> Clip:
+    """Returns the clip with its rotations unchanged on the other skeleton. Raises SkeletonError if the rigs differ."""
     if has_fingers(skeleton, skeleton_roles):
         clip, roles = fingered(clip, roles, skeleton, skeleton_roles)
-    match = _match(clip.skeleton, skeleton, clip.name)
+    match = _match(clip, roles, skeleton, skeleton_roles)
     for role in (*LIMBS, "pelvis", "spine"):
         theirs, ours = (np.atleast_1d(getattr(rig, role)).tolist() for rig in (roles, skeleton_roles))
         if [match.index(joint) for joint in theirs] != ours:
             raise SkeletonError(
                 f"its {role} is not the same joint as the bank's {role}",
                 place=f"clip {clip.name!r}",
-                mend="Name the joints of both rigs in a roles file and pass it as --roles",
+                mend="Name the joints of both rigs in a roles file and pass it as --roles, or allow retargeting",
             )
     _check_bind_poses(clip, match, skeleton, skeleton_roles)
     scale = skeleton_roles.leg_length(skeleton) / roles.leg_length(clip.skeleton)
@@ -45,8 +88,9 @@ def onto_skeleton(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: 
     )
 
 
-def _match(theirs: Skeleton, ours: Skeleton, name: str) -> list[int]:
-    """Returns their joint for each of ours, matched by name, else by the tree's shape and where its limbs point."""
+def _match(clip: Clip, roles: Roles, ours: Skeleton, our_roles: Roles) -> list[int]:
+    """Returns their joint for each of ours, matched by name, else by the tree's shape, roles and where limbs point."""
+    theirs = clip.skeleton
     if set(theirs.names) == set(ours.names):
         match = [theirs.index(joint) for joint in ours.names]
         parents = [-1 if parent < 0 else match[parent] for parent in ours.parents]
@@ -54,20 +98,28 @@ def _match(theirs: Skeleton, ours: Skeleton, name: str) -> list[int]:
             return match
     match = [0] * ours.joint_count
     reach_theirs, reach_ours = _reach(theirs), _reach(ours)
+    limbs_theirs, limbs_ours = _limbs(theirs, roles), _limbs(ours, our_roles)
     for joint in range(ours.joint_count):
         a, b = theirs.children[match[joint]], ours.children[joint]
         if len(a) != len(b):
             raise SkeletonError(
                 f"the rigs have different topologies: its joint {theirs.names[match[joint]]!r} has {len(a)} children, "
                 f"the bank's {ours.names[joint]!r} has {len(b)}",
-                place=f"clip {name!r}",
-                mend="Retarget the clip to the baseline's rig, or build a separate bank for it",
+                place=f"clip {clip.name!r}",
+                mend="Allow retargeting, or build a separate bank for it",
             )
         if b:
             apart = np.linalg.norm(reach_theirs[list(a), None] - reach_ours[None, list(b)], axis=-1)
+            apart += [[OTHER_LIMB * (limbs_theirs[i] != limbs_ours[j]) for j in b] for i in a]
             for their_child, our_child in zip(*linear_sum_assignment(apart), strict=True):
                 match[b[our_child]] = a[their_child]
     return match
+
+
+def _limbs(skeleton: Skeleton, roles: Roles) -> list[frozenset[str]]:
+    """Returns the limb roles below each joint, itself included."""
+    joints = {role: skeleton.chain(getattr(roles, role)) for role in LIMBS}
+    return [frozenset(role for role in LIMBS if joint in joints[role]) for joint in range(skeleton.joint_count)]
 
 
 def _reach(skeleton: Skeleton) -> Floats:
@@ -90,5 +142,5 @@ def _check_bind_poses(clip: Clip, match: list[int], skeleton: Skeleton, roles: R
                     f"its bind pose differs from the bank's: the bone to the {side} {part} points "
                     f"{np.degrees(apart):.0f} degrees away",
                     place=f"clip {clip.name!r}",
-                    mend="Export the clip with the bind pose of the baseline's rig",
+                    mend="Export the clip with the bind pose of the bank's skeleton, or allow retargeting",
                 )

@@ -8,16 +8,28 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.stance import standing_pose, stands
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """A skeleton and the roles of its joints. A bank has the rig of its baseline's file."""
+    """A skeleton and the roles of its joints.
+
+    pose: [J, 4] the standing pose, if the bind pose does not stand and a motion shows it.
+    """
 
     skeleton: Skeleton
     roles: Roles
+    pose: Floats | None = None
+
+    @classmethod
+    def of(cls, clip: Clip, roles: Roles) -> Rig:
+        """Returns the rig of a clip."""
+        rig = clip.skeleton
+        return cls(rig, roles, None if stands(rig, roles) else standing_pose(rig, roles, clip))
 
     def still(self) -> Clip:
         """Returns a clip of one frame in the bind pose."""

@@ -33,7 +33,7 @@ def check(file: Path, bank: Path, skip_frames: int = 0, unit: str | None = None)
         parse_skeleton(read_bytes(file))
         return
     reading, manifest = read_clip(file, skip_frames=skip_frames, unit=unit), Manifest.read(bank)
-    clip = onto_skeleton(reading.clip, reading.roles, manifest.skeleton, manifest.roles)
+    clip = onto_skeleton(reading.clip, reading.roles, manifest.skeleton, manifest.roles).clip
     if clip.duration < SHORTEST_CLIP:
         problem = f"it lasts {clip.duration:.3f} s, too short to find its gait"
         raise ClipError(problem, mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more")

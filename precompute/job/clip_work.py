@@ -131,7 +131,7 @@ class StrideSearch:
             ring = find_baseline(reading.clip, reading.roles)
         except BaselineError:
             ring = None
-        self.cache.store(self.key(one), *pack_stride(StrideSearched(Rig(reading.clip.skeleton, reading.roles), ring)))
+        self.cache.store(self.key(one), *pack_stride(StrideSearched(Rig.of(reading.clip, reading.roles), ring)))
 
     def load(self, one: Identified) -> StrideSearched | None:
         name = one.source.name
@@ -140,20 +140,22 @@ class StrideSearch:
 
 @dataclass(frozen=True, eq=False)
 class Preparation:
-    """The preparation of a clip for a bank with this rig and baseline."""
+    """The preparation of a clip for a bank with this rig and baseline. Other rigs are retargeted or refused."""
 
     cache: Cache
     rig: Rig
     ring: Baseline
-    rig_and_ring: str  # digest of both
+    retargeting: bool
+    digest: str  # of all three
 
     @classmethod
-    def of(cls, cache: Cache, stride: FoundStride) -> Preparation:
+    def of(cls, cache: Cache, stride: FoundStride, retargeting: bool) -> Preparation:
         rig, ring = stride.rig, stride.ring
-        return cls(cache, rig, ring, key_of(pack_rig(rig), ring.leg, ring.zero, digest_of_array(ring.clouds)))
+        digest = key_of(pack_rig(rig), ring.leg, ring.zero, digest_of_array(ring.clouds), retargeting)
+        return cls(cache, rig, ring, retargeting, digest)
 
     def key(self, one: Identified) -> str:
-        return key_of("prepared", one.reading_key, self.rig_and_ring)
+        return key_of("prepared", one.reading_key, self.digest)
 
     def recipe(self, clips: Clips, hands: Sequence[tuple[str, str]]) -> str:
         """Returns the digest of everything that a bank of these clips, and of hands on them, depends on."""
@@ -169,8 +171,16 @@ class Preparation:
         reading = self.cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
         if reading is None:
             reading = read(one)
-        made = prepare(reading.clip, reading.roles, self.rig.skeleton, self.rig.roles, self.ring)
-        made = replace(made, notes=reading.notes, file_warnings=reading.warnings)
+        made = prepare(
+            reading.clip,
+            reading.roles,
+            self.rig.skeleton,
+            self.rig.roles,
+            self.ring,
+            pose=self.rig.pose,
+            retargeting=self.retargeting,
+        )
+        made = replace(made, notes=(*reading.notes, *made.notes), file_warnings=reading.warnings)
         self.cache.store(self.key(one), *pack_prepared(made))
 
     def load(self, one: Identified) -> PreparedClip | None:

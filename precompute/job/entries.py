@@ -81,7 +81,7 @@ def unpack_reading(name: str, fields: Fields, arrays: Arrays) -> Reading:
 
 
 def pack_rig(rig: Rig) -> Fields:
-    """Packs a skeleton and its roles."""
+    """Packs a skeleton, its roles and its standing pose."""
     skeleton = rig.skeleton
     return {
         "names": skeleton.names,
@@ -90,6 +90,7 @@ def pack_rig(rig: Rig) -> Fields:
         "end_parents": skeleton.end_parents.tolist(),
         "end_offsets": skeleton.end_offsets.tolist(),
         "roles": asdict(rig.roles),
+        "pose": None if rig.pose is None else rig.pose.tolist(),
     }
 
 
@@ -101,7 +102,8 @@ def _rig(fields: Any) -> Rig:
         end_parents=np.array(fields["end_parents"], np.int64),
         end_offsets=np.array(fields["end_offsets"], np.float64).reshape(-1, 3),
     )
-    return Rig(skeleton, Roles(**fields["roles"] | {"spine": tuple(fields["roles"]["spine"])}))
+    roles = Roles(**fields["roles"] | {"spine": tuple(fields["roles"]["spine"])})
+    return Rig(skeleton, roles, None if fields["pose"] is None else np.array(fields["pose"], np.float64))
 
 
 def pack_prepared(one: PreparedClip) -> tuple[Fields, Arrays]:

@@ -6,9 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import chain
 
+import numpy as np
+
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.formats.reading import Reading
 from motionsplice.motion.hand_joints import fingered, has_fingers
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.rows import LaidHands, lay_hands
 from motionsplice.precompute.hands.settings import FILE_NAME, HandSettings, HandsOnBody, read_hand_settings
@@ -95,8 +99,18 @@ def with_fingers(stride: FoundStride, readings: HandsReading, hands: Clips) -> F
         reading = load_or_run(readings, one)
         if has_fingers(reading.clip.skeleton, reading.roles):
             still, roles = fingered(rig.still(), rig.roles, reading.clip.skeleton, reading.roles)
-            return replace(stride, rig=Rig(still.skeleton, roles))
+            return replace(stride, rig=Rig(still.skeleton, roles, _with_joints(rig, still.skeleton)))
     return stride
+
+
+def _with_joints(rig: Rig, skeleton: Skeleton) -> Floats | None:
+    """Returns the standing pose of a rig with more joints on `skeleton`; each new joint's is that of its parent."""
+    if rig.pose is None:
+        return None
+    pose = np.empty((skeleton.joint_count, 4))
+    for joint, (name, parent) in enumerate(zip(skeleton.names, skeleton.parents, strict=True)):
+        pose[joint] = rig.pose[rig.skeleton.index(name)] if name in rig.skeleton.names else pose[parent]
+    return pose
 
 
 @dataclass(frozen=True, eq=False)

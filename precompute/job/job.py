@@ -35,6 +35,7 @@ from motionsplice.precompute.job.hand_work import (
 )
 from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
 from motionsplice.precompute.job.outcome import Outcome, Progress
+from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
 from motionsplice.precompute.job.sources import find_sources
 from motionsplice.precompute.job.workers import outcomes, workers
 from motionsplice.runtime.bank import Bank
@@ -52,6 +53,8 @@ def build_bank(
     roles: Mapping[str, str | Sequence[str]] | None = None,
     hands: Sequence[HandsOnBody] = (),
     settings: ClipSettings = DEFAULT_SETTINGS,
+    skeleton: str | PathLike[str] | None = None,
+    retarget: bool = True,
     jobs: int = 1,
     progress: Progress = lambda stage, done, total: None,
 ) -> Outcome:
@@ -69,6 +72,8 @@ def build_bank(
         roles: Joints by role, for rigs whose names do not show them.
         hands: Hands to lay on bodies. A hands clip is not itself a clip of the bank.
         settings: For clips that no `clips.toml` names.
+        skeleton: A motion file, or the folder of a bank, whose rig the bank shall have. None for the baseline's rig.
+        retarget: Whether clips of rigs with other joints or bind poses are retargeted. If not, they fail.
         jobs: Processes that may work at once.
         progress: Called with the stage, how many of its clips are done, and how many there are.
 
@@ -82,7 +87,8 @@ def build_bank(
     if isinstance(paths, str | PathLike):
         paths = [paths]
     files = [Path(path) for path in paths]
-    return Job(files, Path(out), baseline, roles or {}, hands, settings, jobs, progress).run()
+    rig = None if skeleton is None else Path(skeleton)
+    return Job(files, Path(out), baseline, roles or {}, hands, settings, rig, retarget, jobs, progress).run()
 
 
 @dataclass(eq=False)
@@ -98,6 +104,8 @@ class Job:
     roles: Mapping[str, str | Sequence[str]]
     hands: Sequence[HandsOnBody]
     settings: ClipSettings
+    skeleton: Path | None
+    retarget: bool
     jobs: int
     progress: Progress
     clips: Clips = field(default_factory=dict, init=False)
@@ -110,9 +118,9 @@ class Job:
         cache = Cache(self.out / CACHE)
         search, readings = StrideSearch(cache), HandsReading(cache)
         candidates = self.find_strides(search)
-        stride = self.choose_baseline(search, candidates)
+        stride, used = self.on_skeleton(cache, self.choose_baseline(search, candidates))
         self.read_hands(readings)
-        preparation = Preparation.of(cache, with_fingers(stride, readings, self.hand_clips))
+        preparation = Preparation.of(cache, with_fingers(stride, readings, self.hand_clips), self.retarget)
         aligned, new = self.align(preparation)
         laying = HandsLaying(preparation, readings)
         tasks = self.lay_hands(laying, tasks_of(pairs, aligned, self.hand_clips))
@@ -122,7 +130,7 @@ class Job:
         if digest is None or not unchanged:
             digest = self.write(preparation, aligned, laying, tasks)
             cache.store(recipe, {"bank": digest}, {})
-        used = {work.key(one) for work in (search, preparation) for one in self.clips.values()}
+        used |= {work.key(one) for work in (search, preparation) for one in self.clips.values()}
         used |= {readings.key(one) for one in self.hand_clips.values()} | {laying.key(task) for task in tasks.values()}
         cache.keep_only({recipe, search.choice_key(candidates), *used})
         failed = dict(sorted(self.failed.items()))
@@ -152,6 +160,17 @@ class Job:
         if self.baseline is None:
             return typical_stride(search, candidates, self.failed)
         return named_stride(self.baseline, search, self.clips, self.failed)
+
+    def on_skeleton(self, cache: Cache, stride: FoundStride) -> tuple[FoundStride, set[str]]:
+        """Returns the baseline's stride on the skeleton of the user's choice, if there is one, and its cache keys.
+
+        Raises MotionError if the skeleton cannot be read, or the baseline does not fit it.
+        """
+        if self.skeleton is None:
+            return stride, set()
+        search = StrideOnSkeleton(cache, rig_of(self.skeleton, self.roles), self.retarget)
+        baseline = self.clips[stride.ring.name]
+        return load_or_run(search, baseline), {search.key(baseline)}
 
     def read_hands(self, readings: HandsReading) -> None:
         """Reads the hands clips, and drops those that fail."""

@@ -37,8 +37,8 @@ class PreparedClip:
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
     name: the clip's rows in the tables `lower` and `upper`, or `upright`, its torso clouds [rows, P, 3] in metres.
-    kind: `locomotion` or `action`. neutral: name of the clip that its posture is relative to. notes, file_warnings:
-    from reading its file. source: digest of that file.
+    kind: `locomotion` or `action`. neutral: name of the clip that its posture is relative to. notes: from reading and
+    moving it. file_warnings: from reading its file. source: digest of that file.
     """
 
     name: str
@@ -82,12 +82,23 @@ def has_gait(alignment: Alignment) -> bool:
     return bool(alignment.swing >= LEAST_SWING and alignment.cost.mean() <= FOREIGN_GAIT * alignment.chance)
 
 
-def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles, baseline: Baseline) -> PreparedClip:
+def prepare(
+    clip: Clip,
+    roles: Roles,
+    skeleton: Skeleton,
+    skeleton_roles: Roles,
+    baseline: Baseline,
+    *,
+    pose: Floats | None = None,
+    retargeting: bool = True,
+) -> PreparedClip:
     """Moves a clip onto the bank's skeleton, aligns it to the baseline, adds its seam and measures it.
 
-    Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be aligned or measured.
+    pose, retargeting: as in `onto_skeleton`. Raises SkeletonError if the rigs do not match, ClipError if the clip
+    cannot be aligned or measured.
     """
-    ours = onto_skeleton(clip, roles, skeleton, skeleton_roles)
+    fitted = onto_skeleton(clip, roles, skeleton, skeleton_roles, pose=pose, retargeting=retargeting)
+    ours = fitted.clip
     alignment = align(ours, skeleton_roles, baseline)
     seamed = add_seam(ours, alignment.phase, skeleton_roles)
     torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
@@ -111,4 +122,5 @@ def prepare(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles,
         gait=mean_gait(ours, alignment.phase, skeleton_roles),
         stride=MeanStride.of(torso.upright[:count], alignment.phase),
         fetch=large.__getitem__,
+        notes=fitted.notes,
     )

@@ -176,7 +176,7 @@ class Job:
             _write(self._clips / TRIED, {"clips": pending, "times": tried.get("times", 0) * again + 1})
             _write(self._clips / PROGRESS, {"stage": "starting", "finished": False})
             command = [sys.executable, "-m", "motionsplice", "precompute", str(self._clips), "--out", str(self._bank)]
-            command += ["--baseline", self._baseline(), "--progress", str(self._clips / PROGRESS)]
+            command += [*self._as_before(), "--progress", str(self._clips / PROGRESS)]
             with (self._clips / OUTPUT).open("wb") as output:
                 self._process = subprocess.Popen(
                     command,
@@ -190,9 +190,11 @@ class Job:
         logger.info("the offline job is started", extra={"clips": sorted(todo)})
         return True
 
-    def _baseline(self) -> str:
-        """Returns the current bank's baseline, so that its clips need not be aligned again."""
-        return self._folder.manifest.baseline.clip if self._folder.manifest else "auto"
+    def _as_before(self) -> list[str]:
+        """Returns the options for the current bank's baseline and skeleton, so that its clips stay aligned to them."""
+        if self._folder.manifest is None:
+            return []
+        return ["--baseline", self._folder.manifest.baseline.clip, "--skeleton", str(self._bank)]
 
 
 def _missing_clips(missing: list[str]) -> str:

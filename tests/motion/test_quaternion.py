@@ -82,3 +82,22 @@ def test_one_hemisphere_undoes_random_signs() -> None:
     joined = quaternion.one_hemisphere(q * signs)
     np.testing.assert_array_equal(joined, q * signs[0])
     np.testing.assert_array_equal(quaternion.one_hemisphere(q), q)
+
+
+VECTORS = st.tuples(*[st.floats(-10.0, 10.0)] * 3).filter(lambda v: np.linalg.norm(v) > 1e-3)
+
+
+@given(VECTORS, VECTORS)
+def test_between_turns_one_direction_to_the_other_the_short_way(a: tuple[float, ...], b: tuple[float, ...]) -> None:
+    turn = quaternion.between(a, b)
+    u, v = np.array(a) / np.linalg.norm(a), np.array(b) / np.linalg.norm(b)
+    np.testing.assert_allclose(quaternion.rotate(turn, u), v, atol=1e-6)
+    angle = 2.0 * np.arctan2(np.linalg.norm(u - v), np.linalg.norm(u + v))
+    np.testing.assert_allclose(quaternion.angle(turn, quaternion.IDENTITY), angle, atol=1e-6)
+
+
+@given(VECTORS)
+def test_between_opposite_directions_is_half_a_turn_and_to_zero_is_none(a: tuple[float, ...]) -> None:
+    turn = quaternion.between(a, np.negative(a))
+    np.testing.assert_allclose(quaternion.rotate(turn, a), np.negative(a), atol=1e-6)
+    assert np.all(quaternion.between(a, np.zeros(3)) == quaternion.IDENTITY)

@@ -1,0 +1,55 @@
+"""A bank's skeleton other than the baseline's: that of a file, or that of another bank."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from motionsplice.motion.errors import BaselineError, SkeletonError
+from motionsplice.motion.formats.reading import read_clip
+from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.body.rig import Rig
+from motionsplice.precompute.job.cache import Cache, key_of
+from motionsplice.precompute.job.clip_work import Identified, read
+from motionsplice.precompute.job.entries import FoundStride, StrideSearched, pack_rig, pack_stride, unpack_stride
+from motionsplice.runtime.format.manifest import Manifest
+
+
+def rig_of(path: Path, roles: Mapping[str, str | Sequence[str]]) -> Rig:
+    """Returns the rig of a motion file, or of the bank in a folder. Raises MotionError."""
+    if path.is_dir():
+        manifest = Manifest.read(path)
+        return Rig(manifest.skeleton, manifest.roles)
+    reading = read_clip(path, roles=roles)
+    return Rig.of(reading.clip, reading.roles)
+
+
+@dataclass(frozen=True, eq=False)
+class StrideOnSkeleton:
+    """The search for the baseline's stride after its clip was moved onto a rig."""
+
+    cache: Cache
+    rig: Rig
+    retargeting: bool
+
+    def key(self, one: Identified) -> str:
+        return key_of("stride on a skeleton", one.reading_key, pack_rig(self.rig), self.retargeting)
+
+    def run(self, one: Identified) -> None:
+        """Stores the stride. Raises MotionError."""
+        reading, rig = read(one), self.rig
+        try:
+            fitted = onto_skeleton(
+                reading.clip, reading.roles, rig.skeleton, rig.roles, pose=rig.pose, retargeting=self.retargeting
+            ).clip
+        except SkeletonError as error:
+            raise BaselineError(f"the baseline does not fit the skeleton: {error}") from None
+        found = StrideSearched(Rig.of(fitted, rig.roles), find_baseline(fitted, rig.roles))
+        self.cache.store(self.key(one), *pack_stride(found))
+
+    def load(self, one: Identified) -> FoundStride | None:
+        name = one.source.name
+        found = self.cache.load(self.key(one), lambda fields, arrays: unpack_stride(name, fields, arrays))
+        return None if found is None else found.found()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from motionsplice.motion.formats.files import read_bytes
 from motionsplice.motion.formats.fold import fold
 from motionsplice.motion.formats.gltf.container import MAGIC, read_document
 from motionsplice.motion.formats.gltf.document import Binary, Document, glb
-from motionsplice.motion.formats.gltf.reader import read_rest
+from motionsplice.motion.formats.gltf.reader import malformed, read_rest
 from motionsplice.motion.formats.reading import root_of
 from motionsplice.motion.formats.scene import joints_of, nodes_of, rotations_of
 from motionsplice.motion.kinematics import world_transforms
@@ -37,7 +38,8 @@ class Character:
     its node. roles: of its joints.
     nodes: [J] the number of each joint's node in the file.
     bind: [J, 4] the rotation of each node in the world in the bind pose.
-    rest: [J, 3, 4] the transform of each node to the world at rest. above: [4, 4] that of the root's parent.
+    inwards: [4, 4] the transform from the world to the parent of the root's node.
+    placed: the translations [3] of the nodes that do not rest where the bind pose has them.
     """
 
     document: Document
@@ -46,8 +48,8 @@ class Character:
     roles: Roles
     nodes: list[int]
     bind: Floats
-    rest: Floats
-    above: Floats
+    inwards: Floats
+    placed: Mapping[int, Floats]
 
     def animated(self, clip: Clip) -> bytes:
         """Returns a copy of the file with one more animation: a clip of this skeleton, under the clip's name.
@@ -56,7 +58,15 @@ class Character:
         the clip's name, a number is added to the new one's.
         """
         document = deepcopy(self.document)
-        translations, rotations = self._keys(clip)
+        positions, turns = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
+        turns = quaternion.multiply(turns, self.bind)
+        root, turn_inwards = self.nodes[0], rotations_of(self.inwards[:3])
+        translations = {node: place[None] for node, place in self.placed.items()}
+        translations[root] = positions[:, 0] @ self.inwards[:3, :3].T + self.inwards[:3, 3]
+        rotations = {root: quaternion.multiply(turn_inwards, turns[:, 0])}
+        for joint, parent in enumerate(self.skeleton.parents.tolist()[1:], 1):
+            local = quaternion.multiply(quaternion.conjugate(turns[:, parent]), turns[:, joint])
+            rotations[self.nodes[joint]] = local
         for node in rotations:
             _without_matrix(document["nodes"][node])
         binary = Binary(document, self.binary)
@@ -65,26 +75,6 @@ class Character:
         animations.append(binary.animation(name, clip.rate, translations, rotations))
         return glb(document, binary.data)
 
-    def _keys(self, clip: Clip) -> tuple[dict[int, Floats], dict[int, Floats]]:
-        """Returns the translations and rotations of nodes on their parents over time."""
-        positions, turns = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
-        turns = quaternion.multiply(turns, self.bind)
-        parents, root = self.skeleton.parents, self.nodes[0]
-        inverse = np.linalg.inv(self.above)
-        translations = {root: positions[:, 0] @ inverse[:3, :3].T + inverse[:3, 3]}
-        above = rotations_of(self.above[:3])
-        rotations = {root: quaternion.multiply(quaternion.conjugate(above), turns[:, 0])}
-        scales = np.cbrt(np.abs(np.linalg.det(self.rest[..., :3])))
-        near = PLACED * float(np.linalg.norm(self.skeleton.offsets[1:], axis=1).max())
-        for joint, node in enumerate(self.nodes[1:], 1):
-            parent = parents[joint]
-            rotations[node] = quaternion.multiply(quaternion.conjugate(turns[:, parent]), turns[:, joint])
-            bound = quaternion.rotate(quaternion.conjugate(self.bind[parent]), self.skeleton.offsets[joint])
-            rests = np.linalg.solve(self.rest[parent, :, :3], self.rest[joint, :, 3] - self.rest[parent, :, 3])
-            if np.linalg.norm(bound - rests * scales[parent]) > near:
-                translations[node] = bound[None] / scales[parent]
-        return translations, rotations
-
 
 def read_character(path: Path) -> Character:
     """Reads a character, .glb or .vrm, for animations to be written into it. It need not have any.
@@ -92,7 +82,11 @@ def read_character(path: Path) -> Character:
     Raises FormatError if the file is not one that can be written into, RoleError if its roles cannot be found.
     """
     try:
-        return _read(read_bytes(path))
+        data = read_bytes(path)
+        if data[:4] != MAGIC:
+            raise FormatError("this is not a GLB file", mend="Export the character as .glb or .vrm")
+        with malformed():
+            return _read(data)
     except RoleError as error:
         raise RoleError(error.problem, file=str(path), mend=RENAME) from None
     except MotionError as error:
@@ -100,29 +94,41 @@ def read_character(path: Path) -> Character:
 
 
 def _read(data: bytes) -> Character:
-    if data[:4] != MAGIC:
-        raise FormatError("this is not a GLB file", mend="Export the character as .glb or .vrm")
     document, binary = read_document(data)
-    if "uri" in document.get("buffers", [{}])[0]:
+    if "uri" in (document.get("buffers") or [{}])[0]:
         raise FormatError("its data are not in the file's binary chunk", mend="Export it as one GLB file")
     scene, numbers = read_rest(data)
     inside, _, _ = joints_of(scene)
     nodes, _ = nodes_of(scene)
     skeleton = fold(nodes, root_of(nodes, scene.roles)).skeleton
     places = [inside[nodes.names.index(name)] for name in skeleton.names]
-    parent, above = scene.parents[places[0]], np.eye(4)
-    if parent >= 0:
-        above[:3] = scene.world[0, parent]
+    above, rest, bind = scene.parents[places[0]], scene.world[0, places], rotations_of(scene.bind[places])
+    outwards = np.eye(4)
+    if above >= 0:
+        outwards[:3] = scene.world[0, above]
+    numbers = [numbers[place] for place in places]
     return Character(
         document,
         binary,
         skeleton,
         find_roles(skeleton, scene.roles),
-        [numbers[place] for place in places],
-        rotations_of(scene.bind[places]),
-        scene.world[0, places],
-        above,
+        numbers,
+        bind,
+        np.asarray(np.linalg.inv(outwards), np.float64),
+        {numbers[joint]: place for joint, place in _displaced(skeleton, bind, rest)},
     )
+
+
+def _displaced(skeleton: Skeleton, bind: Floats, rest: Floats) -> Iterator[tuple[int, Floats]]:
+    """Yields the joints whose nodes do not rest where the bind pose has them, and their translations [3] there."""
+    near = PLACED * float(np.linalg.norm(skeleton.offsets[1:], axis=1).max())
+    for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
+        axes = rest[parent, :, :3]
+        scale = np.cbrt(abs(np.linalg.det(axes)))
+        bound = quaternion.rotate(quaternion.conjugate(bind[parent]), skeleton.offsets[joint])
+        rests = scale * np.linalg.solve(axes, rest[joint, :, 3] - rest[parent, :, 3])
+        if np.linalg.norm(bound - rests) > near:
+            yield joint, bound / scale
 
 
 def _without_matrix(node: dict[str, Any]) -> None:

@@ -12,15 +12,15 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from motionsplice.commands.outputs import CharacterOption, check_out, open_character, retargeted, write_motion
+from motionsplice.commands.outputs import CharacterOption, check_out, open_character, print_sentences, write_motion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.formats.character import SUFFIXES, read_character
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.hand_joints import SIDES, fingers_of
 from motionsplice.motion.role_names import PAIRED
-from motionsplice.motion.roles import Roles, read_roles_file
-from motionsplice.motion.skeleton import Skeleton
+from motionsplice.motion.roles import read_roles_file
+from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.job.skeleton import rig_of
 
 console = Console(emoji=False)
 
@@ -39,7 +39,7 @@ def convert_command(
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
     skeleton: Annotated[
-        Path | None, typer.Option(help="A motion file of another rig: retarget the motion to its skeleton.")
+        Path | None, typer.Option(help="A motion file, character or bank: put the motion on its skeleton.")
     ] = None,
     fps: Annotated[
         float | None, typer.Option(min=1.0, max=1000.0, help="Frames per second to write; default: the file's.")
@@ -54,15 +54,17 @@ def convert_command(
     given = read_roles_file(roles) if roles else {}
     reading = read_clip(motion, animation=animation, skip_frames=skip_frames, unit=unit, roles=given)
     _show(motion, reading)
-    clip, own_roles = reading.clip, reading.roles
+    clip, own_roles, notes = reading.clip, reading.roles, tuple[str, ...]()
     if skeleton is not None:
-        target, target_roles = _skeleton_of(skeleton)
-        clip, own_roles = retargeted(clip, own_roles, target, target_roles), target_roles
+        rig = rig_of(skeleton, given)
+        fitted = onto_skeleton(clip, own_roles, rig.skeleton, rig.roles, pose=rig.pose)
+        clip, own_roles, notes = fitted.clip, rig.roles, fitted.notes
     if fps is not None:
         clip = at_rate(clip, fps)
-    write_motion(out, clip, own_roles, receiver)
+    notes += write_motion(out, clip, own_roles, receiver)
     onto = f", on the skeleton of {skeleton or character}" if skeleton or character else ""
     console.print(f"{out}: {_length(clip)}{onto}", highlight=False, soft_wrap=True, markup=False)
+    print_sentences(console, "dim", notes)
 
 
 def at_rate(clip: Clip, rate: float) -> Clip:
@@ -74,15 +76,6 @@ def at_rate(clip: Clip, rate: float) -> Clip:
     count = round(clip.duration * rate) + 1
     positions, rotations = clip.sampled(np.arange(count) * (clip.rate / rate))
     return replace(clip, rate=rate, root_positions=positions, rotations=rotations)
-
-
-def _skeleton_of(path: Path) -> tuple[Skeleton, Roles]:
-    """Returns the skeleton of a motion file, or of a character's file, which may have no animation or several."""
-    if path.suffix.lower() in SUFFIXES:
-        character = read_character(path)
-        return character.skeleton, character.roles
-    reading = read_clip(path)
-    return reading.clip.skeleton, reading.roles
 
 
 def _show(motion: Path, reading: Reading) -> None:

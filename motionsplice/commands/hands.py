@@ -18,6 +18,7 @@ from motionsplice.commands.outputs import (
     check_out,
     check_suffix,
     open_character,
+    print_sentences,
     write_motion,
 )
 from motionsplice.motion.errors import SettingsError
@@ -89,9 +90,10 @@ def hands_command(
     console.print(phase_table(spliced, ours, theirs))
     for line in _alignment_lines(spliced, theirs, settings):
         console.print(f"  {line}", highlight=False)
-    write_motion(out, spliced.clip, spliced.roles, receiver)
+    notes = write_motion(out, spliced.clip, spliced.roles, receiver)
     count = f"{spliced.clip.frame_count} frames at {spliced.clip.rate:g} per second"
     console.print(f"{out}: {count}, aligned and merged in {seconds:.2f} s", highlight=False, soft_wrap=True)
+    print_sentences(console, "dim", notes)
     if picture is not None:
         draw_alignment(spliced, settings, theirs.clip.rate, picture)
         console.print(f"{picture}", soft_wrap=True)

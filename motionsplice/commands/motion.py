@@ -19,6 +19,7 @@ from motionsplice.commands.outputs import (
     check_out,
     check_suffix,
     open_character,
+    print_sentences,
     write_motion,
 )
 from motionsplice.motion.errors import SettingsError
@@ -110,9 +111,10 @@ def splice_command(
         opened.clip(action)
     receiver = open_character(character)
     clip = spliced(opened, locomotion, action, method, posture, start, hands)
-    write_motion(out, clip, opened.roles, receiver)
+    notes = write_motion(out, clip, opened.roles, receiver)
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
+    print_sentences(console, "dim", notes)
 
 
 def spliced(

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.console import Console
+from rich.markup import escape
 
 from motionsplice.motion.errors import SettingsError
 
@@ -13,7 +16,6 @@ if TYPE_CHECKING:
     from motionsplice.motion.clip import Clip
     from motionsplice.motion.formats.character import Character
     from motionsplice.motion.roles import Roles
-    from motionsplice.motion.skeleton import Skeleton
 
 WRITTEN = (".bvh", ".glb", ".gltf", ".vrma")  # the keys of `formats.files.WRITERS`, whose import takes a second
 OutOption = Annotated[Path, typer.Option(help="The file to write: .bvh, .glb, .gltf or .vrma, in metres.")]
@@ -53,21 +55,25 @@ def open_character(file: Path | None) -> Character | None:
     return read_character(file)
 
 
-def write_motion(out: Path, clip: Clip, roles: Roles, character: Character | None) -> None:
+def write_motion(out: Path, clip: Clip, roles: Roles, character: Character | None) -> tuple[str, ...]:
     """Writes a motion as the kind of file that the name ends in, or into a copy of a character's file.
 
-    Raises SkeletonError if the character's skeleton does not fit, RoleError for a .vrma of a rig without a head.
+    Returns notes for the user. Raises SkeletonError if the motion does not fit the character, RoleError for a .vrma of
+    a rig without a head.
     """
     if character is None:
         from motionsplice.motion.formats.files import write_clip
 
         write_clip(out, clip, roles)
-    else:
-        out.write_bytes(character.animated(retargeted(clip, roles, character.skeleton, character.roles)))
-
-
-def retargeted(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles) -> Clip:
-    """Returns a clip on another skeleton. Raises SkeletonError."""
+        return ()
     from motionsplice.precompute.body.common_skeleton import onto_skeleton
 
-    return onto_skeleton(clip, roles, skeleton, skeleton_roles)
+    fitted = onto_skeleton(clip, roles, character.skeleton, character.roles)
+    out.write_bytes(character.animated(fitted.clip))
+    return fitted.notes
+
+
+def print_sentences(console: Console, style: str, sentences: Iterable[str]) -> None:
+    """Prints notes or warnings, one a line."""
+    for sentence in sentences:
+        console.print(f"[{style}]{escape(sentence)}[/{style}]", highlight=False, soft_wrap=True)

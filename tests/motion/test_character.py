@@ -28,7 +28,7 @@ def written(tmp_path: Path, data: bytes, clip: Clip = WALK) -> tuple[Clip, bytes
     """Returns the clip on the character's skeleton, and the character's file with it."""
     (tmp_path / "hero.glb").write_bytes(data)
     hero = read_character(tmp_path / "hero.glb")
-    on_hero = onto_skeleton(clip, find_roles(clip.skeleton), hero.skeleton, hero.roles)
+    on_hero = onto_skeleton(clip, find_roles(clip.skeleton), hero.skeleton, hero.roles).clip
     return on_hero, hero.animated(on_hero)
 
 

@@ -29,7 +29,8 @@ class Binary:
         self.data = bytearray(data + b"\0" * (-len(data) % 4))
         self._views = document.setdefault("bufferViews", [])
         self._accessors = document.setdefault("accessors", [])
-        self._buffer = document.setdefault("buffers", [{}])[0]
+        document["buffers"] = document.get("buffers") or [{}]
+        self._buffer = document["buffers"][0]
 
     def add(self, values: Floats, *, bounds: bool = False) -> int:
         """Adds an array [n, width] as float32, and returns its accessor."""

@@ -33,7 +33,7 @@ Tracks = dict[tuple[int, str], Track]
 
 def animation_names(data: bytes) -> list[str]:
     """Returns the names of a file's animations; those without a name are called by their number. Raises FormatError."""
-    with _malformed():
+    with malformed():
         return _names(read_document(data)[0])
 
 
@@ -42,7 +42,7 @@ def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str)
 
     `read_beside` reads a file in the same folder, for buffers. Raises FormatError.
     """
-    with _malformed():
+    with malformed():
         container = open_container(data, read_beside)
         names = _names(container.document)
         if animation not in names:
@@ -52,7 +52,7 @@ def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str)
 
 def read_rest(data: bytes) -> tuple[Scene, list[int]]:
     """Reads the nodes of a GLB file at rest, as one frame, and the number of each in the file. Raises FormatError."""
-    with _malformed():
+    with malformed():
         container = open_container(data, _not_beside)
         order, parents = _order(container.document["nodes"])
         return _posed(container, order, parents, {}, np.zeros(1), 1.0), order
@@ -64,13 +64,13 @@ def _not_beside(name: str) -> bytes:
 
 def buffer_files(data: bytes) -> list[str]:
     """Returns the names of the files beside it that hold its buffers. Raises FormatError."""
-    with _malformed():
+    with malformed():
         uris = [buffer.get("uri") for buffer in read_document(data)[0].get("buffers", ())]
         return [unquote(uri) for uri in uris if uri is not None and not uri.startswith("data:")]
 
 
 @contextmanager
-def _malformed() -> Iterator[None]:
+def malformed() -> Iterator[None]:
     """Turns what malformed JSON leads to into a FormatError."""
     try:
         yield

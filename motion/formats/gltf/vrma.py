@@ -49,17 +49,13 @@ def dump_vrma(clip: Clip, roles: Roles) -> bytes:
     positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
     turns = quaternion.multiply(world, quaternion.conjugate(straight))
     rest = _rest(clip.skeleton, straight, positions)
-    above = {joint: _bone_above(clip.skeleton, joint, bones) for joint in joints}
-    nodes: list[dict[str, Any]] = []
-    keys = {}
-    for node, joint in enumerate(joints):
-        offset = rest[joint] - (rest[above[joint]] if joint else 0.0)
-        nodes.append({"name": clip.skeleton.names[joint], "translation": offset.tolist()})
-        if joint:
-            nodes[joints.index(above[joint])].setdefault("children", []).append(node)
-            keys[node] = quaternion.multiply(quaternion.conjugate(turns[:, above[joint]]), turns[:, joint])
-        else:
-            keys[node] = turns[:, joint]
+    nodes: list[dict[str, Any]] = [{"name": clip.skeleton.names[0], "translation": rest[0].tolist()}]
+    keys = {0: turns[:, 0]}
+    for node, joint in enumerate(joints[1:], 1):
+        above = next(bone for bone in clip.skeleton.chain(joint)[1:] if bone in bones)
+        nodes.append({"name": clip.skeleton.names[joint], "translation": (rest[joint] - rest[above]).tolist()})
+        nodes[joints.index(above)].setdefault("children", []).append(node)
+        keys[node] = quaternion.multiply(quaternion.conjugate(turns[:, above]), turns[:, joint])
     human = {bones[joint]: {"node": node} for node, joint in enumerate(joints)}
     document: Document = {
         "asset": ASSET,
@@ -96,10 +92,6 @@ def vrm_bones(skeleton: Skeleton, roles: Roles) -> dict[int, str]:
             if 1 <= place <= len(phalanges):
                 bones[joint] = f"{side}{FINGERS[finger]}{phalanges[place - 1]}"
     return bones | {joint: bone for bone, role in ROLES.items() if (joint := int(getattr(roles, role))) >= 0}
-
-
-def _bone_above(skeleton: Skeleton, joint: int, bones: dict[int, str]) -> int:
-    return next((above for above in skeleton.chain(joint)[1:] if above in bones), -1)
 
 
 def _rest(skeleton: Skeleton, straight: Floats, positions: Floats) -> Floats:

@@ -9,17 +9,19 @@ from typing import NamedTuple
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import asf_amc, bvh
+from motionsplice.motion.formats.fbx import reader as fbx_reader
 from motionsplice.motion.formats.fold import Nodes
 from motionsplice.motion.formats.gltf import reader as gltf_reader
 from motionsplice.motion.formats.gltf.writer import dump_glb
-from motionsplice.motion.formats.scene import nodes_of
+from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import (
     NOTHING_GIVEN,
 )
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
+SCENES = (*GLTF, ".fbx")
 WRITERS: Mapping[str, Callable[[Clip], bytes]] = {".bvh": bvh.dump_bvh, ".glb": dump_glb}
-SUFFIXES = (".amc", ".bvh", *GLTF)
+SUFFIXES = (".amc", ".bvh", *SCENES)
 
 
 class Parsed(NamedTuple):
@@ -40,7 +42,7 @@ def clip_files(folder: Path) -> list[Path]:
 def clips_in(path: Path) -> dict[str, str | None]:
     """Returns the names of the clips in a file, each with its animation; None for a file that holds one motion.
 
-    A glTF file with several animations holds a clip `file:animation` for each. Raises FormatError.
+    A glTF or FBX file with several animations holds a clip `file:animation` for each. Raises FormatError.
     """
     names = _animations(path)
     return {clip_name(path, name if len(names) > 1 else None): name for name in names} or {path.stem: None}
@@ -65,7 +67,10 @@ def clip_name(path: Path, animation: str | None) -> str:
 
 
 def _animations(path: Path) -> list[str]:
-    return gltf_reader.animation_names(read_bytes(path)) if path.suffix.lower() in GLTF else []
+    suffix = path.suffix.lower()
+    if suffix == ".fbx":
+        return fbx_reader.animation_names(read_bytes(path))
+    return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
 def parse(path: Path, animation: str | None) -> Parsed:
@@ -78,6 +83,8 @@ def parse(path: Path, animation: str | None) -> Parsed:
     data = read_bytes(path)
     if suffix in GLTF:
         return _parse_gltf(path, data, animation)
+    if suffix == ".fbx":
+        return _parsed(fbx_reader.read_scene(data, animation))
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
@@ -98,8 +105,12 @@ def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
         problem = f"it has {len(names)} animations"
         raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
     scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation or names[0])
+    return _parsed(scene)
+
+
+def _parsed(scene: Scene) -> Parsed:
     nodes, notes = nodes_of(scene)
-    return Parsed(nodes, scene.rate, 1.0, scene.roles, notes)
+    return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes)
 
 
 def _beside(path: Path, name: str) -> Path:

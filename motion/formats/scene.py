@@ -31,7 +31,7 @@ class Scene:
     joints: [N] whether a node is a joint of a body rather than a mesh, a camera or a prop.
     bind, world: [N, 3, 4] and [F, N, 3, 4] transforms to the world, in the bind pose and over time. The first three
     columns are the axes, with their scale, and the last is the position.
-    roles: names of nodes by role, if the file states them. notes: what was left out or assumed.
+    roles: names of nodes by role, if the file states them. notes: what was left out or assumed. unit: metres in a unit.
     """
 
     names: tuple[str, ...]
@@ -42,6 +42,7 @@ class Scene:
     rate: float
     roles: Mapping[str, str]
     notes: tuple[str, ...] = ()
+    unit: float = 1.0
 
 
 def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:

@@ -39,7 +39,7 @@ def register(app: typer.Typer) -> None:
 
 
 def precompute_command(
-    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc, .glb, ...), or folders of them.")],
+    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .fbx, .glb, ...), or folders of them.")],
     out: Annotated[Path, typer.Option(help="The bank to write, a folder.")],
     baseline: Annotated[
         str, typer.Option(help="The clip to whose stride all clips are aligned; auto: the most typical stride.")

@@ -82,7 +82,7 @@ def parse(path: Path, animation: str | None) -> Parsed:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)
     if suffix in GLTF:
-        return _parse_gltf(path, data, animation)
+        return _parsed(gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation))
     if suffix == ".fbx":
         return _parsed(fbx_reader.read_scene(data, animation))
     if animation is not None:
@@ -97,17 +97,6 @@ def parse(path: Path, animation: str | None) -> Parsed:
     return Parsed(*asf_amc.parse_motion(data, skeleton), skeleton.unit)
 
 
-def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
-    names = gltf_reader.animation_names(data)
-    if not names:
-        raise FormatError("it has no animation", mend="Export the armature with its animation")
-    if animation is None and len(names) > 1:
-        problem = f"it has {len(names)} animations"
-        raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
-    scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation or names[0])
-    return _parsed(scene)
-
-
 def _parsed(scene: Scene) -> Parsed:
     nodes, notes = nodes_of(scene)
     return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes)
@@ -116,16 +105,20 @@ def _parsed(scene: Scene) -> Parsed:
 def _beside(path: Path, name: str) -> Path:
     """Returns a file in the same folder or below it. Raises FormatError for others, which a hostile file may name."""
     file = path.parent / name
-    if not file.resolve().is_relative_to(path.parent.resolve()):
+    try:
+        is_inside = file.resolve().is_relative_to(path.parent.resolve())
+    except ValueError:
+        raise FormatError(f"it refers to {name!r}, which cannot be a file's name", mend="Export it again") from None
+    if not is_inside:
         raise FormatError(f"it refers to {name!r}, outside its folder", mend="Put all its files into one folder")
     return file
 
 
 def read_bytes(path: Path) -> bytes:
     """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty."""
-    if not path.exists():
-        raise FormatError("no such file", file=str(path), mend="Check the path")
     try:
+        if not path.exists():
+            raise FormatError("no such file", file=str(path), mend="Check the path")
         data = path.read_bytes()
     except OSError as error:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None

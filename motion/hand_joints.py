@@ -91,7 +91,7 @@ def palm_of(skeleton: Skeleton, roles: Roles, side: Side) -> tuple[Floats, Float
     """
     wrist = wrist_of(roles, side)
     knuckles: dict[str, tuple[int, Floats]] = {}
-    for joint, (finger, place) in _finger_places(skeleton, fingers_of(skeleton, roles, side)).items():
+    for joint, (finger, place) in finger_places(skeleton, fingers_of(skeleton, roles, side)).items():
         if finger != "thumb" and place > 0 and (finger not in knuckles or place < knuckles[finger][0]):
             path = skeleton.chain(joint)
             knuckles[finger] = place, skeleton.offsets[path[: path.index(wrist)]].sum(axis=0)
@@ -108,8 +108,8 @@ def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_role
     Joints of ours without a match, such as metacarpals, are left out. Raises SkeletonError if nothing matches.
     """
     mine, other = fingers_of(ours, our_roles, side), fingers_of(theirs, their_roles, side)
-    by_place = {place: joint for joint, place in _finger_places(theirs, other).items()}
-    match = {joint: by_place[place] for joint, place in _finger_places(ours, mine).items() if place in by_place}
+    by_place = {place: joint for joint, place in finger_places(theirs, other).items()}
+    match = {joint: by_place[place] for joint, place in finger_places(ours, mine).items() if place in by_place}
     if not match and _shape(ours, mine) == _shape(theirs, other):
         match = dict(zip(mine, other, strict=True))
     if mine and not other:
@@ -123,7 +123,7 @@ def match_fingers(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_role
     return match
 
 
-def _finger_places(skeleton: Skeleton, joints: list[int]) -> dict[int, tuple[str, int]]:
+def finger_places(skeleton: Skeleton, joints: list[int]) -> dict[int, tuple[str, int]]:
     """Returns the finger and the place in it, counted from 1 at the palm, of the joints that have a finger's name.
 
     The place is the number in the name, or the order of the joints if no joint of the finger has one. Bones within the

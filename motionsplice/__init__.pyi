@@ -11,7 +11,9 @@ from .motion.errors import SkeletonError as SkeletonError
 from .motion.errors import TimeRangeError as TimeRangeError
 from .motion.errors import UnknownClipError as UnknownClipError
 from .motion.formats.bvh import dump_bvh as dump_bvh
+from .motion.formats.gltf.vrma import dump_vrma as dump_vrma
 from .motion.formats.gltf.writer import dump_glb as dump_glb
+from .motion.formats.gltf.writer import dump_gltf as dump_gltf
 from .motion.formats.reading import Reading as Reading
 from .motion.formats.reading import read_clip as read_clip
 from .motion.roles import Roles as Roles

@@ -21,8 +21,11 @@ from motionsplice.motion.errors import MotionError
 COMMANDS = {  # each command's module in `motionsplice.commands`, and the first line of its help
     "precompute": ("bank", "Align clips to a baseline locomotion, and write a bank."),
     "inspect": ("bank", "Show the clips of a bank, and how well each is aligned to the baseline."),
-    "splice": ("motion", "Splice an action's upper body onto a locomotion, and write the motion as BVH or GLB."),
-    "convert": ("motion", "Read a motion file, print what was understood, and write it in another format."),
+    "splice": (
+        "motion",
+        "Splice an action's upper body onto a locomotion, and write the motion as BVH, glTF or VRM animation.",
+    ),
+    "convert": ("convert", "Read a motion file, print what was understood, and write it in another format."),
     "render": ("motion", "Draw motions as stick figures, or one hand of each, to judge them by eye."),
     "hands": ("hands", "Align hands to a body that was captured separately, and write the body with their fingers."),
     "study": ("study", "Find which upper-body motions correlate with the legs, and which of them other motions keep."),

@@ -49,3 +49,24 @@ def with_arms_turned(skeleton: Skeleton, radians: float) -> Skeleton:
         tips = np.isin(skeleton.end_parents, arm)
         ends[tips] = quaternion.rotate(turn, ends[tips])
     return replace(skeleton, offsets=offsets, end_offsets=ends)
+
+
+def with_bind_pose(clip: Clip, turns: Mapping[str, Floats]) -> Clip:
+    """Returns the same motion on a rig that is bound in another pose.
+
+    turns: by joint, the rotation [4] in the world that takes the joint and all below it from its bind pose to the other
+    one, after the rotations of the joints above.
+    """
+    skeleton = clip.skeleton
+    world = np.tile(quaternion.IDENTITY, (skeleton.joint_count, 1))
+    for joint, name in enumerate(skeleton.names):
+        above = world[skeleton.parents[joint]] if joint else quaternion.IDENTITY
+        world[joint] = quaternion.multiply(turns.get(name, quaternion.IDENTITY), above)
+    above = np.concatenate([quaternion.IDENTITY[None], world[skeleton.parents[1:]]])
+    rig = replace(
+        skeleton,
+        offsets=quaternion.rotate(above, skeleton.offsets),
+        end_offsets=quaternion.rotate(world[skeleton.end_parents], skeleton.end_offsets),
+    )
+    rotations = quaternion.multiply(quaternion.multiply(above, clip.rotations), quaternion.conjugate(world))
+    return replace(clip, skeleton=rig, rotations=rotations)

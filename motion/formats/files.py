@@ -12,15 +12,22 @@ from motionsplice.motion.formats import asf_amc, bvh
 from motionsplice.motion.formats.fbx import reader as fbx_reader
 from motionsplice.motion.formats.fold import Nodes
 from motionsplice.motion.formats.gltf import reader as gltf_reader
-from motionsplice.motion.formats.gltf.writer import dump_glb
+from motionsplice.motion.formats.gltf.vrma import dump_vrma
+from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
 from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import (
     NOTHING_GIVEN,
+    Roles,
 )
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 SCENES = (*GLTF, ".fbx")
-WRITERS: Mapping[str, Callable[[Clip], bytes]] = {".bvh": bvh.dump_bvh, ".glb": dump_glb}
+WRITERS: Mapping[str, Callable[[Clip, Roles], bytes]] = {
+    ".bvh": lambda clip, roles: bvh.dump_bvh(clip),
+    ".glb": lambda clip, roles: dump_glb(clip),
+    ".gltf": lambda clip, roles: dump_gltf(clip),
+    ".vrma": dump_vrma,
+}
 SUFFIXES = (".amc", ".bvh", *SCENES)
 
 
@@ -48,9 +55,9 @@ def clips_in(path: Path) -> dict[str, str | None]:
     return {clip_name(path, name if len(names) > 1 else None): name for name in names} or {path.stem: None}
 
 
-def write_clip(path: Path, clip: Clip) -> None:
-    """Writes a clip as the kind of file that the name ends in, one of WRITERS."""
-    path.write_bytes(WRITERS[path.suffix.lower()](clip))
+def write_clip(path: Path, clip: Clip, roles: Roles) -> None:
+    """Writes a clip as the kind of file that the name ends in, one of WRITERS. Raises RoleError for a .vrma."""
+    path.write_bytes(WRITERS[path.suffix.lower()](clip, roles))
 
 
 def files_behind(path: Path) -> tuple[Path, ...]:

@@ -114,7 +114,7 @@ def _read(
     if not 0 <= skip_frames < len(nodes.rotations):
         problem = f"cannot skip {skip_frames} of {len(nodes.rotations)} frames"
         raise FormatError(problem, mend="Choose a smaller --skip-frames")
-    folded = fold(nodes, _root(nodes, given))
+    folded = fold(nodes, root_of(nodes, given))
     roles = find_roles(folded.skeleton, given)
     notes = [*own_notes, *folded.notes]
     leg = roles.leg_length(folded.skeleton)
@@ -134,7 +134,7 @@ def _read(
     return Reading(clip, roles, metres, tuple(notes), warnings)
 
 
-def _root(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:
+def root_of(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:
     """Returns the joint at which legs and trunk branch.
 
     If names do not show it, returns the file's own root; `find_roles` then reports what is missing.

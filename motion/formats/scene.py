@@ -52,9 +52,7 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
 
     Joints are kept with all nodes between them. Transforms above them become part of the root's.
     """
-    kept, dropped = _body(scene)
-    ends = _ends(scene, kept)
-    inside = sorted(set(kept) - set(ends))
+    inside, ends, dropped = joints_of(scene)
     places = {node: place for place, node in enumerate(inside)}
     parents = np.array([places.get(int(scene.parents[node]), -1) for node in inside])
     world, local = _turns(scene, inside, parents)
@@ -89,6 +87,16 @@ def _turns(scene: Scene, inside: list[int], parents: Integers) -> tuple[Floats, 
         turns = quaternion.multiply(quaternion.conjugate(above), world[block])
         local[:, block] = quaternion.one_hemisphere(turns.swapaxes(0, 1))
     return world, local
+
+
+def joints_of(scene: Scene) -> tuple[list[int], list[int], list[str]]:
+    """Returns the joints of a scene, parent before child, its end sites, and the names of joints left out.
+
+    Raises FormatError if there are none.
+    """
+    kept, dropped = _body(scene)
+    ends = _ends(scene, kept)
+    return sorted(set(kept) - set(ends)), ends, dropped
 
 
 def _body(scene: Scene) -> tuple[list[int], list[str]]:

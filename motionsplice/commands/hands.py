@@ -12,9 +12,16 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from motionsplice.commands.outputs import check_suffix
+from motionsplice.commands.outputs import (
+    CharacterOption,
+    OutOption,
+    check_out,
+    check_suffix,
+    open_character,
+    print_sentences,
+    write_motion,
+)
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.formats.files import write_clip
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.roles import read_roles_file
 from motionsplice.pictures.hand_charts import draw_alignment
@@ -41,7 +48,7 @@ def hands_command(
     hands: Annotated[
         Path, typer.Argument(help="The motion that gives the fingers: the same gestures, captured separately.")
     ],
-    out: Annotated[Path, typer.Option(help="The file to write, .bvh or .glb, in metres.")],
+    out: OutOption,
     pair: Annotated[
         list[str] | None,
         typer.Option(help="BODY:HANDS, two frames to align; BODY:HANDS~N allows N frames of the hands either way."),
@@ -60,17 +67,19 @@ def hands_command(
     skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of both motions that are not motion.")] = 0,
     unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
     roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    character: CharacterOption = None,
 ) -> None:
     """Align hands to a body that was captured separately, and write the body with their fingers.
 
     The first pass aligns the phases of gestures, the second the frames within them. Pairs of frames constrain both.
     Frames count from 0.
     """
-    check_suffix(out, ".bvh", ".glb")
+    check_out(out, character)
     if picture is not None:
         check_suffix(picture, ".png", option="--picture")
     settings = HandSettings(hand, wrist, turn, _bands(band), tuple(FramePair.parse(one) for one in pair or ()))
     given = read_roles_file(roles) if roles else {}
+    receiver = open_character(character)
     ours, theirs = (read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in (body, hands))
     begin = time.perf_counter()
     spliced = splice_hands(ours.clip, ours.roles, theirs.clip, theirs.roles, settings)
@@ -81,9 +90,10 @@ def hands_command(
     console.print(phase_table(spliced, ours, theirs))
     for line in _alignment_lines(spliced, theirs, settings):
         console.print(f"  {line}", highlight=False)
-    write_clip(out, spliced.clip)
+    notes = write_motion(out, spliced.clip, spliced.roles, receiver)
     count = f"{spliced.clip.frame_count} frames at {spliced.clip.rate:g} per second"
     console.print(f"{out}: {count}, aligned and merged in {seconds:.2f} s", highlight=False, soft_wrap=True)
+    print_sentences(console, "dim", notes)
     if picture is not None:
         draw_alignment(spliced, settings, theirs.clip.rate, picture)
         console.print(f"{picture}", soft_wrap=True)

@@ -1,4 +1,4 @@
-"""`motionsplice splice`, `render` and `convert`: motions from a bank, pictures of motions, and other formats.
+"""`motionsplice splice` and `render`: motions from a bank, and pictures of motions.
 
 The evaluator and the pictures are imported when they are needed, so that a misspelt clip name is reported at once.
 """
@@ -12,9 +12,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
-from motionsplice.commands.outputs import check_suffix
+from motionsplice.commands.outputs import (
+    CharacterOption,
+    OutOption,
+    check_out,
+    check_suffix,
+    open_character,
+    print_sentences,
+    write_motion,
+)
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.hand_joints import Side
 
@@ -65,13 +72,12 @@ def register(app: typer.Typer) -> None:
     app.command("render", epilog="Example: [bold]motionsplice render walk.bvh box.bvh --out sheet.png[/bold]")(
         render_command
     )
-    app.command("convert", epilog="Example: [bold]motionsplice convert walk.glb walk.bvh[/bold]")(convert_command)
 
 
 def splice_command(
     bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")],
     locomotion: Annotated[str, typer.Option(help="The clip that gives the root and the lower body.")],
-    out: Annotated[Path, typer.Option(help="The file to write, .bvh or .glb, in metres.")],
+    out: OutOption,
     action: Annotated[
         str | None, typer.Option(help="The clip that gives the upper body; without it, the locomotion alone.")
     ] = None,
@@ -93,21 +99,22 @@ def splice_command(
         float, typer.Option(help="Earliest second of the action; it begins at the next frame in step.")
     ] = 0.0,
     hands: Annotated[str | None, typer.Option(help="A hands clip, aligned to the action, to lay on it.")] = None,
+    character: CharacterOption = None,
 ) -> None:
-    """Splice an action's upper body onto a locomotion, and write the motion as BVH or GLB."""
-    check_suffix(out, ".bvh", ".glb")
+    """Splice an action's upper body onto a locomotion, and write the motion as BVH, glTF or VRM animation."""
+    check_out(out, character)
     from motionsplice.runtime.bank import Bank
 
     opened = Bank.open(bank)
     whole = opened.clip(locomotion)  # raises UnknownClipError before anything slow is imported
     if action is not None:
         opened.clip(action)
+    receiver = open_character(character)
     clip = spliced(opened, locomotion, action, method, posture, start, hands)
-    from motionsplice.motion.formats.files import write_clip
-
-    write_clip(out, clip)
+    notes = write_motion(out, clip, opened.roles, receiver)
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
+    print_sentences(console, "dim", notes)
 
 
 def spliced(
@@ -171,32 +178,3 @@ def render_command(
     else:
         out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind, hand=hand))
     console.print(f"{out}")
-
-
-def convert_command(
-    motion: Annotated[Path, typer.Argument(help="A motion file (.bvh, .amc, .glb, .gltf, .vrm, .vrma).")],
-    out: Annotated[Path, typer.Argument(help="The file to write, .bvh or .glb, in metres.")],
-    animation: Annotated[str | None, typer.Option(help="The animation, of a file that has several.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames to leave out (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
-) -> None:
-    """Read a motion file, print what was understood, and write it in another format."""
-    check_suffix(out, ".bvh", ".glb", option="OUT")
-    from motionsplice.motion.formats.files import write_clip
-    from motionsplice.motion.formats.reading import read_clip
-    from motionsplice.motion.roles import read_roles_file
-
-    given = read_roles_file(roles) if roles else {}
-    reading = read_clip(motion, animation=animation, skip_frames=skip_frames, unit=unit, roles=given)
-    write_clip(out, reading.clip)
-    found = reading.clip
-    console.print(
-        f"{out}: {found.name!r}, {found.frame_count} frames at {found.rate:g} per second, {found.duration:.2f} s, "
-        f"{found.skeleton.joint_count} joints, {found.skeleton.names[0]!r} is the root",
-        highlight=False,
-        soft_wrap=True,
-    )
-    for style, sentences in (("yellow", reading.warnings), ("dim", reading.notes)):
-        for sentence in sentences:
-            console.print(f"[{style}]{escape(sentence)}[/{style}]", highlight=False, soft_wrap=True)

@@ -11,7 +11,7 @@ import orjson
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import pieces
-from motionsplice.motion.formats.gltf.writer import dump_glb
+from motionsplice.motion.formats.files import WRITERS
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.problems import RequestError
@@ -21,13 +21,18 @@ from motionsplice.service.wire.messages import FORMS, frame_fields, json, packed
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
-FILES = {"bvh": b"application/x-bvh", "glb": b"model/gltf-binary"}  # files of a motion, by their suffix
+FILES = {  # the media types of motion files, by their suffix
+    "bvh": b"application/x-bvh",
+    "glb": b"model/gltf-binary",
+    "gltf": b"model/gltf+json",
+    "vrma": b"model/gltf-binary",
+}
 JSON_BLOCK = 64
 SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", *FILES))
 
 
 async def splice(shared: Shared, query: bytes) -> Answer:
-    """Returns the frames as one map, or as a BVH or GLB file. Raises MotionError."""
+    """Returns the frames as one map, or as a file of the motion. Raises MotionError."""
     values = SPLICE.read(query)
     frames = Frames.from_query(shared.serving.edition, values, shared.settings.max_frames)
     how = encoding(values)
@@ -84,10 +89,10 @@ def _file(frames: Frames, form: str) -> Iterator[bytes]:
         roots.append(poses.root_positions)
         rotations.append(poses.rotations)
         yield b""
-    skeleton = frames.edition.bank.skeleton
+    bank = frames.edition.bank
     places, turns = (np.concatenate(one).astype(np.float64) for one in (roots, rotations))
-    clip = Clip(frames.splice.name, skeleton, frames.rate, places, turns)
-    yield from pieces(clip) if form == "bvh" else [dump_glb(clip)]
+    clip = Clip(frames.splice.name, bank.skeleton, frames.rate, places, turns)
+    yield from pieces(clip) if form == "bvh" else [WRITERS[f".{form}"](clip, bank.roles)]
 
 
 def _file_name(values: dict[str, str | None]) -> str:

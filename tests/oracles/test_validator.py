@@ -11,6 +11,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.files import write_clip
 from motionsplice.motion.procedural.gestures import sample_gestures
 from motionsplice.motion.procedural.library import sample_clips
+from motionsplice.motion.roles import find_roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.bank import Bank
 from tests.oracles.node import needs_node, run
@@ -34,6 +35,6 @@ def test_written_files_are_valid(bank: Bank, tmp_path: Path) -> None:
     for suffix in SUFFIXES:
         for name, clip in clips.items():
             files.append(str(tmp_path / f"{name}{suffix}"))
-            write_clip(Path(files[-1]), clip)
+            write_clip(Path(files[-1]), clip, find_roles(clip.skeleton))
     found = dict(zip(files, run("validate.mjs", *files), strict=True))
     assert {file: issues for file, issues in found.items() if issues} == {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -11,6 +12,8 @@ import pytest
 from fastapi.testclient import TestClient
 
 from motionsplice.motion.formats.bvh import parse
+from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.kinematics import joint_positions
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
@@ -258,3 +261,15 @@ def test_a_connection_keeps_its_bank_while_a_newer_one_does_not_have_its_hands(
             assert player.event("bank")["bank"] == bank.digest
     finally:
         loop.call_soon_threadsafe(serving.exchange, old)
+
+
+def test_a_vrm_animation_has_the_fingers_of_the_hands(
+    hands_client: TestClient, hands_bank: Bank, tmp_path: Path
+) -> None:
+    query = "locomotion=run&action=counting&hands=counting_hands"
+    (tmp_path / "x.vrma").write_bytes(hands_client.get(f"/v1/splice?{query}&format=vrma").content)
+    clip = read_clip(tmp_path / "x.vrma").clip
+    wanted = Evaluator(hands_bank).clip(Splice("run", "counting", hands="counting_hands"))
+    joints = [hands_bank.skeleton.index(name) for name in clip.skeleton.names]
+    assert len(joints) == hands_bank.skeleton.joint_count == 52
+    np.testing.assert_allclose(joint_positions(clip), joint_positions(wanted)[:, joints], atol=1e-5)

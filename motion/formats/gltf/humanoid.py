@@ -14,12 +14,16 @@ ROLES = {f"{side}{bone}": f"{side}_{role}" for side in ("left", "right") for bon
 }
 
 
-def humanoid_nodes(document: dict[str, Any]) -> dict[str, int]:
-    """Returns the nodes of the limbs, neck and head by role; none if the file has no such map."""
+def human_bones(document: dict[str, Any]) -> dict[str, int]:
+    """Returns the nodes of all bones of a person by VRM's names of bones; none if the file has no such map."""
     extensions = document.get("extensions", {})
     for name in ("VRMC_vrm", "VRMC_vrm_animation"):
-        bones = extensions.get(name, {}).get("humanoid", {}).get("humanBones", {})
-        if bones:
-            return {ROLES[bone]: int(one["node"]) for bone, one in bones.items() if bone in ROLES}
+        if bones := extensions.get(name, {}).get("humanoid", {}).get("humanBones", {}):
+            return {bone: int(one["node"]) for bone, one in bones.items()}
     bones = extensions.get("VRM", {}).get("humanoid", {}).get("humanBones", [])
-    return {ROLES[one["bone"]]: int(one["node"]) for one in bones if one["bone"] in ROLES}
+    return {one["bone"]: int(one["node"]) for one in bones}
+
+
+def humanoid_nodes(document: dict[str, Any]) -> dict[str, int]:
+    """Returns the nodes of the limbs, neck and head by role; none if the file has no such map."""
+    return {ROLES[bone]: node for bone, node in human_bones(document).items() if bone in ROLES}

@@ -15,7 +15,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
 from motionsplice.motion.formats.gltf.accessors import read_accessor
 from motionsplice.motion.formats.gltf.container import EXPORT, Container, open_container, read_document
-from motionsplice.motion.formats.gltf.humanoid import humanoid_nodes
+from motionsplice.motion.formats.gltf.humanoid import human_bones, humanoid_nodes
 from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.scene import Scene
 from motionsplice.motion.quaternion import Floats
@@ -34,7 +34,7 @@ Tracks = dict[tuple[int, str], Track]
 
 def animation_names(data: bytes) -> list[str]:
     """Returns the names of a file's animations; those without a name are called by their number. Raises FormatError."""
-    with _malformed():
+    with malformed():
         return _names(read_document(data)[0])
 
 
@@ -43,7 +43,7 @@ def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str 
 
     `read_beside` reads a file in the same folder, for buffers. Raises FormatError.
     """
-    with _malformed():
+    with malformed():
         container = open_container(data, read_beside)
         names = _names(container.document)
         if not names:
@@ -58,15 +58,27 @@ def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str 
         return _scene(container, names.index(animation))
 
 
+def read_rest(data: bytes) -> tuple[Scene, list[int]]:
+    """Reads the nodes of a GLB file at rest, as one frame, and the number of each in the file. Raises FormatError."""
+    with malformed():
+        container = open_container(data, _not_beside)
+        order, parents = _order(container.document["nodes"])
+        return _posed(container, order, parents, {}, np.zeros(1), 1.0), order
+
+
+def _not_beside(name: str) -> bytes:
+    raise FormatError(f"its data are in another file, {name!r}", mend="Export it as one GLB file")
+
+
 def buffer_files(data: bytes) -> list[str]:
     """Returns the names of the files beside it that hold its buffers. Raises FormatError."""
-    with _malformed():
+    with malformed():
         uris = [buffer.get("uri") for buffer in read_document(data)[0].get("buffers", ())]
         return [unquote(uri) for uri in uris if uri is not None and not uri.startswith("data:")]
 
 
 @contextmanager
-def _malformed() -> Iterator[None]:
+def malformed() -> Iterator[None]:
     """Turns what malformed JSON leads to into a FormatError."""
     try:
         yield
@@ -90,18 +102,24 @@ def _text(name: Any) -> str:
 
 def _scene(container: Container, number: int) -> Scene:
     document = container.document
-    nodes = document["nodes"]
-    order, parents = _order(nodes)
-    tracks = _tracks(container, document["animations"][number], len(nodes))
+    order, parents = _order(document["nodes"])
+    tracks = _tracks(container, document["animations"][number], len(order))
     if not tracks:
         raise FormatError("this animation moves no node", mend="Choose another one, or bake it before the export")
-    times, rate = _times(list(tracks.values()), len(nodes), max(MOST_TRANSFORMS, container.size // BYTES))
+    times, rate = _times(list(tracks.values()), len(order), max(MOST_TRANSFORMS, container.size // BYTES))
+    return _posed(container, order, parents, tracks, times, rate)
+
+
+def _posed(
+    container: Container, order: list[int], parents: Integers, tracks: Tracks, times: Floats, rate: float
+) -> Scene:
+    document, nodes = container.document, container.document["nodes"]
     rest = _world((_local(nodes[node], node, {}, times) for node in order), parents, 1)[0]
     world = _world((_local(nodes[node], node, tracks, times) for node in order), parents, len(times))
     places = {node: place for place, node in enumerate(order)}
     roles = humanoid_nodes(document)
     joints, bind = _skeleton(container, places, parents, rest)
-    joints[[places[node] for node in roles.values()]] = True
+    joints[[places[node] for node in human_bones(document).values()]] = True
     if not joints.any():
         joints[[places[node] for node, _ in tracks]] = True
     names = tuple(_text(nodes[node].get("name") or f"node {node}") for node in order)

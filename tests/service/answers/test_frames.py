@@ -13,6 +13,7 @@ from fastapi.testclient import TestClient
 
 from motionsplice.motion.formats.bvh import parse
 from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.kinematics import joint_positions, world_transforms
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Memory, Posture
@@ -120,15 +121,24 @@ def test_a_splice_as_a_file_is_the_same_motion(client: TestClient, bank: Bank, c
     np.testing.assert_allclose(same, 1.0, atol=1e-6)
 
 
-def test_a_splice_as_glb_is_the_same_motion(client: TestClient, bank: Bank, tmp_path: Path) -> None:
-    answer = client.get("/v1/splice?locomotion=run&action=carry_box&format=glb")
-    assert answer.headers["content-type"] == "model/gltf-binary"
-    assert answer.headers["content-disposition"] == 'attachment; filename="run+carry_box.glb"'
-    (tmp_path / "splice.glb").write_bytes(answer.content)
-    clip = read_clip(tmp_path / "splice.glb").clip
-    assert clip.skeleton.names == bank.skeleton.names
-    same = np.abs(np.sum(clip.rotations * expected(bank, "run", "carry_box").rotations, axis=-1))
-    np.testing.assert_allclose(same, 1.0, atol=1e-6)
+@pytest.mark.parametrize(
+    ("form", "media_type"), [("glb", "model/gltf-binary"), ("gltf", "model/gltf+json"), ("vrma", "model/gltf-binary")]
+)
+def test_a_splice_as_gltf_is_the_same_motion(
+    client: TestClient, bank: Bank, tmp_path: Path, form: str, media_type: str
+) -> None:
+    query = f"/v1/splice?locomotion=run&action=carry_box&format={form}"
+    answer = client.get(query)
+    assert answer.headers["content-type"] == media_type
+    assert answer.headers["content-disposition"] == f'attachment; filename="run+carry_box.{form}"'
+    assert client.get(query, headers={"if-none-match": answer.headers["etag"]}).status_code == 304
+    (tmp_path / f"splice.{form}").write_bytes(answer.content)
+    clip = read_clip(tmp_path / f"splice.{form}").clip
+    poses = expected(bank, "run", "carry_box")
+    positions, _ = world_transforms(bank.skeleton, poses.root_positions, poses.rotations)
+    joints = [bank.skeleton.index(name) for name in clip.skeleton.names]
+    assert len(joints) == bank.skeleton.joint_count
+    np.testing.assert_allclose(joint_positions(clip), positions[:, joints], atol=1e-5)
 
 
 @pytest.mark.parametrize(("ahead", "count"), [(1, 150), (7, 22), (100, 2)])

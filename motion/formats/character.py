@@ -1,0 +1,150 @@
+"""Writes an animation into a copy of a character's own file: its skeleton, so that its meshes move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import FormatError, MotionError, RoleError
+from motionsplice.motion.formats.files import read_bytes
+from motionsplice.motion.formats.fold import fold
+from motionsplice.motion.formats.gltf.container import MAGIC, read_document
+from motionsplice.motion.formats.gltf.document import Binary, Document, glb
+from motionsplice.motion.formats.gltf.reader import animation_names, malformed, read_rest
+from motionsplice.motion.formats.reading import root_of
+from motionsplice.motion.formats.scene import joints_of, nodes_of, rotations_of
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles, find_roles
+from motionsplice.motion.skeleton import Skeleton
+
+SUFFIXES = (".glb", ".vrm")
+RENAME = "Name its bones as a common rig does (Mixamo, Unreal, Rigify ...), or export it as VRM"
+PLACED = 1e-5  # of the longest bone: a node that rests nearer to its place in the bind pose needs no translation
+
+
+@dataclass(frozen=True, eq=False)
+class Character:
+    """A character's file, and the skeleton of J joints in it.
+
+    skeleton: in the file's own unit of length; each joint's axes are those of the world in the bind pose, not those of
+    its node. roles: of its joints.
+    nodes: [J] the number of each joint's node in the file.
+    bind: [J, 4] the rotation of each node in the world in the bind pose.
+    inwards: [4, 4] the transform from the world to the parent of the root's node.
+    placed: the translations [3] of the nodes that do not rest where the bind pose has them.
+    animations: the names of those that the file has.
+    """
+
+    document: Document
+    binary: bytes
+    skeleton: Skeleton
+    roles: Roles
+    nodes: list[int]
+    bind: Floats
+    inwards: Floats
+    placed: Mapping[int, Floats]
+    animations: list[str]
+
+    def animated(self, clip: Clip) -> bytes:
+        """Returns a copy of the file with one more animation: a clip of this skeleton, under the clip's name.
+
+        The nodes of the skeleton get keys; everything else is as it was, other animations included. If one of these has
+        the clip's name, a number is added to the new one's.
+        """
+        document = deepcopy(self.document)
+        positions, turns = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
+        turns = quaternion.multiply(turns, self.bind)
+        root, turn_inwards = self.nodes[0], rotations_of(self.inwards[:3])
+        translations = {node: place[None] for node, place in self.placed.items()}
+        translations[root] = positions[:, 0] @ self.inwards[:3, :3].T + self.inwards[:3, 3]
+        rotations = {root: quaternion.multiply(turn_inwards, turns[:, 0])}
+        for joint, parent in enumerate(self.skeleton.parents.tolist()[1:], 1):
+            local = quaternion.multiply(quaternion.conjugate(turns[:, parent]), turns[:, joint])
+            rotations[self.nodes[joint]] = local
+        for node in rotations:
+            _without_matrix(document["nodes"][node])
+        binary = Binary(document, self.binary)
+        added = binary.animation(_free_name(clip.name, self.animations), clip.rate, translations, rotations)
+        document["animations"] = [*document.get("animations", ()), added]
+        return glb(document, binary.data)
+
+
+def read_character(path: Path) -> Character:
+    """Reads a character, .glb or .vrm, for animations to be written into it. It need not have any.
+
+    Raises FormatError if the file is not one that can be written into, RoleError if its roles cannot be found.
+    """
+    try:
+        data = read_bytes(path)
+        if data[:4] != MAGIC:
+            raise FormatError("this is not a GLB file", mend="Export the character as .glb or .vrm")
+        with malformed():
+            return _read(data)
+    except RoleError as error:
+        raise RoleError(error.problem, file=str(path), mend=RENAME) from None
+    except MotionError as error:
+        raise error.within(str(path)) from None
+
+
+def _read(data: bytes) -> Character:
+    document, binary = read_document(data)
+    if "uri" in (document.get("buffers") or [{}])[0]:
+        raise FormatError("its data are not in the file's binary chunk", mend="Export it as one GLB file")
+    scene, numbers = read_rest(data)
+    inside, _, _ = joints_of(scene)
+    nodes, _ = nodes_of(scene)
+    skeleton = fold(nodes, root_of(nodes, scene.roles)).skeleton
+    places = [inside[nodes.names.index(name)] for name in skeleton.names]
+    above, rest, bind = scene.parents[places[0]], scene.world[0, places], rotations_of(scene.bind[places])
+    outwards = np.eye(4)
+    if above >= 0:
+        outwards[:3] = scene.world[0, above]
+    numbers = [numbers[place] for place in places]
+    return Character(
+        document,
+        binary,
+        skeleton,
+        find_roles(skeleton, scene.roles),
+        numbers,
+        bind,
+        np.asarray(np.linalg.inv(outwards), np.float64),
+        {numbers[joint]: place for joint, place in _displaced(skeleton, bind, rest)},
+        animation_names(data),
+    )
+
+
+def _displaced(skeleton: Skeleton, bind: Floats, rest: Floats) -> Iterator[tuple[int, Floats]]:
+    """Yields the joints whose nodes do not rest where the bind pose has them, and their translations [3] there."""
+    near = PLACED * float(np.linalg.norm(skeleton.offsets[1:], axis=1).max())
+    for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
+        axes = rest[parent, :, :3]
+        scale = np.cbrt(abs(np.linalg.det(axes)))
+        bound = quaternion.rotate(quaternion.conjugate(bind[parent]), skeleton.offsets[joint])
+        rests = scale * np.linalg.solve(axes, rest[joint, :, 3] - rest[parent, :, 3])
+        if np.linalg.norm(bound - rests) > near:
+            yield joint, bound / scale
+
+
+def _without_matrix(node: dict[str, Any]) -> None:
+    """Replaces the matrix of a node, which an animation may not move, by translation, rotation and scale."""
+    if "matrix" in node:
+        matrix = np.array(node.pop("matrix"), np.float64).reshape(4, 4).T[:3]
+        node["translation"] = matrix[:, 3].tolist()
+        node["rotation"] = rotations_of(matrix).tolist()
+        node["scale"] = np.linalg.norm(matrix[:, :3], axis=0).tolist()
+
+
+def _free_name(name: str, taken: list[str]) -> str:
+    number, free = 0, name
+    while free in taken:
+        number += 1
+        free = f"{name}.{number:03d}"
+    return free

@@ -4,32 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import asf_amc, bvh
-from motionsplice.motion.formats.fold import Nodes
 from motionsplice.motion.formats.gltf import reader as gltf_reader
 from motionsplice.motion.formats.gltf.writer import dump_glb
+from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.scene import nodes_of
-from motionsplice.motion.roles import (
-    NOTHING_GIVEN,
-)
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 WRITERS: Mapping[str, Callable[[Clip], bytes]] = {".bvh": bvh.dump_bvh, ".glb": dump_glb}
 SUFFIXES = (".amc", ".bvh", *GLTF)
-
-
-class Parsed(NamedTuple):
-    """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes."""
-
-    nodes: Nodes
-    rate: float
-    unit: float | None = None
-    roles: Mapping[str, str] = NOTHING_GIVEN  # type: ignore[assignment]
-    notes: tuple[str, ...] = ()
 
 
 def clip_files(folder: Path) -> list[Path]:
@@ -81,13 +67,13 @@ def parse(path: Path, animation: str | None) -> Parsed:
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
-        return Parsed(*bvh.parse(data))
+        return bvh.parse(data)
     asf = _skeleton_file(path)
     try:
         skeleton = asf_amc.parse_skeleton(read_bytes(asf))
     except MotionError as error:
         raise error.within(str(asf)) from None
-    return Parsed(*asf_amc.parse_motion(data, skeleton), skeleton.unit)
+    return asf_amc.parse_motion(data, skeleton)
 
 
 def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:

@@ -65,7 +65,7 @@ thigh 41 51
 
 def test_joints_are_where_bones_begin() -> None:
     skeleton = parse_skeleton(ASF.encode())
-    nodes, rate = parse_motion(AMC.encode(), skeleton)
+    nodes, rate, *_ = parse_motion(AMC.encode(), skeleton)
     assert nodes.names == ("root", "thigh", "shin")
     assert nodes.parents.tolist() == [-1, 0, 1]
     np.testing.assert_allclose(nodes.offsets, [[0, 0, 0], [0, 0, 0], [0, -2, 0]])
@@ -75,7 +75,7 @@ def test_joints_are_where_bones_begin() -> None:
 
 
 def test_rotations_are_about_each_bones_own_axes() -> None:
-    nodes, _ = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
+    nodes, *_ = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
     axes = Rotation.from_euler("xyz", [0, 0, 20], degrees=True)
     thigh = axes * Rotation.from_euler("xyz", [40, 0, 50], degrees=True) * axes.inv()
     assert quaternion.angle(nodes.rotations[0, 1], thigh.as_quat()) < 1e-9
@@ -88,15 +88,15 @@ def test_rotations_are_about_each_bones_own_axes() -> None:
 def test_radians_the_rate_and_other_orders_of_the_root_are_read() -> None:
     asf = ASF.replace("order TX TY TZ RX RY RZ", "order RZ RY RX TZ TY TX")
     amc = AMC.replace(":DEGREES", ":RADIANS\n:SAMPLES-PER-SECOND 60").replace("1 2 3 10 20 30", "0.1 0.2 0.3 3 2 1")
-    nodes, rate = parse_motion(amc.encode(), parse_skeleton(asf.encode()))
+    nodes, rate, *_ = parse_motion(amc.encode(), parse_skeleton(asf.encode()))
     assert rate == 60.0
     np.testing.assert_allclose(nodes.translations[0][0], [1, 2, 3])
     assert quaternion.angle(nodes.rotations[0, 0], Rotation.from_euler("zyx", [0.1, 0.2, 0.3]).as_quat()) < 1e-9
 
 
 def test_a_byte_order_mark_does_not_matter() -> None:
-    plain, _ = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
-    marked, _ = parse_motion(("\ufeff" + AMC).encode(), parse_skeleton(("\ufeff" + ASF).encode()))
+    plain, *_ = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
+    marked, *_ = parse_motion(("\ufeff" + AMC).encode(), parse_skeleton(("\ufeff" + ASF).encode()))
     np.testing.assert_array_equal(marked.rotations, plain.rotations)
 
 
@@ -104,7 +104,7 @@ def test_a_byte_order_mark_does_not_matter() -> None:
     ("text", "words"),
     [
         (ASF.replace("dof rx rz", "dof rx rx"), "'thigh' lists a degree of freedom twice"),
-        ("", "no :units section"),
+        ("", "no :root section"),
         (b"\x00\x01", "binary"),
         (ASF[: ASF.index(":hierarchy")], "no :hierarchy section"),
         (ASF.replace("  end\n:hierarchy", ":hierarchy"), "the last bone has no 'end' line"),
@@ -130,7 +130,7 @@ def test_a_malformed_skeleton_is_refused_with_the_place_of_the_error(text: str |
     ("text", "words"),
     [
         ("", "no frames"),
-        (b"1\nroot 1 2 3 4 5 6\x00", "binary"),
+        (b"1\nroot 1 2 3 4 5 6\x00 7", "binary"),
         (AMC[: AMC.index("thigh 41")], "frame 1 has no values for bone 'thigh'"),
         (AMC.replace("thigh 40 50\n", ""), "line 6: frame 0 has no values for bone 'thigh'"),
         (
@@ -165,7 +165,7 @@ def test_any_mutated_file_is_read_or_refused(data: st.DataObject) -> None:
     else:
         del text[at : at + data.draw(st.integers(1, 60))]
     with suppress(MotionError):
-        nodes, _ = parse_motion(bytes(texts[1]), parse_skeleton(bytes(texts[0])))
+        nodes, *_ = parse_motion(bytes(texts[1]), parse_skeleton(bytes(texts[0])))
         assert np.isfinite(nodes.rotations).all()
 
 

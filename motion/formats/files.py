@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -16,11 +17,22 @@ from motionsplice.motion.formats.scene import nodes_of
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 WRITERS: Mapping[str, Callable[[Clip], bytes]] = {".bvh": bvh.dump_bvh, ".glb": dump_glb}
 SUFFIXES = (".amc", ".bvh", *GLTF)
+OTHERS = re.compile(  # motion files of other programs
+    r"\.(abc|anim|bip|blend|c3d|dae|fbx|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
+    r"|vmd|vpd)",
+    re.IGNORECASE,
+)
 
 
 def clip_files(folder: Path) -> list[Path]:
     """Returns the motion files in a folder, in order of name."""
     return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+
+
+def other_files(folder: Path) -> list[Path]:
+    """Returns the motion files in a folder that cannot be read, in order of name."""
+    readable = set(clip_files(folder))
+    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file not in readable)
 
 
 def clips_in(path: Path) -> dict[str, str | None]:

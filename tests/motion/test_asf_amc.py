@@ -101,6 +101,70 @@ def test_a_byte_order_mark_does_not_matter() -> None:
 
 
 @pytest.mark.parametrize(
+    ("asf", "amc"),
+    [
+        (ASF, AMC.replace(":FULLY-SPECIFIED\n:DEGREES\n", "")),
+        (ASF, AMC.replace("thigh", "Thigh")),
+        (ASF, AMC.replace("thigh 41", "THIGH 41").replace("root", "Root")),
+        (ASF.replace("    thigh shin", "    Thigh Shin"), AMC),
+        (ASF, AMC.replace("2\nroot", "# a comment\n2\nroot")),
+        (ASF, AMC.replace("1\nroot", "7\nroot").replace("2\nroot", "8\nroot")),
+        (ASF, AMC.replace("\n", "\r") + "\x1a\0\0"),
+        (ASF.encode("utf-16"), AMC.encode("utf-16")),
+        (ASF.replace("0.45", "0,45"), AMC.replace(" 10 20 30", " 10,0 20,0 30,0")),
+    ],
+)
+def test_small_liberties_do_not_matter(asf: str | bytes, amc: str | bytes) -> None:
+    plain = parse_motion(AMC.encode(), parse_skeleton(ASF.encode()))
+    skeleton = parse_skeleton(asf.encode() if isinstance(asf, str) else asf)
+    found = parse_motion(amc.encode() if isinstance(amc, str) else amc, skeleton)
+    np.testing.assert_array_equal(found.nodes.rotations, plain.nodes.rotations)
+    np.testing.assert_array_equal(found.nodes.translations[0], plain.nodes.translations[0])
+    assert (found.nodes.names, found.unit, found.notes, found.warnings) == (plain.nodes.names, plain.unit, (), ())
+
+
+def test_without_a_unit_of_length_it_is_left_open() -> None:
+    assert parse_skeleton(ASF.replace("  length 0.45\n", "").encode()).unit is None
+    assert parse_skeleton(ASF.replace(":units\n  mass 1.0\n  length 0.45\n  angle deg\n", "").encode()).unit is None
+
+
+@given(st.permutations(range(1, 7)))
+def test_frames_are_sorted_by_their_numbers(numbers: list[int]) -> None:
+    frames = {number: f"{number}\nroot {number} 2 3 10 20 {number}\nthigh 40 {number}\n" for number in numbers}
+    skeleton = parse_skeleton(ASF.encode())
+    plain = parse_motion("".join(frames[number] for number in sorted(numbers)).encode(), skeleton)
+    mixed = parse_motion("".join(frames[number] for number in numbers).encode(), skeleton)
+    np.testing.assert_array_equal(mixed.nodes.rotations, plain.nodes.rotations)
+    np.testing.assert_array_equal(mixed.nodes.translations[0], plain.nodes.translations[0])
+    assert mixed.notes == (() if numbers == sorted(numbers) else ("its frames were sorted by their numbers",))
+
+
+@pytest.mark.parametrize(
+    ("numbers", "warnings"),
+    [
+        ([1, 2, 4, 5], ("frames are missing: the numbers of the frames jump after frame 2",)),
+        ([5, 1, 2, 6], ("frames are missing: the numbers of the frames jump after frame 2",)),
+        ([1, 5, 9, 13], ()),  # every fourth frame was kept
+        ([1, 2, 1, 2], ()),  # two takes
+    ],
+)
+def test_missing_frames_are_a_warning(numbers: list[int], warnings: tuple[str, ...]) -> None:
+    text = "".join(f"{number}\nroot {place} 2 3 4 5 6\nthigh 1 2\n" for place, number in enumerate(numbers))
+    found = parse_motion(text.encode(), parse_skeleton(ASF.encode()))
+    assert found.warnings == warnings
+    if warnings == ():
+        np.testing.assert_array_equal(found.nodes.translations[0][:, 0], [0, 1, 2, 3])
+
+
+@pytest.mark.parametrize("comment", ["", "# slowly, line by line\n"])
+def test_bones_without_any_values_stay_at_rest_and_are_noted(comment: str) -> None:
+    amc = AMC.replace("thigh 40 50\n", "").replace("thigh 41 51\n", comment)
+    found = parse_motion(amc.encode(), parse_skeleton(ASF.encode()))
+    np.testing.assert_array_equal(found.nodes.rotations[:, 1], np.tile(quaternion.IDENTITY, (2, 1)))
+    assert found.notes == ("the motion has no values for these bones, which stay at rest: thigh",)
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         (ASF.replace("dof rx rz", "dof rx rx"), "'thigh' lists a degree of freedom twice"),

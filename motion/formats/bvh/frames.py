@@ -80,8 +80,8 @@ def read_frames(lines: list[str], header: Header, width: int, cut: bool) -> Fram
         raise FormatError("the file has no frames", mend="Export the motion, not only the rig")
     if found == header.count:
         return frames
-    if cut and found < header.count and _ends_in_a_number(rows):
-        problem = f"the last frame ends within a number: {rows[-1][1][-20:]!r}"
+    if cut and found < header.count and _ends_within_a_number(rows[-1][1]):
+        problem = f"the last frame ends within a number, {rows[-1][1].split()[-1]!r}"
         raise FormatError(problem, place=f"line {rows[-1][0]}", mend=CUT_SHORT)
     warning = f"the header declares {header.count} frames, but the file has {found}; all {found} were read"
     return Frames(frames.values, frames.notes, (*frames.warnings, warning))
@@ -160,9 +160,7 @@ def _frames_of_lines(rows: list[Row], sizes: list[int], count: int, width: int) 
     raise FormatError(problem, place=f"line {rows[start][0]}, frame {frame}", mend=CUT_SHORT)
 
 
-def _ends_in_a_number(rows: list[Row]) -> bool:
-    """Returns whether the last number has fewer decimals than the one above it, so that it was cut."""
-    if len(rows) < 2:
-        return False
-    last, above = (text.split()[-1].partition(".")[2] for _, text in rows[-2:][::-1])
-    return len(last) < len(above)
+def _ends_within_a_number(text: str) -> bool:
+    """Returns whether all numbers of a row have as many decimals, but the last has fewer."""
+    *others, last = (len(word.partition(".")[2]) for word in text.split())
+    return len(others) > 1 and last < min(others) == max(others)

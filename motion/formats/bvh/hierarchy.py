@@ -134,23 +134,36 @@ def _channels(words: list[str], place: str) -> list[str]:
 def number_doubles(joints: list[Joint]) -> tuple[str, ...]:
     """Numbers names that come twice, as Blender does: the second "Tip" becomes "Tip.001". Returns notes.
 
-    Raises FormatError if the name means a role, and it is unclear which joint has it: none is above the others.
+    Raises FormatError if it is unclear which of two joints in a body has a role: neither is below the other.
     """
-    first: dict[str, int] = {}
-    counts: dict[str, int] = {}
-    taken = {joint.name for joint in joints}
+    taken = {joint.name for joint in joints if not joint.is_end}
+    if len(taken) == sum(not joint.is_end for joint in joints):
+        return ()
+    for root in (place for place, joint in enumerate(joints) if joint.parent < 0):
+        _check_roles([place for place in range(root, joints[root].end) if not joints[place].is_end], joints)
+    counts: dict[str, int] = {}  # numbers given to each name
     renamed = []
-    for place, joint in enumerate(joints):
+    for joint in (joint for joint in joints if not joint.is_end):
         name = joint.name
-        if joint.is_end or first.setdefault(name, place) == place:
+        if name not in counts:
+            counts[name] = 0
             continue
-        other = joints[first[name]]
-        if place >= other.end and (role := next(iter(roles_by_name((name,))), "")):
-            problem = f"two joints are named {name!r}, on lines {other.line} and {joint.line}: which is the {role}"
-            raise FormatError(problem.replace("_", " "), mend="Rename one of them")
         while joint.name in taken:
-            counts[name] = counts.get(name, 0) + 1
+            counts[name] += 1
             joint.name = f"{name}.{counts[name]:03d}"
         taken.add(joint.name)
         renamed.append(joint.name)
-    return (f"renamed, because another joint has the same name: {listed(renamed)}",) if renamed else ()
+    return (f"renamed, because another joint has the same name: {listed(renamed)}",)
+
+
+def _check_roles(body: list[int], joints: list[Joint]) -> None:
+    names = tuple(joints[place].name for place in body)
+    roles = {joint: role for role, joint in roles_by_name(names).items()}
+    first: dict[str, int] = {}
+    for number, place in enumerate(body):
+        other = first.setdefault(names[number], number)
+        role, upper, lower = roles.get(other), joints[body[other]], joints[place]
+        if other != number and role and place >= upper.end:
+            problem = f"two joints are named {lower.name!r}, on lines {upper.line} and {lower.line}"
+            which = role.replace("_", " ")
+            raise FormatError(f"{problem}: it is unclear which is the {which}", mend="Rename one of them")

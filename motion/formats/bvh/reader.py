@@ -28,7 +28,7 @@ def parse(data: bytes, root: str | None = None) -> Parsed:
 
     Args:
         data: The file's bytes.
-        root: The name of the ROOT to read, of a file with several characters. None takes the first with legs and arms,
+        root: A joint of the skeleton to read, of a file with several ROOTs. None takes the first with legs and arms,
             or else the first.
 
     Raises:
@@ -56,19 +56,18 @@ def _width(joints: list[Joint]) -> int:
 
 
 def _choose(joints: list[Joint], root: str | None) -> tuple[int, list[str]]:
-    """Returns the index of the ROOT to read, and a note if there are others. Raises FormatError for an unknown one."""
+    """Returns the index of the ROOT to read, and a note if there are others. Raises FormatError for unknown joints."""
     roots = [place for place, joint in enumerate(joints) if joint.parent < 0]
     names = [joints[place].name for place in roots]
     if root is not None:
-        if root not in names:
-            raise FormatError(f"unknown root {root!r}", mend=did_you_mean(root, names))
-        return roots[names.index(root)], []
-    if len(roots) == 1:
-        return roots[0], []
+        found = [place for place, joint in enumerate(joints) if joint.name == root and not joint.is_end]
+        if not found:
+            raise FormatError(f"unknown joint {root!r}", mend=did_you_mean(root, names))
+        return max(place for place in roots if place <= found[0]), []
     chosen = next((place for place in roots if _has_limbs(joints[place : joints[place].end])), roots[0])
     others = [name for name in names if name != joints[chosen].name]
-    problem = f"it holds {len(roots)} skeletons: read {joints[chosen].name!r}; choose another with --root"
-    return chosen, [f"{problem}: {listed(others)}"]
+    note = f"read the skeleton {joints[chosen].name!r}; choose another with --root: {listed(others)}"
+    return chosen, [note] if others else []
 
 
 def _has_limbs(joints: list[Joint]) -> bool:

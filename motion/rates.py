@@ -25,13 +25,10 @@ def meant_rate(step: str) -> float:
     """
     seconds, digit = float(step), 10.0 ** float(Decimal(step).as_tuple().exponent)
 
-    def badness(rate: float) -> tuple[bool, bool, float]:
-        apart = abs(1.0 / rate - seconds)
-        return apart > max(0.5 * digit, CLOSE * seconds), rate not in COMMON, apart
-
-    nearest = min(RATES, key=badness)
-    apart = abs(1.0 / nearest - seconds)
-    if apart <= CLOSE * seconds or apart <= 0.5 * digit or apart < min(digit, FARTHEST * seconds):
-        return nearest
+    apart = {rate: abs(1.0 / rate - seconds) for rate in RATES}
+    rounded = max(0.5 * digit, CLOSE * seconds)
+    near = [rate for rate in RATES if apart[rate] < max(rounded, min(digit, FARTHEST * seconds))]
+    if near:
+        return min(near, key=lambda rate: (apart[rate] > rounded, rate not in COMMON, apart[rate]))
     whole = float(round(1.0 / seconds))
     return whole if whole > 0.0 and abs(1.0 / whole - seconds) < max(digit, FLOAT32 * seconds) else 1.0 / seconds

@@ -263,9 +263,10 @@ def test_of_several_roots_the_first_body_is_read_or_the_one_chosen(prefix: str, 
     other = f"{prefix}Hips" if prefix else "Hips.001"
     others = f"Camera, {other}" if prop else other
     assert f"read the skeleton 'Hips'; choose another with --root: {others}" in first.notes
-    for joint in (other, other.replace("Hips", "LeftLeg")):
+    for joint in (other, f"{prefix}LeftLeg") if prefix else (other,):
         second = bvh.parse(data, root=joint)
-        assert second.nodes.names[0] == other
+        assert second.nodes.names == (other, *second.nodes.names[1:])
+        assert second.nodes.names[1:] == tuple(prefix + name for name in plain.nodes.names[1:])
         assert not any("--root" in note for note in second.notes)
         np.testing.assert_array_equal(second.nodes.parents, plain.nodes.parents)
         np.testing.assert_array_equal(second.nodes.rotations, plain.nodes.rotations)

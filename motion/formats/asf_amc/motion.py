@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from motionsplice.motion import quaternion
@@ -17,7 +19,7 @@ from motionsplice.motion.formats.asf_amc.skeleton import (
 from motionsplice.motion.formats.decimals import is_finite, read_table
 from motionsplice.motion.formats.fold import Nodes, listed, still
 from motionsplice.motion.formats.parsed import Parsed
-from motionsplice.motion.formats.text import text_of, with_points
+from motionsplice.motion.formats.text import COMMAS, text_of, with_points
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
@@ -31,8 +33,7 @@ def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> Parsed:
     """
     lines = text_of(data, CUT_SHORT).splitlines()
     spelling = spellings([name for name, bone in skeleton.bones.items() if bone.dof])
-    labels: list[str] = []  # the numbers of the frames
-    rows, header = _take_even_frames(lines, spelling, labels)
+    rows, labels, header = _take_even_frames(lines, spelling)
     degrees, rate, seen, number = True, RATE, 0, 0  # seen: bones in the current frame
     for number, text in enumerate(lines[:header], 1):
         word, *values = text.split(None, 1) or ["#"]
@@ -61,22 +62,21 @@ def parse_motion(data: bytes, skeleton: AcclaimSkeleton) -> Parsed:
         problem = f"the rate is invalid: {rate:g} frames per second"
         raise FormatError(problem, mend="Set :SAMPLES-PER-SECOND to 0.5 to 10000")
     order, notes, warnings = _order(labels)
+    notes += (COMMAS,) * any("," in texts[0] for texts in rows.values())
     resting = [name for name in dict.fromkeys(spelling.values()) if name not in rows]
     if resting:
-        notes = (*notes, f"the motion has no values for these bones, which stay at rest: {listed(resting)}")
+        notes += (f"the motion has no values for these bones, which stay at rest: {listed(resting)}",)
     values_of = {name: _values(name, texts, len(skeleton.bones[name].dof))[order] for name, texts in rows.items()}
     nodes = _nodes(skeleton, values_of, degrees, len(data))
     return Parsed(nodes, rate, skeleton.unit, notes=notes, warnings=warnings)
 
 
-def _take_even_frames(
-    lines: list[str], spelling: dict[str, str], labels: list[str]
-) -> tuple[dict[str, list[str]], int]:
-    """Takes the frames if all list the same bones in the same order. Returns the bones' values and the lines to parse.
+def _take_even_frames(lines: list[str], spelling: Mapping[str, str]) -> tuple[dict[str, list[str]], list[str], int]:
+    """Takes the frames if all list the same bones in the same order, as in nearly all files.
 
-    Those are the header's lines if it succeeds, as it does for nearly all files, in a third of the time of parsing line
-    by line; `labels` then has the frames' numbers. Otherwise they are all lines, and no values are returned, only the
-    bones that occur.
+    It does so in a third of the time of parsing line by line. Returns the bones' values, the frames' numbers, and the
+    count of lines that are still to be parsed, which are those of the header. For other files these are all lines,
+    and there are no values and numbers, only the bones that occur.
     """
     starts = (number for number, text in enumerate(lines) if text.strip().isdecimal())
     first, second = next(starts, len(lines)), next(starts, len(lines))
@@ -91,10 +91,9 @@ def _take_even_frames(
     numbered = [text.strip() for text in lines[first :: period or 1]]
     even = len(lines) - first == len(numbered) * period and all(map(str.isdecimal, numbered))
     if even and len(rows) == len(words) and set(rows) <= set(spelling.values()):
-        labels += numbered
-        return rows, first
+        return rows, numbered, first
     occurring = {spelled(text.split(None, 1)[0], spelling) for text in lines if text.strip()}
-    return {name: [] for name in spelling.values() if name in occurring}, len(lines)
+    return {name: [] for name in spelling.values() if name in occurring}, [], len(lines)
 
 
 def _order(labels: list[str]) -> tuple[Integers, tuple[str, ...], tuple[str, ...]]:

@@ -107,7 +107,7 @@ def spelled(name: str, spelling: Mapping[str, str]) -> str:
 
 def numbers(words: list[str], count: int, line: int) -> list[float]:
     try:
-        values = [float(with_points(word)) for word in words[:count]]
+        values = [float(word) for word in with_points(" ".join(words[:count])).split()]
     except ValueError:
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):

@@ -13,7 +13,7 @@ from motionsplice.motion.formats.text import COMMAS, with_points
 from motionsplice.motion.quaternion import Floats
 
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
-FIELD = re.compile(r"\s*(frames|frame\s*time)\s*:?\s*(\S+)\s*", re.IGNORECASE)
+FIELD = re.compile(r"(frames|frame ?time) ?:? ?(\S+)", re.IGNORECASE)
 
 Row = tuple[int, str]  # the line's number, from 1, and its text
 
@@ -40,15 +40,15 @@ def read_header(lines: list[str], line: int) -> Header:
     """Parses the header after the line with MOTION. Raises FormatError, which names the line."""
     found: dict[str, str] = {}
     for number in range(line + 1, len(lines)):
-        text = COMMENT.sub("", lines[number])
-        if not text.strip():
+        text = " ".join(COMMENT.sub("", lines[number]).split())
+        if not text:
             continue
         match = FIELD.fullmatch(text)
         value = with_points(match[2]) if match else ""
-        if match is None or not is_number(value):
+        if match is None or not _is_number(value):
             problem = f"expected 'Frames: N' and 'Frame Time: seconds', found {lines[number].strip()[:40]!r}"
             raise FormatError(problem, place=f"line {number + 1}")
-        found["".join(match[1].split()).lower()] = value
+        found[match[1].replace(" ", "").lower()] = value
         if len(found) == 2:
             count, step = float(found["frames"]), float(found["frametime"])
             if not (math.isfinite(count) and count == int(count) and SHORTEST_STEP <= step <= LONGEST_STEP):
@@ -59,7 +59,7 @@ def read_header(lines: list[str], line: int) -> Header:
     raise FormatError("the file ends before the frames", place=f"line {len(lines)}", mend=CUT_SHORT)
 
 
-def is_number(word: str) -> bool:
+def _is_number(word: str) -> bool:
     try:
         float(word)
     except ValueError:
@@ -100,6 +100,9 @@ def _read_loosely(rows: list[Row], count: int, width: int) -> Frames:
     rows = [row for row in rows if COMMENT.sub("", row[1]).strip()]
     body = [text for _, text in rows[: max(count, 0)] or rows]
     commas = any("," in text for text in body) and not any("." in text for text in body)
+    values = _table(rows, len(rows), width, commas)
+    if values is not None:
+        return Frames(values, (COMMAS,) * commas)
     warnings: tuple[str, ...] = ()
     sizes = _sizes(rows, commas)
     if len(sizes) < len(rows):

@@ -8,14 +8,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from motionsplice.motion.errors import FormatError
-from motionsplice.motion.formats.fold import listed
 from motionsplice.motion.formats.text import COMMAS, with_points
 from motionsplice.motion.role_names import roles_by_name
 
 CHANNELS = tuple(f"{axis}{kind}" for kind in ("position", "rotation") for axis in "XYZ")
 CUT_SHORT = "Export the file again; it may be cut short"
 COMMENT = re.compile(r"^\s*#.*|(?:^|\s)(?://|;|#(?!\d)).*")  # a name may be "Bone #1"
-BRACE = re.compile(r"([{}])")
+PART = re.compile(r"[{}]|[^{}]+")
 END_SITES = ("END", "ENDSITE", "SITE")
 
 
@@ -81,20 +80,18 @@ def read_hierarchy(lines: list[str]) -> Hierarchy:
 def _statements(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
     """Yields each statement as its line index and words, without comments. A brace is a statement of its own."""
     for number, text in enumerate(lines):
-        for part in BRACE.split(COMMENT.sub("", text)):
-            if words := part.split():
+        for part in PART.finditer(COMMENT.sub("", text)):
+            if words := part[0].split():
                 yield number, words
 
 
 def _opened(kind: str, name: str, joints: list[Joint], open_joints: list[int], line: int) -> Joint:
     """Returns the joint or end site that a line opens. Raises FormatError if it may not stand there."""
-    is_end = kind in END_SITES
-    if (is_end and not joints) or (not is_end and (not name or (kind == "ROOT") != (not open_joints))):
-        if joints and not open_joints and name:
-            raise FormatError("a joint is outside the ROOT's braces", place=f"line {line}")
+    is_end, is_root = kind in END_SITES, kind == "ROOT"
+    if (is_root and open_joints) or not (is_root or joints) or not (is_end or name):
         raise FormatError("expected a ROOT with named JOINTs below it", place=f"line {line}")
-    if is_end and not open_joints:
-        raise FormatError("an End Site is outside the ROOT's braces", place=f"line {line}")
+    if not is_root and not open_joints:
+        raise FormatError("a joint is outside the ROOT's braces", place=f"line {line}")
     parent = open_joints[-1] if open_joints else -1
     if parent >= 0 and joints[parent].is_end:
         raise FormatError("an End Site cannot have children", place=f"line {line}")
@@ -131,19 +128,12 @@ def _channels(words: list[str], place: str) -> list[str]:
     return channels
 
 
-def number_doubles(joints: list[Joint]) -> tuple[str, ...]:
-    """Numbers names that come twice, as Blender does: the second "Tip" becomes "Tip.001". Returns notes.
-
-    Raises FormatError if it is unclear which of two joints in a body has a role: neither is below the other.
-    """
-    taken = {joint.name for joint in joints if not joint.is_end}
-    if len(taken) == sum(not joint.is_end for joint in joints):
-        return ()
-    for root in (place for place, joint in enumerate(joints) if joint.parent < 0):
-        _check_roles([place for place in range(root, joints[root].end) if not joints[place].is_end], joints)
+def number_doubles(joints: list[Joint]) -> list[str]:
+    """Numbers names that come twice, as Blender does: the second "Tip" becomes "Tip.001". Returns the new names."""
+    taken = {joint.name for joint in joints}
     counts: dict[str, int] = {}  # numbers given to each name
     renamed = []
-    for joint in (joint for joint in joints if not joint.is_end):
+    for joint in joints:
         name = joint.name
         if name not in counts:
             counts[name] = 0
@@ -153,16 +143,18 @@ def number_doubles(joints: list[Joint]) -> tuple[str, ...]:
             joint.name = f"{name}.{counts[name]:03d}"
         taken.add(joint.name)
         renamed.append(joint.name)
-    return (f"renamed, because another joint has the same name: {listed(renamed)}",)
+    return renamed
 
 
-def _check_roles(body: list[int], joints: list[Joint]) -> None:
+def check_doubles(joints: list[Joint], root: int) -> None:
+    """Raises FormatError if two joints of a body have a name that means a role, and neither is below the other."""
+    body = [place for place in range(root, joints[root].end) if not joints[place].is_end]
     names = tuple(joints[place].name for place in body)
     roles = {joint: role for role, joint in roles_by_name(names).items()}
     first: dict[str, int] = {}
     for number, place in enumerate(body):
         other = first.setdefault(names[number], number)
-        role, upper, lower = roles.get(other), joints[body[other]], joints[place]
+        role, upper, lower = roles.get(other, ""), joints[body[other]], joints[place]
         if other != number and role and place >= upper.end:
             problem = f"two joints are named {lower.name!r}, on lines {upper.line} and {lower.line}"
             which = role.replace("_", " ")

@@ -11,7 +11,7 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
 from motionsplice.motion.formats.bvh.frames import read_frames, read_header
-from motionsplice.motion.formats.bvh.hierarchy import Joint, number_doubles, read_hierarchy
+from motionsplice.motion.formats.bvh.hierarchy import Joint, check_doubles, number_doubles, read_hierarchy
 from motionsplice.motion.formats.fold import Nodes, listed, still
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.text import text_of
@@ -40,14 +40,22 @@ def parse(data: bytes, root: str | None = None) -> Parsed:
     joints = hierarchy.joints
     header = read_header(lines, hierarchy.line)
     frames = read_frames(lines, header, _width(joints), cut=not text.endswith(("\n", "\r")))
-    notes = [*hierarchy.notes, *frames.notes, *number_doubles(joints)]
     rate = meant_rate(header.step)
+    notes = [*hierarchy.notes, *frames.notes]
     if abs(rate * float(header.step) - 1.0) > CLOSE:
         notes.append(f"a frame time of {header.step} s was read as {rate:.5g} frames per second")
-    first, more = _choose(joints, root)
-    notes += more
+    first, others = _choose(joints, root)
+    if others:
+        notes.append(f"read the skeleton {joints[first].name!r}; choose another with --root: {listed(others)}")
+    check_doubles(joints, first)
+    if renamed := number_doubles(_real(joints[first : joints[first].end])):
+        notes.append(f"renamed, because another joint has the same name: {listed(renamed)}")
     nodes = _nodes(joints, first, frames.values, len(data))
     return Parsed(nodes, rate, notes=tuple(dict.fromkeys(notes)), warnings=frames.warnings)
+
+
+def _real(joints: list[Joint]) -> list[Joint]:
+    return [joint for joint in joints if not joint.is_end]
 
 
 def _width(joints: list[Joint]) -> int:
@@ -56,22 +64,25 @@ def _width(joints: list[Joint]) -> int:
 
 
 def _choose(joints: list[Joint], root: str | None) -> tuple[int, list[str]]:
-    """Returns the index of the ROOT to read, and a note if there are others. Raises FormatError for unknown joints."""
+    """Returns the index of the ROOT to read, and the names of others if none was asked for.
+
+    ROOTs of the same name are numbered. Raises FormatError for an unknown joint.
+    """
     roots = [place for place, joint in enumerate(joints) if joint.parent < 0]
+    number_doubles([joints[place] for place in roots])
     names = [joints[place].name for place in roots]
     if root is not None:
         found = [place for place, joint in enumerate(joints) if joint.name == root and not joint.is_end]
         if not found:
             raise FormatError(f"unknown joint {root!r}", mend=did_you_mean(root, names))
         return max(place for place in roots if place <= found[0]), []
-    chosen = next((place for place in roots if _has_limbs(joints[place : joints[place].end])), roots[0])
-    others = [name for name in names if name != joints[chosen].name]
-    note = f"read the skeleton {joints[chosen].name!r}; choose another with --root: {listed(others)}"
-    return chosen, [note] if others else []
+    limbs = (place for place in roots if _has_limbs(joints[place : joints[place].end]))
+    chosen = roots[0] if len(roots) == 1 else next(limbs, roots[0])
+    return chosen, [name for name in names if name != joints[chosen].name]
 
 
 def _has_limbs(joints: list[Joint]) -> bool:
-    return set(ENDS) <= set(roles_by_name(tuple(joint.name for joint in joints if not joint.is_end)))
+    return set(ENDS) <= set(roles_by_name(tuple(joint.name for joint in _real(joints))))
 
 
 def _nodes(joints: list[Joint], root: int, values: Floats, size: int) -> Nodes:
@@ -82,7 +93,7 @@ def _nodes(joints: list[Joint], root: int, values: Floats, size: int) -> Nodes:
     column = _width(joints[:root])
     joints = joints[root : joints[root].end]
     places = {number: place for place, number in enumerate(n for n, joint in enumerate(joints) if not joint.is_end)}
-    real, ends = [joint for joint in joints if not joint.is_end], [joint for joint in joints if joint.is_end]
+    real, ends = _real(joints), [joint for joint in joints if joint.is_end]
     rotations = still(len(values), len(real), size)
     translations: dict[int, Floats] = {}
     by_order: dict[str, list[tuple[int, list[int]]]] = {}  # joints and their columns, by Euler order: converted at once

@@ -17,7 +17,7 @@ from motionsplice.motion.formats.files import read_bytes
 from motionsplice.motion.formats.fold import fold
 from motionsplice.motion.formats.gltf.container import MAGIC, read_document
 from motionsplice.motion.formats.gltf.document import Binary, Document, glb
-from motionsplice.motion.formats.gltf.reader import malformed, read_rest
+from motionsplice.motion.formats.gltf.reader import animation_names, malformed, read_rest
 from motionsplice.motion.formats.reading import root_of
 from motionsplice.motion.formats.scene import joints_of, nodes_of, rotations_of
 from motionsplice.motion.kinematics import world_transforms
@@ -40,6 +40,7 @@ class Character:
     bind: [J, 4] the rotation of each node in the world in the bind pose.
     inwards: [4, 4] the transform from the world to the parent of the root's node.
     placed: the translations [3] of the nodes that do not rest where the bind pose has them.
+    animations: the names of those that the file has.
     """
 
     document: Document
@@ -50,6 +51,7 @@ class Character:
     bind: Floats
     inwards: Floats
     placed: Mapping[int, Floats]
+    animations: list[str]
 
     def animated(self, clip: Clip) -> bytes:
         """Returns a copy of the file with one more animation: a clip of this skeleton, under the clip's name.
@@ -70,9 +72,8 @@ class Character:
         for node in rotations:
             _without_matrix(document["nodes"][node])
         binary = Binary(document, self.binary)
-        animations = document.setdefault("animations", [])
-        name = _free_name(clip.name, {str(one.get("name")) for one in animations})
-        animations.append(binary.animation(name, clip.rate, translations, rotations))
+        added = binary.animation(_free_name(clip.name, self.animations), clip.rate, translations, rotations)
+        document["animations"] = [*document.get("animations", ()), added]
         return glb(document, binary.data)
 
 
@@ -116,6 +117,7 @@ def _read(data: bytes) -> Character:
         bind,
         np.asarray(np.linalg.inv(outwards), np.float64),
         {numbers[joint]: place for joint, place in _displaced(skeleton, bind, rest)},
+        animation_names(data),
     )
 
 
@@ -140,7 +142,7 @@ def _without_matrix(node: dict[str, Any]) -> None:
         node["scale"] = np.linalg.norm(matrix[:, :3], axis=0).tolist()
 
 
-def _free_name(name: str, taken: set[str]) -> str:
+def _free_name(name: str, taken: list[str]) -> str:
     number, free = 0, name
     while free in taken:
         number += 1

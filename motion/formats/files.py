@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import asf_amc, bvh
 from motionsplice.motion.formats.fbx import reader as fbx_reader
-from motionsplice.motion.formats.fold import Nodes
 from motionsplice.motion.formats.gltf import reader as gltf_reader
 from motionsplice.motion.formats.gltf.vrma import dump_vrma
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
+from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import (
-    NOTHING_GIVEN,
     Roles,
 )
 
@@ -29,21 +28,22 @@ WRITERS: Mapping[str, Callable[[Clip, Roles], bytes]] = {
     ".vrma": dump_vrma,
 }
 SUFFIXES = (".amc", ".bvh", *SCENES)
-
-
-class Parsed(NamedTuple):
-    """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes."""
-
-    nodes: Nodes
-    rate: float
-    unit: float | None = None
-    roles: Mapping[str, str] = NOTHING_GIVEN  # type: ignore[assignment]
-    notes: tuple[str, ...] = ()
+OTHERS = re.compile(  # motion files of other programs
+    r"\.(abc|anim|bip|blend|c3d|dae|fbx|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
+    r"|vmd|vpd)",
+    re.IGNORECASE,
+)
 
 
 def clip_files(folder: Path) -> list[Path]:
     """Returns the motion files in a folder, in order of name."""
     return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+
+
+def other_files(folder: Path) -> list[Path]:
+    """Returns the motion files in a folder that cannot be read, in order of name."""
+    readable = set(clip_files(folder))
+    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file not in readable)
 
 
 def clips_in(path: Path) -> dict[str, str | None]:
@@ -95,13 +95,13 @@ def parse(path: Path, animation: str | None) -> Parsed:
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
-        return Parsed(*bvh.parse(data))
+        return bvh.parse(data)
     asf = _skeleton_file(path)
     try:
         skeleton = asf_amc.parse_skeleton(read_bytes(asf))
     except MotionError as error:
         raise error.within(str(asf)) from None
-    return Parsed(*asf_amc.parse_motion(data, skeleton), skeleton.unit)
+    return asf_amc.parse_motion(data, skeleton)
 
 
 def _parsed(scene: Scene) -> Parsed:

@@ -109,7 +109,7 @@ def read_clip(
 def _read(
     path: Path, animation: str | None, skip_frames: int, unit: str | None, given: Mapping[str, GivenRole]
 ) -> Reading:
-    nodes, rate, own_unit, own_roles, own_notes = parse(path, animation)
+    nodes, rate, own_unit, own_roles, own_notes, own_warnings = parse(path, animation)
     given = {**own_roles, **given}
     if not 0 <= skip_frames < len(nodes.rotations):
         problem = f"cannot skip {skip_frames} of {len(nodes.rotations)} frames"
@@ -131,7 +131,7 @@ def _read(
     if not given:
         checked = slice(None, None, max(1, int(clip.rate / CHECKED_RATE)))
         check_shape(world_transforms(clip.skeleton, clip.root_positions[checked], clip.rotations[checked])[0], roles)
-    return Reading(clip, roles, metres, tuple(notes), warnings)
+    return Reading(clip, roles, metres, tuple(notes), (*own_warnings, *warnings))
 
 
 def root_of(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:

@@ -74,16 +74,6 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
     return nodes, tuple(notes)
 
 
-def joints_of(scene: Scene) -> tuple[list[int], list[int], list[str]]:
-    """Returns the joints of a scene, parent before child, its end sites, and the names of joints left out.
-
-    Raises FormatError if there are none.
-    """
-    kept, dropped = _body(scene)
-    ends = _ends(scene, kept)
-    return sorted(set(kept) - set(ends)), ends, dropped
-
-
 def _turns(scene: Scene, inside: list[int], parents: Integers) -> tuple[Floats, Floats]:
     """Returns the rotations since the bind pose, of joints to the world [J, F, 4] and to their parents [F, J, 4]."""
     unbound = quaternion.conjugate(rotations_of(scene.bind[inside]))[:, None]
@@ -97,6 +87,16 @@ def _turns(scene: Scene, inside: list[int], parents: Integers) -> tuple[Floats, 
         turns = quaternion.multiply(quaternion.conjugate(above), world[block])
         local[:, block] = quaternion.one_hemisphere(turns.swapaxes(0, 1))
     return world, local
+
+
+def joints_of(scene: Scene) -> tuple[list[int], list[int], list[str]]:
+    """Returns the joints of a scene, parent before child, its end sites, and the names of joints left out.
+
+    Raises FormatError if there are none.
+    """
+    kept, dropped = _body(scene)
+    ends = _ends(scene, kept)
+    return sorted(set(kept) - set(ends)), ends, dropped
 
 
 def _body(scene: Scene) -> tuple[list[int], list[str]]:

@@ -1,13 +1,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import FormatError, RoleError
+from motionsplice.motion.errors import FormatError, MotionError, RoleError
 from motionsplice.motion.formats.character import read_character
 from motionsplice.motion.formats.gltf.container import read_document
 from motionsplice.motion.formats.gltf.reader import animation_names
@@ -21,6 +24,7 @@ from tests.characters import character_file
 from tests.glb_files import edited
 
 WALK, WAVE = make("walk", seconds=1.0), make("walk", "wave", seconds=1.0)
+ROLES = find_roles(WALK.skeleton)
 SMALLER = WALK.skeleton.scaled(0.8)
 
 
@@ -101,3 +105,33 @@ def test_a_file_that_cannot_be_written_into_is_refused_with_its_name(tmp_path: P
         (tmp_path / "hero.glb").write_bytes(data)
         with pytest.raises(error, match=f"hero.glb: {words}"):
             read_character(tmp_path / "hero.glb")
+
+
+HERO = character_file(SMALLER, seed=1)
+
+
+@given(st.data())
+@settings(max_examples=300)
+def test_a_damaged_file_is_a_typed_error_or_takes_the_animation(data: st.DataObject) -> None:
+    damaged = bytearray(HERO)
+    for _ in range(data.draw(st.integers(1, 4))):
+        damaged[data.draw(st.integers(0, 9000))] = data.draw(st.integers(0, 255))
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "hero.glb"
+        file.write_bytes(damaged)
+        try:
+            with np.errstate(all="ignore"):
+                hero = read_character(file)
+                hero.animated(onto_skeleton(WALK, ROLES, hero.skeleton, hero.roles).clip)
+        except MotionError:
+            pass
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("buffers", []), ("animations", [1]), ("animations", 1), ("bufferViews", 3), ("nodes", []), ("buffers", "x")],
+)
+def test_a_malformed_document_is_a_typed_error(tmp_path: Path, key: str, value: Any) -> None:
+    (tmp_path / "hero.glb").write_bytes(edited(HERO, lambda document: document.update({key: value})))
+    with pytest.raises(FormatError, match=r"hero\.glb: "):
+        read_character(tmp_path / "hero.glb")

@@ -17,6 +17,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats.fbx import reader
+from motionsplice.motion.formats.fbx.worker import FASTEST, SLOWEST, rate_of
 from motionsplice.motion.formats.files import clips_in
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.kinematics import joint_positions
@@ -178,7 +179,7 @@ def test_other_files_are_refused(tmp_path: Path, data: bytes) -> None:
 def test_a_cut_file_is_refused(tmp_path: Path) -> None:
     data = dump_fbx([WALK])
     for part in (0.3, 0.6, 0.9):
-        with pytest.raises(FormatError, match=r"not an FBX file, or a damaged one|no animation that moves a joint"):
+        with pytest.raises(FormatError, match=r"not an FBX file, or a damaged one \(|no animation that moves a joint"):
             read(tmp_path, data[: int(part * len(data))])
 
 
@@ -268,3 +269,28 @@ def test_real_files_are_read(name: str, frames: int) -> None:
     assert reading.roles.leg_length(reading.clip.skeleton) == pytest.approx(0.9296, abs=1e-4)
     assert reading.unit == pytest.approx(0.01)
     assert clips_in(RIGS / f"{name}.fbx") == {name: None}
+
+
+@given(
+    stated=st.sampled_from([24.0, 25.0, 29.97002997, 30.0, 60.0, 120.0]),
+    start=st.floats(-10.0, 10.0),
+    frames=st.sets(st.integers(0, 500), min_size=1, max_size=60),
+)
+def test_keys_on_some_of_the_frames_leave_the_rate_as_stated(stated: float, start: float, frames: set[int]) -> None:
+    assert rate_of([start + frame / stated for frame in sorted(frames)], start, stated) == stated
+
+
+@given(
+    stated=st.sampled_from([24.0, 25.0, 30.0]),
+    own=st.sampled_from([50.0, 59.94005994, 60.0, 100.0, 119.88011988]),
+    first=st.integers(0, 1000),
+    count=st.integers(20, 300),
+)
+def test_keys_between_the_frames_bring_their_own_rate(stated: float, own: float, first: int, count: int) -> None:
+    keys = [(first + frame) / own for frame in range(count)]
+    assert rate_of(keys, 0.0, stated) == pytest.approx(own, abs=1e-6)
+
+
+@given(keys=st.lists(st.floats(0.0, 100.0), min_size=1, max_size=50, unique=True), stated=st.floats())
+def test_a_rate_is_always_one_that_can_be(keys: list[float], stated: float) -> None:
+    assert SLOWEST <= rate_of(sorted(keys), 0.0, stated) <= FASTEST

@@ -21,16 +21,17 @@ from motionsplice.motion.skeleton import Integers
 
 WORKER = Path(__file__).with_name("worker.py")
 MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
-SECONDS, SECONDS_PER_BYTE = 20.0, 1e-5  # for a child: far more than it needs, since the machine may be busy
-MEMORY, MEMORY_PER_BYTE = 200_000_000, 120  # bytes for a child: Python takes 40 MB, a transform of the result 80
-STACK = (b"\0\1AnimStack", b'"AnimStack::')  # ends, in a binary file, or begins, in a text, the name of a stack
+BYTES = 4  # that a transform takes in a large file at least
+SECONDS, SECONDS_PER_BYTE = 20.0, 1e-5  # limits of a child: far more than it needs, since the machine may be busy
+MEMORY, MEMORY_PER_BYTE = 200_000_000, 120  # bytes, limits of a child: Python and ufbx take 40 MB
+STACK = (b"\0\1AnimStack", b'"AnimStack::')  # follows the name of a stack in binary files, precedes it in text
 EXPORT = "Export it again as FBX 2014 or newer"
 
 
 def animation_names(data: bytes) -> list[str]:
     """Returns the names of the animations that move joints, or [] for a file that has only one. Raises FormatError.
 
-    A file that is seen to have one without a parser needs no child process.
+    A file that evidently has only one is not parsed, which would take a child process.
     """
     if sum(data.count(mark) for mark in STACK) == 1:
         return []
@@ -55,14 +56,14 @@ def read_scene(data: bytes, animation: str | None) -> Scene:
 
 
 def _ask(data: bytes, **options: Any) -> tuple[dict[str, Any], Floats]:
-    """Returns what the child process says of a file. Raises FormatError."""
+    """Returns what a child process finds in a file: a document, and numbers. Raises FormatError."""
     found = find_spec("ufbx")
     if found is None or found.origin is None:
         raise FormatError("FBX files need the package ufbx", mend="Run: pip install 'motionsplice[fbx]'")
-    options["most"] = max(MOST_TRANSFORMS, len(data))
+    options["most"] = max(MOST_TRANSFORMS, len(data) // BYTES)
     request = {"memory": MEMORY + MEMORY_PER_BYTE * len(data), "options": options}
     seconds = SECONDS + SECONDS_PER_BYTE * len(data)
-    # -I and -S: no settings and no other packages of the user's are imported, which takes time and could print.
+    # -I and -S: the user's settings and other packages are not imported, which would take time and might print.
     command = [sys.executable, "-I", "-S", str(WORKER), str(Path(found.origin).parents[1])]
     try:
         sent = json.dumps(request).encode() + b"\n" + data
@@ -114,7 +115,7 @@ def _matrices(local: Floats) -> Floats:
 
 
 def _world(local: Floats, parents: Integers, stated: dict[int, Floats]) -> Floats:
-    """Returns transforms to the world [F, N, 3, 4] from those to the parents; some nodes' are stated [3, 4]."""
+    """Returns world transforms [F, N, 3, 4] from those to the parents; `stated` ones [3, 4] replace them."""
     world = local.copy()
     for node, parent in enumerate(parents.tolist()):
         if node in stated:

@@ -1,6 +1,7 @@
 """The child process that reads one FBX file with ufbx: a script of its own, without NumPy and the rest of the package.
 
-Standard input is a line of JSON, then the file. Standard output is a line of JSON, then doubles.
+Standard input is a line of JSON, then the file. Standard output is a line of JSON, then doubles: a result that goes
+through a pipe leaves no file behind, however the process ends.
 
 The bindings of ufbx 0.0.5 free memory that is still in use when a wrapper is dropped. So `keep` holds every wrapper
 until the process ends, and the process ends without cleaning up.
@@ -17,11 +18,11 @@ from contextlib import suppress
 from itertools import pairwise
 from typing import Any, BinaryIO, TypeVar
 
-FEWEST_KEYS = 4  # of which a rate can be told
-SLOWEST, FASTEST = 5.0, 240.0  # frames per second
+FEWEST_KEYS = 4  # that show a rate
+SLOWEST, FASTEST = 5.0, 240.0  # frames per second: other rates are not believed
 USUAL_RATE = 30.0
-ON_FRAME = 0.02  # frames: a key that lies so near to a frame lies on it
-NUDGE = 1e-9  # seconds: a frame is sampled so much after its time, by when a stepped key at that time has begun
+ON_FRAME = 0.02  # frames: a key lies on a frame if it is at most this far from it
+NUDGE = 1e-9  # seconds after its time at which a frame is sampled: a stepped key at that time has then begun
 
 Answer = tuple[dict[str, Any], "list[array[float]]"]
 Wrapper = TypeVar("Wrapper")
@@ -34,7 +35,7 @@ def keep(wrapper: Wrapper) -> Wrapper:
 
 
 def each(wrappers: Iterable[Any]) -> Iterator[Any]:
-    """Yields the items of a list of ufbx and keeps them and the list."""
+    """Yields the items of a ufbx list, and keeps them and the list."""
     return map(keep, keep(wrappers))
 
 
@@ -54,7 +55,7 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
 
 
 def limit_memory(size: int) -> None:
-    """Limits this process to `size` bytes of memory, and its dump after a crash to none, on systems that can."""
+    """Limits the memory of this process to `size` bytes, and turns off core dumps, where the system can do so."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 
@@ -67,9 +68,10 @@ def refusal(problem: str, mend: str) -> Answer:
 
 
 def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: int) -> Answer:
-    """Returns the names of a file's animations, and one of them if it is in the file, or the only one if None.
+    """Returns the names of a file's animations, and the motion of the one named `animation`, or of the only one.
 
-    `most` is the number of transforms that may be returned.
+    If there is no such animation, or `names_only` is true, it returns the names alone. The motion has at most `most`
+    transforms.
     """
     try:
         scene = keep(
@@ -80,14 +82,14 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
                 ignore_embedded=True,
                 target_axes=ufbx.axes_right_handed_y_up,
                 space_conversion=ufbx.SpaceConversion.ADJUST_TRANSFORMS,
-                # A node's transform to the world is then the product of those above it, however it inherits scale.
+                # However a node inherits scale, its world transform is then its parent's times its local one.
                 inherit_mode_handling=ufbx.InheritModeHandling.COMPENSATE,
             )
         )
     except (ufbx.OutOfMemoryError, ufbx.MemoryLimitError):
         raise MemoryError from None
     except ufbx.UfbxError as error:
-        return refusal(f"not an FBX file, or a damaged one: {error}", "Export it again as FBX 2014 or newer")
+        return refusal(f"not an FBX file, or a damaged one ({error})", "Export it again as FBX 2014 or newer")
     tree = Tree(ufbx, scene)
     stacks = animations(scene, {tree.nodes[node].element_id for node in tree.kept})
     answer: dict[str, Any] = {"animations": list(stacks)}
@@ -96,10 +98,11 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
     if names_only or animation not in stacks:
         return answer, []
     stack, keys = stacks[animation]
+    settings = keep(scene.settings)
     begin, end = stack.time_begin, stack.time_end
     if end <= begin:
         begin, end = min(keys), max(keys)
-    rate = rate_of(keys, begin, scene.settings.frames_per_second)
+    rate = rate_of(keys, begin, settings.frames_per_second)
     frames = 1 + round(min((end - begin) * rate, most))
     if frames * len(tree.kept) > most:
         problem = f"{end - begin:g} s of {len(tree.kept)} nodes at {rate:g} frames per second take too much memory"
@@ -120,7 +123,7 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
         "parents": [places.get(tree.parents[node], -1) for node in tree.kept],
         "joints": [node in tree.joints for node in tree.kept],
         "left_out": tree.left_out,
-        "unit": scene.settings.unit_meters,
+        "unit": settings.unit_meters,
         "bound": list(bound),
         "rate": rate,
         "frames": frames,
@@ -137,7 +140,7 @@ class Tree:
     """The nodes of a scene, parent before child; the first is the scene's root.
 
     nodes: all of them. parents: by node. joints: which nodes are joints. kept: the joints and the nodes above them,
-    in the order of the tree.
+    depth first. left_out: the names of the others.
     """
 
     def __init__(self, ufbx: Any, scene: Any) -> None:
@@ -156,7 +159,7 @@ class Tree:
             if at in needed:
                 needed.add(self.parents[at])
         self.kept = [at for at in self.in_depth() if at in needed]
-        # Every file has these cameras; nobody misses them.
+        # The cameras that every file has are not worth a note.
         system = of_kind.get(kinds.CAMERA_SWITCHER, set()) | {
             at for at in of_kind.get(kinds.CAMERA, set()) if self.nodes[at].name.startswith("Producer ")
         }
@@ -164,7 +167,7 @@ class Tree:
         self.left_out = [self.nodes[at].name for at in sorted(others)]
 
     def in_depth(self) -> Iterator[int]:
-        """Yields the nodes below the root, each followed by all that lies below it, as other formats order joints."""
+        """Yields the nodes below the root depth first, as other formats order joints."""
         below: list[list[int]] = [[] for _ in self.nodes]
         for at in range(len(self.nodes) - 1, 0, -1):
             below[self.parents[at]].append(at)
@@ -174,14 +177,14 @@ class Tree:
             waiting.extend(below[at])
 
     def owner(self, node: Any) -> int:
-        """Returns the place of a node, or of the parent whose attribute it bears.
+        """Returns the place of a node, or of its parent if ufbx added the node to hold that parent's attribute.
 
-        ufbx adds an unnamed node below one that scales what hangs on it, but not its children.
+        It does so where a scale applies to the attribute but not to the children.
         """
         return self.parents[node.typed_id] if node.is_scale_helper else node.typed_id
 
     def bind_pose(self, scene: Any) -> dict[int, Any]:
-        """Returns the matrices to the world that a skin, or else a pose, states, by node."""
+        """Returns the world matrices that skins state by node, or else those of bind poses."""
         found = {}
         for pose in each(scene.poses):
             if pose.is_bind_pose:
@@ -194,10 +197,10 @@ class Tree:
 
 
 def animations(scene: Any, moved: set[int]) -> dict[str, tuple[Any, list[float]]]:
-    """Returns the animation stacks by name, each with the times of the keys of the curve that has most of them.
+    """Returns the animation stacks by name, each with the key times of its most densely keyed curve.
 
-    Only curves of the elements `moved` count, and stacks with none of them are left out. A second stack of a name, and
-    one without a name, are called by their number.
+    Only curves of the elements `moved` count; stacks without them are left out. A stack without a name is called by its
+    number, and a second one of the same name gets it as a suffix.
     """
     found = {}
     for number, stack in enumerate(each(scene.anim_stacks)):
@@ -215,7 +218,7 @@ def animations(scene: Any, moved: set[int]) -> dict[str, tuple[Any, list[float]]
 
 
 def rate_of(keys: list[float], begin: float, stated: float) -> float:
-    """Returns the file's own frame rate, if the keys lie on its frames or have no rate, else that of the keys."""
+    """Returns the stated frame rate if the keys lie on its frames or show no rate of their own, else the keys' rate."""
     if not SLOWEST <= stated <= FASTEST:
         stated = USUAL_RATE
     if len(keys) < FEWEST_KEYS or lie_on_frames(keys, begin, stated):
@@ -226,7 +229,7 @@ def rate_of(keys: list[float], begin: float, stated: float) -> float:
 
 
 def lie_on_frames(keys: list[float], begin: float, rate: float) -> bool:
-    """Returns whether at most one key in ten lies between frames."""
+    """Returns whether at least nine in ten keys lie on frames."""
     frames = [(key - begin) * rate for key in keys]
     return sum(abs(frame - round(frame)) > ON_FRAME for frame in frames) <= len(frames) // 10
 

@@ -24,6 +24,7 @@ from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
 from tests.characters import character_file
 from tests.conftest import COUNTING
+from tests.rigs import with_bones_above
 
 WALK = make("walk", seconds=1.0)
 
@@ -128,6 +129,15 @@ def test_a_motion_is_written_into_a_character(walk: Path, hero: Path, bank: Bank
         found = read_clip(tmp_path / name).clip
         joints = [clip.skeleton.index(joint) for joint in found.skeleton.names]
         np.testing.assert_allclose(joint_positions(found), 0.8 * joint_positions(clip)[:, joints], atol=3e-5)
+
+
+def test_a_motion_of_another_rig_is_retargeted_to_the_character(hero: Path, tmp_path: Path) -> None:
+    other = with_bones_above(WALK, {"LeftHand": "LeftForeArmTwist", "Head": "Neck1"})
+    (tmp_path / "other.bvh").write_bytes(dump_bvh(other))
+    output = run("convert", tmp_path / "other.bvh", tmp_path / "out.vrm", "--character", hero)
+    assert f"on the skeleton of {hero}\nretargeted by roles: the rigs have different topologies" in output
+    found = read_clip(tmp_path / "out.vrm").clip
+    np.testing.assert_allclose(joint_positions(found), 0.8 * joint_positions(WALK), atol=2e-5)
 
 
 def test_hands_are_written_into_a_character(hands_folder: Path, tmp_path: Path) -> None:

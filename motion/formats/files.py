@@ -23,13 +23,17 @@ SUFFIXES = (".amc", ".bvh", *GLTF)
 
 
 class Parsed(NamedTuple):
-    """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes."""
+    """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes.
+
+    up: the axis that is up by the format's definition, None if the format does not define it.
+    """
 
     nodes: Nodes
     rate: float
     unit: float | None = None
     roles: Mapping[str, str] = NOTHING_GIVEN  # type: ignore[assignment]
     notes: tuple[str, ...] = ()
+    up: str | None = None
 
 
 def clip_files(folder: Path) -> list[Path]:
@@ -68,8 +72,11 @@ def _animations(path: Path) -> list[str]:
     return gltf_reader.animation_names(read_bytes(path)) if path.suffix.lower() in GLTF else []
 
 
-def parse(path: Path, animation: str | None) -> Parsed:
-    """Returns what a file says. Raises FormatError."""
+def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
+    """Returns what a file says: of several skeletons the one with the joint `root`, else the largest.
+
+    Raises FormatError.
+    """
     suffix = path.suffix.lower()
     if path.is_dir():
         raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
@@ -77,7 +84,7 @@ def parse(path: Path, animation: str | None) -> Parsed:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)
     if suffix in GLTF:
-        return _parse_gltf(path, data, animation)
+        return _parse_gltf(path, data, animation, root)
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
@@ -90,7 +97,7 @@ def parse(path: Path, animation: str | None) -> Parsed:
     return Parsed(*asf_amc.parse_motion(data, skeleton), skeleton.unit)
 
 
-def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
+def _parse_gltf(path: Path, data: bytes, animation: str | None, root: str | None) -> Parsed:
     names = gltf_reader.animation_names(data)
     if not names:
         raise FormatError("it has no animation", mend="Export the armature with its animation")
@@ -98,8 +105,8 @@ def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
         problem = f"it has {len(names)} animations"
         raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
     scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation or names[0])
-    nodes, notes = nodes_of(scene)
-    return Parsed(nodes, scene.rate, 1.0, scene.roles, notes)
+    nodes, notes = nodes_of(scene, root)
+    return Parsed(nodes, scene.rate, 1.0, scene.roles, notes, up="y")
 
 
 def _beside(path: Path, name: str) -> Path:

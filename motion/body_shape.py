@@ -38,21 +38,21 @@ def standing_axis(positions: Floats, roles: Roles) -> str:
     return "xyz"[int(np.argmax(along))] if along.max() > UPRIGHT else ""
 
 
-def check_shape(bind: Floats, moving: Floats, roles: Roles, given: bool) -> list[str]:
+def check_shape(clip: Clip, roles: Roles, given: bool) -> list[str]:
     """Returns warnings about a body that does not stand upright along Y.
 
     A pose counts as upright if knees are below hips, shoulders above the pelvis, and the left shoulder is on the left
     hip's side. Someone may lie or crawl, so only the bind pose shows whether roles fit.
 
     Args:
-        bind: [1, J, 3] positions of the joints in the bind pose.
-        moving: [F, J, 3] positions of the joints in the motion.
-        roles: The roles.
+        clip: The clip, with Y up.
+        roles: The roles of its joints.
         given: Whether the user or the file named joints. Roles that were only guessed have to fit.
 
     Raises:
         RoleError: The roles fit neither the bind pose nor the motion, or the body stands on all fours at rest.
     """
+    bind, moving = bind_positions(clip), sampled_positions(clip)
     if not given and _on_all_fours(bind, roles):
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")

@@ -209,7 +209,10 @@ def _check_descent(skeleton: Skeleton, above: str, below: str, found: Mapping[st
     """Raises RoleError unless the joint with the role `below`, such as "left knee", descends from that of `above`."""
     upper, lower = found[above.replace(" ", "_")], found[below.replace(" ", "_")]
     if upper not in skeleton.chain(lower)[1:]:
-        parent = skeleton.names[skeleton.parents[lower]]
-        names = f"{skeleton.names[lower]!r} ({below}) hangs on {parent!r}, not below {skeleton.names[upper]!r} ({above})"
-        mend = "If other joints do, name them in a file and pass it as --roles. If none do, export a rig in which they do"
-        raise RoleError(f"no chain of joints from {above} to {below}: {names}", mend=mend)
+        names = skeleton.names
+        raise RoleError(
+            f"{names[lower]!r} ({below}) is not below {names[upper]!r} ({above}), "
+            f"but hangs on {names[skeleton.parents[lower]]!r}",
+            mend="If other joints are these, name them in a file and pass it as --roles. "
+            "If not, export a rig whose legs and arms are chains of joints",
+        )

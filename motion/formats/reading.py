@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.body_shape import bind_positions, check_shape, sampled_positions
+from motionsplice.motion.body_shape import check_shape
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError, did_you_mean
 from motionsplice.motion.formats.files import GLTF, Parsed, clip_name, parse
@@ -139,7 +139,9 @@ def _read(
     leg = roles.leg_length(folded.skeleton)
     if unit is not None:
         metres = metres_per_unit(unit)
-    elif parsed.unit and (path.suffix.lower() not in GLTF or SHORTEST_LEG <= parsed.unit * leg <= LONGEST_LEG):
+    elif parsed.unit is not None and (
+        path.suffix.lower() not in GLTF or SHORTEST_LEG <= parsed.unit * leg <= LONGEST_LEG
+    ):
         metres = parsed.unit
     else:
         metres, note, warning = guess_unit(leg)
@@ -148,7 +150,7 @@ def _read(
     clip, turns = made_upright(_clip(name, folded, parsed.rate, metres, skip_frames), roles, up or parsed.up)
     if skip_frames == 0 and _starts_with_a_pose(clip.rotations):
         warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1")
-    warnings += check_shape(bind_positions(clip), sampled_positions(clip), roles, given=bool(given))
+    warnings += check_shape(clip, roles, given=bool(given))
     return Reading(clip, roles, metres, (*notes, *turns), tuple(warnings))
 
 

@@ -101,8 +101,9 @@ def _body(scene: Scene, root: str | None) -> tuple[list[int], list[str], list[st
             needed[parent] = True
     bodies = [node for node in np.flatnonzero(sizes >= SMALLEST_BODY).tolist() if node != chosen]
     dropped = [names[joint] for joint in np.flatnonzero(scene.joints & ~needed) if top[joint] not in bodies]
-    note = f"read the skeleton {names[chosen]!r}; choose another with --root: {listed([names[node] for node in bodies])}"
-    return np.flatnonzero(needed).tolist(), dropped, [note] if bodies else []
+    others = listed([names[node] for node in bodies])
+    note = f"read the skeleton {names[chosen]!r}; choose another with --root: {others}"
+    return np.flatnonzero(needed).tolist(), dropped, [note] if others else []
 
 
 def _ends(scene: Scene, kept: list[int]) -> list[int]:

@@ -40,6 +40,6 @@ def guess_unit(leg: float) -> tuple[float, str, str]:
     if GROWN[0] <= metres * leg <= GROWN[1]:
         return metres, note, ""
     others = [unit for unit in UNITS if unit != name and POSSIBLE[0] <= UNITS[unit] * leg <= POSSIBLE[1]]
-    choices = " or ".join(f"--unit {unit} for legs of {UNITS[unit] * leg:.2g} m" for unit in others)
-    warning = f"legs of {metres * leg:.3g} m, in the assumed unit {name}, are no grown person's: give {choices or '--unit'}"
-    return metres, note, f"{warning}, or --unit {name} if they are right"
+    choices = [f"--unit {unit} for legs of {UNITS[unit] * leg:.2g} m" for unit in others] or ["another --unit"]
+    found = f"legs of {metres * leg:.3g} m, by the assumed unit {name}, are no grown person's"
+    return metres, note, f"{found}. Give {' or '.join(choices)}, or --unit {name} if they are right"

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 
 from motionsplice.commands.outputs import check_suffix
+from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up, print_remarks
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.hand_joints import Side
 
@@ -152,9 +153,12 @@ def render_command(
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
     hand: Annotated[Side | None, typer.Option(help="Draw only this hand, as a close-up.")] = None,
     clip: Annotated[str | None, typer.Option("--animation", help="The animation, of files that have several.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    skip_frames: SkipFrames = 0,
+    unit: Unit = None,
+    up: Up = None,
+    rate: Rate = None,
+    root: Root = None,
+    roles: RolesFile = None,
 ) -> None:
     """Draw motions as stick figures, or one hand of each, to judge them by eye."""
     kind = check_suffix(out, ".png", ".gif")
@@ -163,23 +167,29 @@ def render_command(
     from motionsplice.pictures.sheets import animation, contact_sheet
 
     given = read_roles_file(roles) if roles else {}
-    readings = [read_clip(file, animation=clip, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
+    read = partial(read_clip, skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, roles=given)
+    readings = [read(file, animation=clip) for file in motions]
     rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
-    behind = read_clip(ghost, skip_frames=skip_frames, unit=unit, roles=given).clip if ghost else None
+    behind = read(ghost).clip if ghost else None
     if kind == ".png":
         contact_sheet(rows, columns=columns, start=start, end=end, view=view, ghost=behind, hand=hand).save(out)
     else:
         out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind, hand=hand))
     console.print(f"{out}")
+    for reading in readings:
+        print_remarks(console, reading, reading.clip.name)
 
 
 def convert_command(
     motion: Annotated[Path, typer.Argument(help="A motion file (.bvh, .amc, .glb, .gltf, .vrm, .vrma).")],
     out: Annotated[Path, typer.Argument(help="The file to write, .bvh or .glb, in metres.")],
     animation: Annotated[str | None, typer.Option(help="The animation, of a file that has several.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames to leave out (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    skip_frames: SkipFrames = 0,
+    unit: Unit = None,
+    up: Up = None,
+    rate: Rate = None,
+    root: Root = None,
+    roles: RolesFile = None,
 ) -> None:
     """Read a motion file, print what was understood, and write it in another format."""
     check_suffix(out, ".bvh", ".glb", option="OUT")
@@ -188,7 +198,8 @@ def convert_command(
     from motionsplice.motion.roles import read_roles_file
 
     given = read_roles_file(roles) if roles else {}
-    reading = read_clip(motion, animation=animation, skip_frames=skip_frames, unit=unit, roles=given)
+    read = partial(read_clip, skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, roles=given)
+    reading = read(motion, animation=animation)
     write_clip(out, reading.clip)
     found = reading.clip
     console.print(
@@ -197,6 +208,4 @@ def convert_command(
         highlight=False,
         soft_wrap=True,
     )
-    for style, sentences in (("yellow", reading.warnings), ("dim", reading.notes)):
-        for sentence in sentences:
-            console.print(f"[{style}]{escape(sentence)}[/{style}]", highlight=False, soft_wrap=True)
+    print_remarks(console, reading)

@@ -25,7 +25,8 @@ class Rig(NamedTuple):
         return (*self.middle.split(","), *left, *(self.right(name) for name in left))
 
     def right(self, name: str) -> str:
-        return name.replace(*self.sides, 1)
+        left, right = self.sides
+        return name.replace(left, right, 1)
 
     def expected(self) -> dict[str, str]:
         *limbs, neck, head = self.roles.split(",")
@@ -47,9 +48,8 @@ def with_words(before: str, names: str, after: str = "") -> str:
 
 def worded(before: str, after: str = "") -> Rig:
     """HumanIK's names with the same words before and after each."""
-    return Rig(
-        *(with_words(before, names, after) for names in (MIDDLE, HIK)), LEFT, with_words(before, HIK_ROLES, after)
-    )
+    middle, left, roles = (with_words(before, names, after) for names in (MIDDLE, HIK, HIK_ROLES))
+    return Rig(middle, left, LEFT, roles)
 
 
 UNREAL = (

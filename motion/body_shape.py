@@ -11,7 +11,7 @@ from motionsplice.motion.quaternion import IDENTITY, Floats
 from motionsplice.motion.roles import Roles
 
 RATE = 10.0  # frames per second at which a motion is looked at
-UPRIGHT = 0.7  # cosine: a body stands along an axis if its trunk and its legs are within 45 degrees of it
+UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
 LEVEL = 0.5  # cosine: a trunk within 30 degrees of the ground
 REACH = 0.35  # of the legs' length: hands that are less above the feet reach the ground
 
@@ -56,10 +56,11 @@ def check_shape(clip: Clip, roles: Roles, given: bool) -> list[str]:
     if not given and _on_all_fours(bind, roles):
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
-    problem, axis = _problem(moving, roles), standing_axis(moving, roles)
+    axis = standing_axis(moving, roles).replace("y", "")
+    problem = _problem(moving, roles) or (f"it stands along {axis.upper()}" if axis else "")
     if not problem:
         return []
-    mend = f"If {axis.upper()} is up in the file, give --up {axis}" if axis not in ("", "y") else ""
+    mend = f"If {axis.upper()} is up in the file, give --up {axis}" if axis else ""
     if given or not _problem(bind, roles):
         return [f"the body is not upright in most frames: {problem}. {mend or 'If Y is not up in the file, give --up'}"]
     mend = f"{mend}. If not, name" if mend else "If Y is not up in the file, give --up. If it is, name"

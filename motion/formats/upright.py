@@ -47,7 +47,8 @@ def made_upright(clip: Clip, roles: Roles, up: str | None) -> tuple[Clip, list[s
     if up is None and found != "y":
         notes.append(f"{found.upper()} is up in the file: turned to Y up. If it is not, give --up y")
     elif bind not in ("y", found):
-        notes.append(f"the bind pose stands along {bind.upper()}: turned to stand along Y")
+        doubt = "" if up else f". If {bind.upper()} is up in the file, give --up {bind}"
+        notes.append(f"the bind pose stands along {bind.upper()}: turned to stand along Y{doubt}")
     return turned(clip, TURNS[bind], TURNS[found]), notes
 
 

@@ -119,10 +119,7 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
     spine = given.get("spine", tuple(skeleton.names[joint] for joint in trunk))
     trunk = [_joint("spine", name, skeleton.names) for name in ((spine,) if isinstance(spine, str) else spine)]
     limbs = {role: found.get(role, -1) for role in (*LIMBS, *OPTIONAL)}
-    for side in ("left", "right"):
-        for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
-            for above, below in pairwise(limb):
-                _check_descent(skeleton, f"{side} {above}", f"{side} {below}", found)
+    check_limbs(skeleton.names, skeleton.parents, found)
     if pelvis == root or pelvis not in path:
         problem = f"the pelvis {skeleton.names[pelvis]!r} is not between the root and the arms"
         raise RoleError(problem, mend="Name a joint of the trunk, or leave the pelvis out")
@@ -144,6 +141,20 @@ def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:
     chains = [chain(parents, joint) for joint in joints]
     shared = set(chains[0]).intersection(*chains[1:])
     return next(joint for joint in chains[0] if joint in shared)
+
+
+def check_limbs(names: Sequence[str], parents: Integers, found: Mapping[str, int]) -> None:
+    """Raises RoleError unless knees are below hips, ankles below knees, and so on, of the joints that were found."""
+    for side in ("left", "right"):
+        for above, below in (*pairwise(("hip", "knee", "ankle")), *pairwise(("shoulder", "elbow", "wrist"))):
+            upper, lower = found.get(f"{side}_{above}"), found.get(f"{side}_{below}")
+            if upper is not None and lower is not None and upper not in chain(parents, lower)[1:]:
+                raise RoleError(
+                    f"{names[lower]!r} ({side} {below}) is not below {names[upper]!r} ({side} {above})"
+                    + (f", but hangs on {names[parents[lower]]!r}" if parents[lower] >= 0 else ""),
+                    mend="If other joints are these, name them in a file and pass it as --roles. "
+                    "If not, export a rig whose legs and arms are chains of joints",
+                )
 
 
 def read_roles_file(file: Path) -> dict[str, GivenRole]:
@@ -203,16 +214,3 @@ def _missing(skeleton: Skeleton, found: Mapping[str, int], missing: Sequence[str
         mend="If it is a human body, name the missing joints in a file and pass it as --roles:\n\n[roles]\n"
         + "\n".join(f'{role} = ""' for role in missing),
     )
-
-
-def _check_descent(skeleton: Skeleton, above: str, below: str, found: Mapping[str, int]) -> None:
-    """Raises RoleError unless the joint with the role `below`, such as "left knee", descends from that of `above`."""
-    upper, lower = found[above.replace(" ", "_")], found[below.replace(" ", "_")]
-    if upper not in skeleton.chain(lower)[1:]:
-        names = skeleton.names
-        raise RoleError(
-            f"{names[lower]!r} ({below}) is not below {names[upper]!r} ({above}), "
-            f"but hangs on {names[skeleton.parents[lower]]!r}",
-            mend="If other joints are these, name them in a file and pass it as --roles. "
-            "If not, export a rig whose legs and arms are chains of joints",
-        )

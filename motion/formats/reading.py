@@ -24,6 +24,7 @@ from motionsplice.motion.roles import (
     NOTHING_GIVEN,
     GivenRole,
     Roles,
+    check_limbs,
     common_ancestor,
     find_roles,
     limbs_by_name,
@@ -158,12 +159,15 @@ def _root(nodes: Nodes, above: str | None, given: Mapping[str, GivenRole]) -> in
     """Returns the joint at which legs and trunk branch, of the body below the joint called `above`, if one is named.
 
     If names do not show it, returns that joint or the file's own root; `find_roles` then reports what is missing.
+    Raises RoleError if a limb is not a chain of joints, as in rigs whose feet hang on IK targets.
     """
     if above is not None and above not in nodes.names:
         raise RoleError(f"unknown joint {above!r} for --root", mend=did_you_mean(above, nodes.names))
     body = subtree(nodes.parents, nodes.names.index(above) if above else 0)
-    found = limbs_by_name(tuple(nodes.names[joint] for joint in body), given)
-    return common_ancestor(nodes.parents, [body[found[role]] for role in ENDS]) if set(ENDS) <= set(found) else body[0]
+    names = tuple(nodes.names[joint] for joint in body)
+    found = {role: body[joint] for role, joint in limbs_by_name(names, given).items()}
+    check_limbs(nodes.names, nodes.parents, found)
+    return common_ancestor(nodes.parents, [found[role] for role in ENDS]) if set(ENDS) <= set(found) else body[0]
 
 
 def _clip(name: str, folded: Folded, rate: float, metres: float, skip: int) -> Clip:

@@ -157,7 +157,7 @@ def on_all_fours(clip: Clip) -> Clip:
     for joint, parent in enumerate(clip.skeleton.parents.tolist()):
         name = clip.skeleton.names[joint]
         if joint and ("Spine" in name or name in ("Neck", "Head")):
-            offsets[joint] = [0.0, 0.0, np.linalg.norm(offsets[joint])]
+            offsets[joint] = np.linalg.norm(offsets[joint]) * np.array([0.0, 0.0, 1.0])
         if name.endswith(("ForeArm", "Hand")) and parent:
             offsets[joint] = [0.0, -0.4, 0.0]
     return replace(clip, skeleton=replace(clip.skeleton, offsets=offsets))

@@ -9,15 +9,15 @@ from collections.abc import Iterator, Mapping
 #                Mixamo, LAFAN1  Unreal      VRM, Unity   Poser       Daz            CAT     others
 NAMES = {
     "hip":      ("upleg",        "thigh",    "upperleg",              "thighbend",   "leg1",
-                 "legupper", "femur", "hip", "足"),
+                 "legupper", "femur", "hip", "足", "leg"),
     "knee":     ("leg",          "calf",     "lowerleg",  "shin",     "shinbend",    "leg2",
-                 "lowleg", "loleg", "leglower", "tibia", "knee", "ひざ", "膝"),
+                 "lowleg", "loleg", "leglower", "shank", "tibia", "knee", "ひざ", "膝"),
     "ankle":    ("ankle",        "foot",     "足首"),  # SMPL has both; its "foot" is the ball
     "toe":      ("toebase",      "ball",     "toes",      "toe",      "つま先"),
     "shoulder": ("arm",          "upperarm",              "shldr",    "shldrbend",   "arm1",
                  "uparm", "uarm", "armupper", "humerus", "shoulder", "腕"),
     "elbow":    ("forearm",      "lowerarm",                          "forearmbend", "arm2",
-                 "lowarm", "loarm", "farm", "armlower", "radius", "elbow", "ひじ", "肘"),
+                 "lowarm", "loarm", "farm", "armlower", "radius", "ulna", "elbow", "ひじ", "肘"),
     "wrist":    ("wrist",        "hand",                                             "palm", "手首"),
     "neck":     ("neck",                                              "necklower",   "necktwist", "lowerneck", "首"),
     "head":     ("head",         "頭"),
@@ -89,14 +89,17 @@ def _part(text: str, side: str) -> Part:
 
 def _roles(parts: Mapping[Part, int]) -> dict[str, int]:
     found: dict[str, int] = {}
+    taken: set[str] = set()
     for role, candidates in NAMES.items():
         sides = ("left", "right") if role in PAIRED else ("",)
         # Both sides use the same candidate, the first that either side has. Otherwise, if one arm had an unknown name,
         # the collar bone on its side, which some rigs call "shoulder", would be taken instead.
-        matches = [[side for side in sides if (side, part) in parts] for part in candidates]
-        best = next(filter(None, matches), [])
-        for side in best:
-            found[f"{side}_{role}" if side else role] = parts[side, candidates[matches.index(best)]]
+        for part in candidates:
+            matches = [side for side in sides if (side, part) in parts]
+            if matches and part not in taken:  # a leg with a knee is the thigh
+                taken.add(part)
+                found |= {f"{side}_{role}" if side else role: parts[side, part] for side in matches}
+                break
     return found
 
 

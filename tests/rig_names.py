@@ -324,6 +324,12 @@ RIGS = {
         (".L", ".R"),
         "LegUpper.L,LegLower.L,Foot.L,-,ArmUpper.L,ArmLower.L,Hand.L,Neck,Head",
     ),
+    "MMD in English": Rig(
+        "Hips,Spine,Chest,Neck,Head",
+        "Left leg,Left knee,Left ankle,Left toe,Left shoulder,Left arm,Left elbow,Left wrist,Thumb0_L",
+        LEFT,
+        "Left leg,Left knee,Left ankle,Left toe,Left arm,Left elbow,Left wrist,Neck,Head",
+    ),
     "MMD": Rig(
         "センター,上半身,下半身,首,頭",
         "左足,左ひざ,左足首,左つま先,左足ＩＫ,左つま先ＩＫ,左足D,左肩,左腕,左腕捩,左ひじ,左手捩,左手首,左親指０",

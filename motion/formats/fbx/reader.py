@@ -15,6 +15,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
 from motionsplice.motion.formats.fbx.biped import with_legs_on_the_pelvis
 from motionsplice.motion.formats.fold import listed
+from motionsplice.motion.formats.rest_pose import without_frame_as_bind
 from motionsplice.motion.formats.scene import Scene
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
@@ -105,7 +106,8 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
         unit=answer["unit"],
         notes=tuple(notes),
     )
-    return with_legs_on_the_pelvis(scene)
+    scene = with_legs_on_the_pelvis(scene)
+    return scene if bound else without_frame_as_bind(scene)
 
 
 def _matrices(local: Floats) -> Floats:

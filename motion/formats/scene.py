@@ -35,6 +35,7 @@ class Scene:
     bind, world: [N, 3, 4] and [F, N, 3, 4] transforms to the world, in the bind pose and over time. The first three
     columns are the axes, with their scale, and the last is the position.
     roles: names of nodes by role, if the file states them. notes: what was left out or assumed. unit: metres in a unit.
+    bound: whether the file states a bind pose; if not, `bind` is the pose of the nodes at rest.
     """
 
     names: tuple[str, ...]
@@ -46,6 +47,7 @@ class Scene:
     roles: Mapping[str, str]
     notes: tuple[str, ...] = ()
     unit: float = 1.0
+    bound: bool = True
 
 
 def nodes_of(scene: Scene, root: str | None = None) -> tuple[Nodes, tuple[str, ...]]:

@@ -105,25 +105,36 @@ def from_euler(order: str, sines: Floats, cosines: Floats) -> Floats:
     return q
 
 
+def to_matrices(q: ArrayLike) -> Floats:
+    """Returns the matrices of unit quaternions: their columns are the turned axes. [..., 4] -> [..., 3, 3]."""
+    q = np.asarray(q, np.float64)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    matrices = np.empty((3, 3, *x.shape))
+    matrices[0] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    matrices[1] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    matrices[2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+    return np.moveaxis(matrices, (0, 1), (-2, -1))
+
+
 def from_matrices(matrices: Floats) -> Floats:
     """Returns the quaternions of rotation matrices, each from its largest component. [..., 3, 3] -> [..., 4]."""
-    m = matrices.reshape(-1, 3, 3)
-    x, y, z = m[:, 0, 0], m[:, 1, 1], m[:, 2, 2]
+    m = np.moveaxis(matrices, (-2, -1), (0, 1)).reshape(3, 3, -1)
+    x, y, z = m[0, 0], m[1, 1], m[2, 2]
     largest = np.argmax([x - y - z, y - z - x, z - x - y, x + y + z], axis=0)
-    q = np.empty((len(m), 4))
+    q = np.empty((len(x), 4))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         rows = np.flatnonzero(largest == i)
         if len(rows):
-            one = m[rows]
-            q[rows, i] = 1.0 + one[:, i, i] - one[:, j, j] - one[:, k, k]
-            q[rows, j] = one[:, j, i] + one[:, i, j]
-            q[rows, k] = one[:, k, i] + one[:, i, k]
-            q[rows, 3] = one[:, k, j] - one[:, j, k]
+            one = m[..., rows]
+            q[rows, i] = 1.0 + one[i, i] - one[j, j] - one[k, k]
+            q[rows, j] = one[j, i] + one[i, j]
+            q[rows, k] = one[k, i] + one[i, k]
+            q[rows, 3] = one[k, j] - one[j, k]
     rows = np.flatnonzero(largest == 3)
-    one = m[rows]
-    q[rows, 0], q[rows, 1] = one[:, 2, 1] - one[:, 1, 2], one[:, 0, 2] - one[:, 2, 0]
-    q[rows, 2], q[rows, 3] = one[:, 1, 0] - one[:, 0, 1], 1.0 + one[:, 0, 0] + one[:, 1, 1] + one[:, 2, 2]
+    one = m[..., rows]
+    q[rows, 0], q[rows, 1] = one[2, 1] - one[1, 2], one[0, 2] - one[2, 0]
+    q[rows, 2], q[rows, 3] = one[1, 0] - one[0, 1], 1.0 + one[0, 0] + one[1, 1] + one[2, 2]
     return normalise(q).reshape(*matrices.shape[:-2], 4)
 
 

@@ -16,6 +16,7 @@ X, Y, Z = np.eye(3)
 LEG = re.compile(r"(UpLeg|Leg)$")
 FOOT = re.compile(r"(Foot|ToeBase)$")
 ARM = re.compile(r"Arm|Hand")
+COLLAR_AND_ARM = re.compile(r"Shoulder|Arm|Hand")
 FINGER = re.compile(r"Hand([A-Z][a-z]+)(\d)")
 
 
@@ -51,7 +52,7 @@ def _along_x(joint: str) -> Floats:
         return quaternion.multiply(trunk, quaternion.about(X, np.pi))
     if FOOT.search(joint):
         return quaternion.multiply(trunk, quaternion.about(X, 1.5 * np.pi))
-    if ARM.search(joint):
+    if COLLAR_AND_ARM.search(joint):
         return quaternion.IDENTITY if joint.startswith("Left") else quaternion.about(Y, np.pi)
     return trunk
 

@@ -2,41 +2,37 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import asf_amc, bvh
-from motionsplice.motion.formats.fold import Nodes
+from motionsplice.motion.formats.fbx import reader as fbx_reader
 from motionsplice.motion.formats.gltf import reader as gltf_reader
 from motionsplice.motion.formats.gltf.vrma import dump_vrma
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
-from motionsplice.motion.formats.scene import nodes_of
+from motionsplice.motion.formats.parsed import Parsed
+from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import (
-    NOTHING_GIVEN,
     Roles,
 )
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
+SCENES = (*GLTF, ".fbx")
 WRITERS: Mapping[str, Callable[[Clip, Roles], bytes]] = {
     ".bvh": lambda clip, roles: bvh.dump_bvh(clip),
     ".glb": lambda clip, roles: dump_glb(clip),
     ".gltf": lambda clip, roles: dump_gltf(clip),
     ".vrma": dump_vrma,
 }
-SUFFIXES = (".amc", ".bvh", *GLTF)
-
-
-class Parsed(NamedTuple):
-    """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes."""
-
-    nodes: Nodes
-    rate: float
-    unit: float | None = None
-    roles: Mapping[str, str] = NOTHING_GIVEN  # type: ignore[assignment]
-    notes: tuple[str, ...] = ()
+SUFFIXES = (".amc", ".bvh", *SCENES)
+OTHERS = re.compile(  # motion files of other programs
+    r"\.(abc|anim|bip|blend|c3d|dae|fbx|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
+    r"|vmd|vpd)",
+    re.IGNORECASE,
+)
 
 
 def clip_files(folder: Path) -> list[Path]:
@@ -44,10 +40,16 @@ def clip_files(folder: Path) -> list[Path]:
     return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
 
 
+def other_files(folder: Path) -> list[Path]:
+    """Returns the motion files in a folder that cannot be read, in order of name."""
+    readable = set(clip_files(folder))
+    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file not in readable)
+
+
 def clips_in(path: Path) -> dict[str, str | None]:
     """Returns the names of the clips in a file, each with its animation; None for a file that holds one motion.
 
-    A glTF file with several animations holds a clip `file:animation` for each. Raises FormatError.
+    A glTF or FBX file with several animations holds a clip `file:animation` for each. Raises FormatError.
     """
     names = _animations(path)
     return {clip_name(path, name if len(names) > 1 else None): name for name in names} or {path.stem: None}
@@ -72,7 +74,10 @@ def clip_name(path: Path, animation: str | None) -> str:
 
 
 def _animations(path: Path) -> list[str]:
-    return gltf_reader.animation_names(read_bytes(path)) if path.suffix.lower() in GLTF else []
+    suffix = path.suffix.lower()
+    if suffix == ".fbx":
+        return fbx_reader.animation_names(read_bytes(path))
+    return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
 def parse(path: Path, animation: str | None) -> Parsed:
@@ -84,44 +89,43 @@ def parse(path: Path, animation: str | None) -> Parsed:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)
     if suffix in GLTF:
-        return _parse_gltf(path, data, animation)
+        return _parsed(gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation))
+    if suffix == ".fbx":
+        return _parsed(fbx_reader.read_scene(data, animation))
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
-        return Parsed(*bvh.parse(data))
+        return bvh.parse(data)
     asf = _skeleton_file(path)
     try:
         skeleton = asf_amc.parse_skeleton(read_bytes(asf))
     except MotionError as error:
         raise error.within(str(asf)) from None
-    return Parsed(*asf_amc.parse_motion(data, skeleton), skeleton.unit)
+    return asf_amc.parse_motion(data, skeleton)
 
 
-def _parse_gltf(path: Path, data: bytes, animation: str | None) -> Parsed:
-    names = gltf_reader.animation_names(data)
-    if not names:
-        raise FormatError("it has no animation", mend="Export the armature with its animation")
-    if animation is None and len(names) > 1:
-        problem = f"it has {len(names)} animations"
-        raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
-    scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation or names[0])
+def _parsed(scene: Scene) -> Parsed:
     nodes, notes = nodes_of(scene)
-    return Parsed(nodes, scene.rate, 1.0, scene.roles, notes)
+    return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes)
 
 
 def _beside(path: Path, name: str) -> Path:
     """Returns a file in the same folder or below it. Raises FormatError for others, which a hostile file may name."""
     file = path.parent / name
-    if not file.resolve().is_relative_to(path.parent.resolve()):
+    try:
+        is_inside = file.resolve().is_relative_to(path.parent.resolve())
+    except ValueError:
+        raise FormatError(f"it refers to {name!r}, which cannot be a file's name", mend="Export it again") from None
+    if not is_inside:
         raise FormatError(f"it refers to {name!r}, outside its folder", mend="Put all its files into one folder")
     return file
 
 
 def read_bytes(path: Path) -> bytes:
     """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty."""
-    if not path.exists():
-        raise FormatError("no such file", file=str(path), mend="Check the path")
     try:
+        if not path.exists():
+            raise FormatError("no such file", file=str(path), mend="Check the path")
         data = path.read_bytes()
     except OSError as error:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None

@@ -12,7 +12,7 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
-from motionsplice.motion.formats.files import GLTF, clip_name, parse
+from motionsplice.motion.formats.files import SCENES, clip_name, parse
 from motionsplice.motion.formats.fold import Folded, Nodes, fold
 from motionsplice.motion.formats.units import guess_unit, metres_per_unit
 from motionsplice.motion.kinematics import world_transforms
@@ -32,7 +32,7 @@ from motionsplice.motion.roles import (
 # twice as large as any other step.
 JUMP = 0.1
 
-SHORTEST_LEG, LONGEST_LEG = 0.3, 2.5  # metres: with other legs, a glTF file is not in metres as it should be
+SHORTEST_LEG, LONGEST_LEG = 0.3, 2.5  # metres: with other legs, a glTF or FBX file is not in the unit that it states
 CHECKED_RATE = 10.0  # frames per second at which the roles are checked against the motion
 
 
@@ -63,15 +63,16 @@ def read_clip(
     unit: str | None = None,
     roles: Mapping[str, GivenRole] = NOTHING_GIVEN,
 ) -> Reading:
-    """Reads a BVH, AMC or glTF file (.glb, .gltf, .vrm, .vrma).
+    """Reads a BVH, AMC, FBX or glTF file (.glb, .gltf, .vrm, .vrma).
 
+    FBX files need the extra `motionsplice[fbx]`.
     The skeleton of an AMC file is the ASF file in the same folder: `16.asf` for `16_15.amc`, or else the only one.
     Joints above the root, at which legs and trunk branch, are folded into its motion; joints that do not descend
     from it are left out.
 
     Args:
         path: The file.
-        animation: The name of the animation, for a glTF file that has several.
+        animation: The name of the animation, for a glTF or FBX file that has several.
         skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
         unit: The file's unit of length: "m", "dm", "cm", "mm", "in", "cmu" (0.0254 / 0.45 m), or metres per unit as a
             number. None to use the one stated in the file, or else the one that gives the legs an adult's length.
@@ -108,7 +109,7 @@ def read_clip(
 def _read(
     path: Path, animation: str | None, skip_frames: int, unit: str | None, given: Mapping[str, GivenRole]
 ) -> Reading:
-    nodes, rate, own_unit, own_roles, own_notes = parse(path, animation)
+    nodes, rate, own_unit, own_roles, own_notes, own_warnings = parse(path, animation)
     given = {**own_roles, **given}
     if not 0 <= skip_frames < len(nodes.rotations):
         problem = f"cannot skip {skip_frames} of {len(nodes.rotations)} frames"
@@ -119,7 +120,7 @@ def _read(
     leg = roles.leg_length(folded.skeleton)
     if unit is not None:
         metres = metres_per_unit(unit)
-    elif own_unit is not None and (path.suffix.lower() not in GLTF or SHORTEST_LEG <= own_unit * leg <= LONGEST_LEG):
+    elif own_unit is not None and (path.suffix.lower() not in SCENES or SHORTEST_LEG <= own_unit * leg <= LONGEST_LEG):
         metres = own_unit
     else:
         metres, note = guess_unit(leg)
@@ -130,7 +131,7 @@ def _read(
     if not given:
         checked = slice(None, None, max(1, int(clip.rate / CHECKED_RATE)))
         check_shape(world_transforms(clip.skeleton, clip.root_positions[checked], clip.rotations[checked])[0], roles)
-    return Reading(clip, roles, metres, tuple(notes), warnings)
+    return Reading(clip, roles, metres, tuple(notes), (*own_warnings, *warnings))
 
 
 def root_of(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:

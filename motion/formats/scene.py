@@ -22,6 +22,8 @@ from motionsplice.motion.skeleton import Integers
 END = re.compile(r"(_end|[_ .]?End|Nub|_leaf|HeadTop_End)(\d*|_\d+)$")  # leaves that mark the tip of a bone
 STEADY = 1e-4  # of the longest bone: a joint that moves less on its parent does not move
 
+BLOCK = 8192  # transforms that are worked on at once: few enough for the processor's cache
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -31,7 +33,7 @@ class Scene:
     joints: [N] whether a node is a joint of a body rather than a mesh, a camera or a prop.
     bind, world: [N, 3, 4] and [F, N, 3, 4] transforms to the world, in the bind pose and over time. The first three
     columns are the axes, with their scale, and the last is the position.
-    roles: names of nodes by role, if the file states them. notes: what was left out or assumed.
+    roles: names of nodes by role, if the file states them. notes: what was left out or assumed. unit: metres in a unit.
     """
 
     names: tuple[str, ...]
@@ -42,6 +44,7 @@ class Scene:
     rate: float
     roles: Mapping[str, str]
     notes: tuple[str, ...] = ()
+    unit: float = 1.0
 
 
 def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
@@ -52,10 +55,7 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
     inside, ends, dropped = joints_of(scene)
     places = {node: place for place, node in enumerate(inside)}
     parents = np.array([places.get(int(scene.parents[node]), -1) for node in inside])
-    bound, turned = rotations_of(scene.bind[inside]), rotations_of(scene.world[:, inside])
-    world = quaternion.multiply(turned, quaternion.conjugate(bound))
-    local = world.copy()
-    local[:, 1:] = quaternion.multiply(quaternion.conjugate(world[:, parents[1:]]), world[:, 1:])
+    world, local = _turns(scene, inside, parents)
     at, rest = scene.world[..., 3][:, inside], scene.bind[inside][..., 3]
     offsets = np.concatenate([np.zeros((1, 3)), rest[1:] - rest[parents[1:]]])
     end_parents = np.array([places[int(scene.parents[node])] for node in ends], np.int64)
@@ -66,12 +66,27 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
         end_parents=end_parents,
         end_offsets=(scene.bind[ends][..., 3] - rest[end_parents]).reshape(-1, 3),
         translations=_translations(at, world, parents, offsets),
-        rotations=quaternion.one_hemisphere(local),
+        rotations=local,
     )
     notes = list(scene.notes)
     if dropped:
         notes.append(f"left out, not part of the skeleton: {listed(dropped)}")
     return nodes, tuple(notes)
+
+
+def _turns(scene: Scene, inside: list[int], parents: Integers) -> tuple[Floats, Floats]:
+    """Returns the rotations since the bind pose, of joints to the world [J, F, 4] and to their parents [F, J, 4]."""
+    unbound = quaternion.conjugate(rotations_of(scene.bind[inside]))[:, None]
+    frames = len(scene.world)
+    world, local = np.empty((len(inside), frames, 4)), np.empty((frames, len(inside), 4))
+    by_node = scene.world.transpose(1, 0, 2, 3)
+    step = max(1, BLOCK // frames)
+    for block in (slice(first, first + step) for first in range(0, len(inside), step)):
+        world[block] = quaternion.multiply(rotations_of(by_node[inside[block]]), unbound[block])
+        above = np.where(parents[block, None, None] < 0, quaternion.IDENTITY, world[parents[block]])
+        turns = quaternion.multiply(quaternion.conjugate(above), world[block])
+        local[:, block] = quaternion.one_hemisphere(turns.swapaxes(0, 1))
+    return world, local
 
 
 def joints_of(scene: Scene) -> tuple[list[int], list[int], list[str]]:
@@ -110,12 +125,12 @@ def _ends(scene: Scene, kept: list[int]) -> list[int]:
 
 
 def _translations(at: Floats, world: Floats, parents: Integers, offsets: Floats) -> dict[int, Floats]:
-    """The root's path, and the joints that move on their parents, as seen from these."""
+    """The root's path, and the joints that move on their parents, as seen from these; `world` [J, F, 4] turns."""
     longest = float(np.linalg.norm(offsets[1:], axis=1).max(initial=0.0))
     found = {0: at[:, 0]}
     for joint in range(1, len(parents)):
         parent = int(parents[joint])
-        moved = quaternion.rotate(quaternion.conjugate(world[:, parent]), at[:, joint] - at[:, parent])
+        moved = quaternion.rotate(quaternion.conjugate(world[parent]), at[:, joint] - at[:, parent])
         if np.abs(moved - offsets[joint]).max() > STEADY * longest:
             found[joint] = moved
     return found
@@ -123,17 +138,17 @@ def _translations(at: Floats, world: Floats, parents: Integers, offsets: Floats)
 
 def rotations_of(transforms: Floats) -> Floats:
     """Returns the rotations [..., 4] of transforms [..., 3, 4]: their axes without scale, made orthogonal."""
-    axes = transforms[..., :3]
-    x = _unit(axes[..., 0])
-    y = axes[..., 1] - np.sum(x * axes[..., 1], axis=-1, keepdims=True) * x
-    y = _unit(y)
-    z = np.cross(x, y)
-    return quaternion.from_matrices(np.stack([x, y, z], axis=-1))
+    axes = np.moveaxis(transforms, (-2, -1), (1, 0))[:3]
+    x = _unit(axes[0])
+    y = _unit(axes[1] - np.sum(x * axes[1], axis=0) * x)
+    z = x[[1, 2, 0]] * y[[2, 0, 1]] - x[[2, 0, 1]] * y[[1, 2, 0]]
+    return quaternion.from_matrices(np.moveaxis(np.stack([x, y, z], axis=1), (0, 1), (-2, -1)))
 
 
 def _unit(v: Floats) -> Floats:
-    length = np.sqrt(np.sum(v * v, axis=-1, keepdims=True))
-    return np.where(length > 0.0, v / np.where(length > 0.0, length, 1.0), 0.0)
+    """Returns vectors [3, ...] at length 1, or 0 if they have none."""
+    length = np.sqrt(np.sum(v * v, axis=0))
+    return v / np.where(length > 0.0, length, 1.0)
 
 
 def _unique(names: list[str]) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """The standing pose of a rig: upright, facing +Z, legs down.
 
 Most rigs stand in their bind pose, perhaps facing elsewhere. Others have all bones along one axis there, as LAFAN1's
-BVH files do. Their trunk is straight at least, but how far a leg has turned about itself shows only in a motion.
+BVH files and 3ds Max's Biped do: their standing pose is found from a motion.
 """
 
 from __future__ import annotations
@@ -12,14 +12,17 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.segments import SIDES, segments_of
 from motionsplice.motion.roles import Roles, common_ancestor
 from motionsplice.motion.skeleton import Skeleton
 
 UP, LEFT = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
-LEAST_TURN = np.radians(5.0)  # a bind pose that faces +Z but for less than this faces +Z; hips are seldom symmetric
+LEAST_TURN = np.radians(5.0)  # a bind pose within this of +Z faces +Z: hips are seldom exactly symmetric
 LEAST_DOWN = 0.5  # cosine of the angle between a thigh and straight down: with less, the bind pose does not stand
 SHORTEST = 1e-9  # metres: a shorter line has no direction
 LEAST_BEND = 0.05  # mean sine of the bend: a limb that bends less does not show its hinge
+FAR = np.radians(45.0)  # a joint whose mean is nearer to its bind rotation has that rotation in the standing pose
+FREE = ("trunk", "neck", "head", "collar", "hand")  # segments whose joints may be far from their bind rotation
 LOWEST = 30.0  # percent of the frames, those in which an ankle is lowest: there the foot is flat
 
 
@@ -29,45 +32,62 @@ def bind_positions(skeleton: Skeleton) -> Floats:
     return np.asarray(world_transforms(skeleton, np.zeros((1, 3)), still)[0][0])
 
 
-def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) -> Floats:
-    """Returns the world rotations of the joints [J, 4] in the standing pose.
-
-    These are the bind pose's, turned upright and to +Z. If its legs do not point down then, limbs are turned to a
-    T-pose by the axes about which knees and elbows bend in `motion`, a clip of this skeleton, if there is one. Feet are
-    turned as they are where they stand in it.
-    """
-    at = bind_positions(skeleton)
-    body = _upright(at, skeleton, roles)
-    pose = np.tile(body, (skeleton.joint_count, 1))
-    if motion is None or stands(skeleton, roles):
-        return pose
-    positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
-    for side, outwards in (("left", LEFT), ("right", -LEFT)):
-        ankle = int(getattr(roles, f"{side}_ankle"))
-        for limb, along, hinge in (
-            (("hip", "knee", "ankle"), -UP, LEFT),
-            (("shoulder", "elbow", "wrist"), outwards, -outwards[0] * UP),
-        ):
-            joints = [int(getattr(roles, f"{side}_{part}")) for part in limb]
-            axes = quaternion.rotate(quaternion.conjugate(world[:, joints[0]]), _hinge(positions[:, joints]))
-            bone, axis = at[joints[1]] - at[joints[0]], axes.mean(axis=0)
-            if np.linalg.norm(np.cross(bone, axis)) > LEAST_BEND * np.linalg.norm(bone):
-                turn = quaternion.multiply(frame(along, hinge), quaternion.conjugate(frame(bone, axis)))
-                pose[skeleton.subtree(joints[0])] = turn
-        height = positions[:, ankle, 1]
-        flat = height <= np.percentile(height, LOWEST)
-        for joint in skeleton.subtree(ankle):
-            on_root = quaternion.multiply(quaternion.conjugate(world[flat, 0]), world[flat, joint])
-            pose[joint] = quaternion.multiply(body, _mean(on_root))
-    return pose
-
-
 def stands(skeleton: Skeleton, roles: Roles) -> bool:
     """Returns whether the thighs point down in the bind pose, once it is turned upright."""
     at = bind_positions(skeleton)
     thighs = at[[roles.left_knee, roles.right_knee]] - at[[roles.left_hip, roles.right_hip]]
-    down = -quaternion.rotate(_upright(at, skeleton, roles), thighs)[:, 1]
+    down = -quaternion.rotate(_upright(skeleton, roles), thighs)[:, 1]
     return bool(np.all(down >= LEAST_DOWN * np.linalg.norm(thighs, axis=1)))
+
+
+def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) -> Floats:
+    """Returns the world rotations of the joints [J, 4] in the standing pose.
+
+    These are the bind pose's, turned upright and to +Z. If its legs do not point down then, they are found from
+    `motion`, a clip of this skeleton, if there is one. Limbs are turned to a T-pose by the axes about which knees and
+    elbows bend, and feet as they are where they stand. Other joints keep their bind rotation to their parent, except
+    joints of trunk, neck, collars and hands that are usually far from it: these have their mean.
+    """
+    pose = np.tile(_upright(skeleton, roles), (skeleton.joint_count, 1))
+    if motion is None or stands(skeleton, roles):
+        return pose
+    found = _limbs(skeleton, roles, motion, pose[0])
+    segments = segments_of(skeleton, roles)
+    free = {joint for name in segments if name.endswith(FREE) for joint in segments[name].joints}
+    for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
+        pose[joint] = found.get(joint, pose[parent])
+        if joint in free and quaternion.angle(mean := _mean(motion.rotations[:, joint]), quaternion.IDENTITY) > FAR:
+            pose[joint] = quaternion.multiply(pose[parent], mean)
+    return pose
+
+
+def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats) -> dict[int, Floats]:
+    """Returns the rotations [4] in the standing pose of hips and shoulders whose limbs bend, and of the feet's joints.
+
+    body: [4] the rotation of the root in the standing pose.
+    """
+    positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
+    rest, found = bind_positions(skeleton), {}
+    for side in SIDES:
+        hip, knee, ankle, shoulder, elbow, wrist = (
+            int(getattr(roles, f"{side}_{part}")) for part in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
+        )
+        outwards = LEFT if side == "left" else -LEFT
+        for upper, middle, lower, along, hinge in (
+            (hip, knee, ankle, -UP, LEFT),
+            (shoulder, elbow, wrist, outwards, -outwards[0] * UP),
+        ):
+            axes = _hinge(positions[:, [upper, middle, lower]])
+            axis = quaternion.rotate(quaternion.conjugate(world[:, upper]), axes).mean(axis=0)
+            bone = rest[middle] - rest[upper]
+            if np.linalg.norm(np.cross(bone, axis)) > LEAST_BEND * np.linalg.norm(bone):
+                found[upper] = quaternion.multiply(frame(along, hinge), quaternion.conjugate(frame(bone, axis)))
+        height = positions[:, ankle, 1]
+        flat = height <= np.percentile(height, LOWEST)
+        for joint in skeleton.subtree(ankle):
+            on_root = quaternion.multiply(quaternion.conjugate(world[flat, 0]), world[flat, joint])
+            found[joint] = quaternion.multiply(body, _mean(on_root))
+    return found
 
 
 def frame(along: Floats, across: Floats) -> Floats:
@@ -85,12 +105,16 @@ def _hinge(limb: Floats) -> Floats:
     return np.cross(bones[:, 0], bones[:, 1])
 
 
-def _upright(at: Floats, skeleton: Skeleton, roles: Roles) -> Floats:
-    """Returns the rotation [4] that turns the bind pose upright and to +Z; the identity if it shows no direction."""
+def _upright(skeleton: Skeleton, roles: Roles) -> Floats:
+    """Returns the rotation [4] that turns the bind pose upright and to +Z; the identity if it shows no direction.
+
+    Up is the axis nearest to the trunk, since trunks lean a little on every rig.
+    """
+    at = bind_positions(skeleton)
     chest = common_ancestor(skeleton.parents, (roles.left_shoulder, roles.right_shoulder))
     trunk = at[chest] - 0.5 * (at[roles.left_hip] + at[roles.right_hip])
-    up, axis = np.zeros(3), int(np.argmax(np.abs(trunk)))
-    up[axis] = np.sign(trunk[axis])
+    axis = int(np.argmax(np.abs(trunk)))
+    up = np.sign(trunk[axis]) * np.eye(3)[axis]
     left = at[roles.left_hip] - at[roles.right_hip]
     left = left - up * (up @ left)
     width = float(np.linalg.norm(left))

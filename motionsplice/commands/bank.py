@@ -39,7 +39,7 @@ def register(app: typer.Typer) -> None:
 
 
 def precompute_command(
-    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc, .glb, ...), or folders of them.")],
+    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .fbx, .glb, ...), or folders of them.")],
     out: Annotated[Path, typer.Option(help="The bank to write, a folder.")],
     baseline: Annotated[
         str, typer.Option(help="The clip to whose stride all clips are aligned; auto: the most typical stride.")
@@ -89,6 +89,7 @@ def precompute_command(
     if file is not None:
         file.finish(outcome)
     print_work(outcome, out)
+    print_left_out(clips)
     if not outcome.unchanged:
         show_bank(Bank.open(out))
     for name, error in outcome.failed.items():
@@ -148,6 +149,17 @@ def print_work(outcome: Outcome, out: Path) -> None:
         line = f"{count}, {outcome.reused} reused"
     failed = f", {len(outcome.failed)} failed" if outcome.failed else ""
     console.print(line + failed, highlight=False, soft_wrap=True)
+
+
+def print_left_out(clips: list[Path]) -> None:
+    """Prints which motion files in the folders cannot be read."""
+    from motionsplice.motion.formats.files import other_files
+    from motionsplice.motion.formats.fold import listed
+
+    others = [file.name for path in clips if path.is_dir() for file in other_files(path)]
+    if others:
+        line = f"left out, cannot be read: {listed(others)}. Export them as BVH or GLB"
+        console.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
 
 
 def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")]) -> None:

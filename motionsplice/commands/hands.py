@@ -44,7 +44,7 @@ def register(app: typer.Typer) -> None:
 
 
 def hands_command(
-    body: Annotated[Path, typer.Argument(help="The motion that gives the body (.bvh, .amc, .glb, ...).")],
+    body: Annotated[Path, typer.Argument(help="The motion that gives the body (.bvh, .amc, .fbx, .glb, ...).")],
     hands: Annotated[
         Path, typer.Argument(help="The motion that gives the fingers: the same gestures, captured separately.")
     ],

@@ -150,7 +150,7 @@ def spliced(
 
 
 def render_command(
-    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc, .glb, ...), one row each.")],
+    motions: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .amc, .fbx, .glb, ...), one row each.")],
     out: Annotated[Path, typer.Option(help="A .png contact sheet, or a .gif that plays the motions side by side.")],
     ghost: Annotated[Path | None, typer.Option(help="A motion of the same rig, drawn in grey behind each row.")] = None,
     columns: Annotated[int, typer.Option(min=1, max=60, help="Moments in each row of a contact sheet.")] = 10,

@@ -53,8 +53,8 @@ class Alignment:
     """The phase of each frame of a clip in the baseline's stride, and how well the clip fits there.
 
     phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
-    chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees from
-    where they are half a stride later, in leg lengths.
+    chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees, over
+    LOOP_WINDOW frames, from where they are half a stride later, in leg lengths.
     """
 
     phase: Floats
@@ -158,8 +158,12 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
     seconds = np.linspace(0.0, clip.duration, len(wound))
     curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS)
+    windows = windowed(
+        clouds, LOOP_WINDOW
+    )  # single clouds of a symmetric walk equal, turned, those half a stride later
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
-    swing = float(np.sqrt(planar_distance(clouds, clouds[half_later]).mean() / 3.0)) / baseline.leg
+    apart = planar_distance(windows, windows[np.minimum(half_later[: len(windows)], len(windows) - 1)])
+    swing = float(np.sqrt(apart.mean() / (3.0 * LOOP_WINDOW))) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
     return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()), swing)
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
 from motionsplice.motion.errors import ClipError, FormatError, SettingsError, did_you_mean
-from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in
+from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in, other_files
+from motionsplice.motion.formats.fold import listed
 
 
 @dataclass(frozen=True)
@@ -35,14 +36,18 @@ def find_sources(
     Raises ClipError if there are no clips, or two of one name; SettingsError for a bad `clips.toml`.
     """
     found: dict[str, tuple[Path, str | None]] = {}
+    others: list[str] = []
     for path in paths:
         if not path.exists():
             raise ClipError("file or folder not found", file=str(path))
+        others += [file.name for file in other_files(path)] if path.is_dir() else []
         for file in clip_files(path) if path.is_dir() else [path]:
             for name, animation in _clips_in(file).items():
                 other, _ = found.setdefault(name, (file, animation))
                 if other.resolve() != file.resolve():
                     raise ClipError(f"two clips are named {name!r}: {other} and {file}", mend="Rename one of them")
+    if not found and others:
+        raise ClipError(f"no clips found, and these cannot be read: {listed(others)}", mend="Export them as BVH or GLB")
     if not found:
         raise ClipError("no clips found", mend=f"Name files or folders of {', '.join(sorted(SUFFIXES))}")
     settings: dict[str, ClipSettings] = {}

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import ClipError, FormatError, MotionError
+from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import bvh
 from motionsplice.motion.formats.fold import fold
 from motionsplice.motion.kinematics import joint_positions
@@ -58,7 +58,7 @@ angles = st.floats(-180.0, 180.0)
 
 
 def clip_of(text: str | bytes) -> Clip:
-    nodes, rate = bvh.parse(text.encode() if isinstance(text, str) else text)
+    nodes, rate, *_ = bvh.parse(text.encode() if isinstance(text, str) else text)
     folded = fold(nodes, 0)
     return Clip("clip", folded.skeleton, rate, folded.root_positions, folded.rotations)
 
@@ -125,13 +125,13 @@ def test_white_space_and_case_do_not_matter(change: object) -> None:
         ("0.01666", 60.0),
         ("0.04", 25.0),
         ("1", 1.0),
-        ("0.0166833", 1.0 / 0.0166833),  # 60 / 1.001, a video rate, is not 60
-        ("0.03336667", 1.0 / 0.03336667),
-        ("4.17083333e-2", 1.0 / 4.17083333e-2),
+        ("0.0166833", 60.0 / 1.001),
+        ("0.03336667", 30.0 / 1.001),
+        ("4.17083333e-2", 24.0 / 1.001),
     ],
 )
-def test_a_rounded_step_means_a_whole_rate_and_a_video_step_does_not(step: str, rate: float) -> None:
-    assert clip_of(SMALL.replace("0.0333333", step)).rate == rate
+def test_a_rounded_step_means_a_whole_rate_or_that_of_video(step: str, rate: float) -> None:
+    assert clip_of(SMALL.replace("0.0333333", step)).rate == pytest.approx(rate, rel=1e-12)
 
 
 def test_names_keep_colons_and_spaces() -> None:
@@ -174,7 +174,7 @@ def test_a_clip_survives_writing_and_reading(seed: int) -> None:
 def test_moving_parents_are_folded_into_the_root() -> None:
     text = SMALL.replace("CHANNELS 3 Zrot", "CHANNELS 6 Xposition Yposition Zposition Zrot")
     text = text.replace("5 6 7", "0 0.5 0 5 6 7").replace("6 7 8", "0 0.7 0 6 7 8")
-    nodes, _ = bvh.parse(text.encode())
+    nodes, *_ = bvh.parse(text.encode())
     whole, folded = fold(nodes, 0), fold(nodes, 1)
     assert folded.skeleton.names == ("Chest",)
     turned = quaternion.rotate(whole.rotations[:, 0], [[0, 0.5, 0], [0, 0.7, 0]])
@@ -212,12 +212,9 @@ def test_a_moving_inner_joint_is_fixed_and_noted() -> None:
         (SMALL.replace("20 30", "1e999 30"), "not a finite number"),
         (SMALL.replace("20 30", "2O 30"), "'2O' is not a finite number"),
         (SMALL.replace("20 30", "20"), "frame 0: expected 9 values per frame, found 8"),
-        (SMALL.replace("6 7\n2 3 4", "6\n7 2 3 4"), "line 19, frame 0: expected 9 values per frame, found 8"),
-        (SMALL.replace("Frames: 2", "Frames: 3"), "expected 3 frames, as the header says, found 2"),
-        (SMALL.replace("Frames: 2", "Frames: 1"), "expected 1 frames, as the header says, found 2"),
-        (SMALL.replace("Frames: 2", "Frames: 99999999999"), "expected 99999999999 frames, as the header says"),
+        (SMALL.replace("6 7\n2 3 4", "6\n7 2 3"), "line 19, frame 0: expected 9 values per frame, found 8"),
         (SMALL[: SMALL.index("Frames")] + "Frames: 0\nFrame Time: 0.1\n", "no frames"),
-        (SMALL.replace("Frames: 2", "Frames: -2"), "the header is invalid"),
+        (SMALL.replace("Frames: 2", "Frames: 2.5"), "the header is invalid"),
         (SMALL.replace("0.0333333", "0"), "the header is invalid"),
         (SMALL.replace("0.0333333", "30"), "seconds per frame"),
         (SMALL.replace("0.0333333", "1e-320"), "the header is invalid"),
@@ -241,7 +238,7 @@ def test_a_moving_inner_joint_is_fixed_and_noted() -> None:
             SMALL.replace("0 0.25 0", "0 0.25 0\nJOINT A\n{\nOFFSET 0 1 0\n}"),
             "line 13: an End Site cannot have children",
         ),
-        (SMALL.replace("JOINT", "ROOT"), "one ROOT"),
+        (SMALL.replace("JOINT", "ROOT"), "line 6: expected a ROOT with named JOINTs below it"),
         (SMALL.replace("JOINT Chest", "JOINT"), "line 6"),
         (SMALL.replace("}\nMOTION", "}\n}\nMOTION"), "line 16"),
     ],
@@ -249,11 +246,6 @@ def test_a_moving_inner_joint_is_fixed_and_noted() -> None:
 def test_a_malformed_file_is_refused_with_the_place_of_the_error(text: str | bytes, words: str) -> None:
     with pytest.raises(FormatError, match=words):
         bvh.parse(text.encode() if isinstance(text, str) else text)
-
-
-def test_two_joints_of_the_same_name_are_refused() -> None:
-    with pytest.raises(ClipError, match="same name"):
-        clip_of(SMALL.replace("Chest", "Hips"))
 
 
 def test_deep_nesting_is_read_without_recursion() -> None:
@@ -295,7 +287,7 @@ def test_any_mutated_file_is_read_or_refused(data: st.DataObject) -> None:
 
 
 def test_people_in_real_files_stand_on_the_floor(real_motion: Path) -> None:
-    nodes, rate = bvh.parse((real_motion / "06_01.bvh").read_bytes())
+    nodes, rate, *_ = bvh.parse((real_motion / "06_01.bvh").read_bytes())
     folded = fold(nodes, 0)
     clip = Clip("walk", folded.skeleton.scaled(0.05644), rate, folded.root_positions * 0.05644, folded.rotations)
     assert clip.rate == 120.0

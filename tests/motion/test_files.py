@@ -83,7 +83,7 @@ def test_the_motion_is_kept_when_joints_are_reordered(tmp_path: Path) -> None:
         ("absent.amc", None, "absent.amc: no such file"),
         ("empty.bvh", b"", "empty.bvh: the file is empty"),
         ("blank.amc", b" \n\n", "blank.amc: the file is empty"),
-        ("walk.fbx", b"Kaydara", r"unsupported file type '\.fbx'\. Convert it to \.amc or \.bvh"),
+        ("walk.c3d", b"\x02P", r"unsupported file type '\.c3d'\. Convert it to \.amc or \.bvh"),
         ("lone_01.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton lone.asf"),
         ("alone.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton alone.asf"),
         ("noise.bvh", bytes(range(256)), "noise.bvh: this is a binary file"),
@@ -115,7 +115,7 @@ def test_a_folder_is_refused(tmp_path: Path, name: str) -> None:
 def test_the_skeleton_beside_a_motion_is_found(tmp_path: Path, motion: str, skeletons: list[str], found: str) -> None:
     for name in [motion, *skeletons]:
         (tmp_path / name).write_text("nothing")
-    with pytest.raises(MotionError, match=f"{found}: the file has no :units"):
+    with pytest.raises(MotionError, match=f"{found}: the file has no :root"):
         read_clip(tmp_path / motion)
 
 
@@ -129,7 +129,7 @@ def test_several_skeletons_without_a_matching_name_are_refused(tmp_path: Path) -
 def test_a_bad_skeleton_file_is_named_rather_than_the_motion(tmp_path: Path) -> None:
     (tmp_path / "a.asf").write_text("nothing")
     (tmp_path / "a_01.amc").write_text("1\nroot 0 0 0 0 0 0\n")
-    with pytest.raises(MotionError, match=r"a\.asf: the file has no :units"):
+    with pytest.raises(MotionError, match=r"a\.asf: the file has no :root"):
         read_clip(tmp_path / "a_01.amc")
 
 

@@ -15,10 +15,11 @@ from scipy.spatial.transform import Rotation
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
+from motionsplice.motion.formats.files import files_behind
 from motionsplice.motion.formats.gltf.accessors import read_accessor
-from motionsplice.motion.formats.gltf.container import Container, read_document
+from motionsplice.motion.formats.gltf.container import Container, open_container, read_document
 from motionsplice.motion.formats.gltf.reader import animation_names, read_scene
-from motionsplice.motion.formats.gltf.tracks import Track
+from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.formats.scene import nodes_of, rotations_of
@@ -97,6 +98,16 @@ def test_a_track_has_its_keys_at_their_times(interpolation: str) -> None:
     np.testing.assert_allclose(track.sampled(np.array([0.25])), [middle])
 
 
+@pytest.mark.parametrize("rate", [24.0, 60.0, 120.0])
+def test_frames_of_a_long_capture_are_its_keys(rate: float) -> None:
+    """After minutes, times in float32 are rounded by a hundredth of a frame."""
+    rounded = (np.arange(20_000) / rate).astype(np.float32).astype(np.float64)
+    values = np.random.default_rng(0).normal(size=(20_000, 3))
+    track = Track(rounded, values, "LINEAR", False)
+    assert key_rate([track]) == rate
+    np.testing.assert_array_equal(track.sampled(np.arange(20_000) / rate), values)
+
+
 def test_a_cubic_spline_follows_its_tangents() -> None:
     """Of x^3 between 1 and 3 the curve is x^3 itself."""
     times = np.array([1.0, 3.0])
@@ -109,7 +120,8 @@ def container(*views: bytes, **accessor: Any) -> Container:
     """A document with one accessor, over the views one after the other."""
     places = np.cumsum([0, *(len(view) for view in views)]).tolist()
     listed = [{"buffer": 0, "byteOffset": at, "byteLength": len(view)} for at, view in zip(places, views, strict=False)]
-    return Container({"accessors": [accessor], "bufferViews": listed}, (b"".join(views),))
+    data = b"".join(views)
+    return Container({"accessors": [accessor], "bufferViews": listed}, (memoryview(data),), len(data))
 
 
 def test_normalised_numbers_are_parts_of_1() -> None:
@@ -218,6 +230,37 @@ def test_accessors_over_the_same_bytes_take_no_memory(tmp_path: Path) -> None:
 
     with pytest.raises(FormatError, match="share their bytes"):
         read(tmp_path, edited(dump_glb(WALK), edit))
+
+
+def test_buffers_over_the_same_bytes_do_not_raise_the_bound_on_memory(tmp_path: Path) -> None:
+    """A buffer's size is what the file may take of memory; here 10,000 share one."""
+
+    def edit(document: dict[str, Any]) -> None:
+        document["buffers"] *= 10_000
+
+    _, binary = read_document(edited(dump_glb(WALK), edit))
+    assert open_container(edited(dump_glb(WALK), edit), alone).size == len(binary)
+
+
+@pytest.mark.parametrize("uri", ["walk\0.bin", "x" * 5000, "\ud800"])
+def test_names_that_files_cannot_have_are_refused(tmp_path: Path, uri: str) -> None:
+    document = read_document(dump_glb(WALK))[0]
+    document["buffers"][0]["uri"] = uri
+    with pytest.raises(FormatError):
+        read(tmp_path, json.dumps(document).encode(), "walk.gltf")
+    if len(uri) < 100:
+        with pytest.raises(FormatError, match="cannot be a file's name"):
+            files_behind(tmp_path / "walk.gltf")
+
+
+def test_half_characters_in_names_become_question_marks(tmp_path: Path) -> None:
+    def edit(document: dict[str, Any]) -> None:
+        document["nodes"][3]["name"] = "Spine\ud800"
+        document["animations"] = [document["animations"][0] | {"name": name} for name in ("a", "b\udfff")]
+
+    data = edited(dump_glb(WALK), edit)
+    assert animation_names(data) == ["a", "b?"]
+    assert read(tmp_path, data, animation="b?").skeleton.names[3] == "Spine?"
 
 
 @given(st.data())

@@ -26,6 +26,12 @@ def test_conjugate_is_the_inverse(q: Floats) -> None:
     np.testing.assert_allclose(quaternion.multiply(q, quaternion.conjugate(q)), quaternion.IDENTITY, atol=1e-12)
 
 
+@given(arrays(np.float64, (2, 3, 4), elements=st.floats(0.1, 1.0)).map(quaternion.normalise))
+def test_matrices_agree_with_scipy(q: Floats) -> None:
+    expected = Rotation.from_quat(q.reshape(-1, 4)).as_matrix().reshape(2, 3, 3, 3)
+    np.testing.assert_allclose(quaternion.to_matrices(q), expected, atol=1e-12)
+
+
 @given(rotations, rotations)
 def test_angle_agrees_with_scipy(a: Floats, b: Floats) -> None:
     expected = (Rotation.from_quat(a).inv() * Rotation.from_quat(b)).magnitude()

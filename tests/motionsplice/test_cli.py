@@ -131,6 +131,16 @@ def test_a_clip_that_fails_is_named_and_the_exit_status_is_1(clip_folder: Path, 
     assert len(Bank.open(tmp_path / "bank").clips) == 7
 
 
+def test_files_of_other_programs_in_a_folder_are_named(clip_folder: Path, tmp_path: Path) -> None:
+    for name in ("jog.c3d", "notes.txt"):
+        (tmp_path / name).write_bytes(b"anything")
+    arguments = ["precompute", str(clip_folder), str(tmp_path), "--out", str(tmp_path / "bank"), "--jobs", "1"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0
+    assert "left out, cannot be read: jog.c3d. Export them as BVH or GLB" in result.output
+    assert "notes.txt" not in result.output
+
+
 def test_inspect_lists_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank) -> None:
     output = run("inspect", hands_bank.path).output
     fit = {(one.name, one.body): one.mismatch for one in hands_bank.hands}

@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 
 from bench.quality.rhythm import arm_lag, lag_error
+from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.baseline import LEAST_SWING, align, find_baseline
 from motionsplice.precompute.job.job import build_bank
+from motionsplice.precompute.preparation.prepared import has_gait
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
@@ -68,6 +70,24 @@ def test_a_walk_is_in_step_again_after_standing_still(seconds: float) -> None:
     apart = align(stopped, ROLES, RING).phase - align(WALK, ROLES, RING).phase[frames]
     walking = np.r_[0 : half - 20, half + still + 20 : len(frames)]
     assert np.abs(apart - np.round(apart))[walking].max() < 0.06
+
+
+def legs_of(swing: float, sway: float) -> Clip:
+    """Returns 3 s in which the legs swing alike, by this angle in radians, while the root sways by this many metres."""
+    seconds = np.arange(181) / 60.0
+    rotations = np.tile(quaternion.IDENTITY, (len(seconds), WALK.skeleton.joint_count, 1))
+    for hip, sign in ((ROLES.left_hip, 1.0), (ROLES.right_hip, -1.0)):
+        rotations[:, hip] = quaternion.about([1.0, 0.0, 0.0], sign * swing * np.sin(2.0 * np.pi * seconds))
+    root = np.stack([sway * np.sin(1.3 * seconds), 0.9 + 0.0 * seconds, 4.0 * swing * seconds], axis=-1)
+    return Clip("legs", WALK.skeleton, 60.0, root, rotations)
+
+
+def test_a_walk_with_equal_halves_is_locomotion_and_standing_is_not() -> None:
+    symmetric = legs_of(0.4, 0.0)
+    for ring in (RING, find_baseline(symmetric, ROLES)):
+        assert has_gait(align(symmetric, ROLES, ring))
+        for standing in (legs_of(0.0, 0.0), legs_of(0.0, 0.05), legs_of(0.05, 0.03)):
+            assert align(standing, ROLES, ring).swing < LEAST_SWING
 
 
 def test_arms_keep_in_phase_walking_forward_backward_and_sideways(real_motion: Path) -> None:

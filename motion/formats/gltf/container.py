@@ -19,15 +19,11 @@ EXPORT = "Export it again as glTF 2.0"
 
 @dataclass(frozen=True, eq=False)
 class Container:
-    """A glTF file's JSON document, and its buffers as bytes."""
+    """A glTF file's JSON document, its buffers, and the bytes that they have together: buffers may share some."""
 
     document: dict[str, Any]
-    buffers: tuple[bytes, ...]
-
-    @property
-    def size(self) -> int:
-        """Bytes in all buffers."""
-        return sum(len(buffer) for buffer in self.buffers)
+    buffers: tuple[memoryview, ...]
+    size: int
 
 
 def read_document(data: bytes) -> tuple[dict[str, Any], bytes]:
@@ -48,7 +44,16 @@ def open_container(data: bytes, read_beside: Callable[[str], bytes]) -> Containe
     if required := set(document.get("extensionsRequired", ())) - READABLE:
         mend = "Export without compression"
         raise FormatError(f"it requires extensions that cannot be read: {', '.join(sorted(required))}", mend=mend)
-    return Container(document, tuple(_buffer(one, binary, read_beside) for one in document.get("buffers", ())))
+    buffers, contents = list[memoryview](), dict[str | None, bytes]()
+    for buffer in document.get("buffers", ()):
+        uri, length = buffer.get("uri"), int(buffer["byteLength"])
+        if uri not in contents:
+            contents[uri] = binary if uri is None else _content(uri, read_beside)
+        if not 0 <= length <= len(contents[uri]):
+            problem = f"a buffer should have {length} bytes, found {len(contents[uri])}"
+            raise FormatError(problem, mend="Copy its .bin file again")
+        buffers.append(memoryview(contents[uri])[:length])
+    return Container(document, tuple(buffers), sum(map(len, contents.values())))
 
 
 # Required extensions that change nothing about nodes and animations.
@@ -82,14 +87,5 @@ def _chunks(data: bytes) -> tuple[bytes, bytes]:
     return found[b"JSON"], found.get(b"BIN\0", b"")
 
 
-def _buffer(buffer: dict[str, Any], binary: bytes, read_beside: Callable[[str], bytes]) -> bytes:
-    uri, length = buffer.get("uri"), int(buffer["byteLength"])
-    if uri is None:
-        data = binary
-    elif uri.startswith("data:"):
-        data = base64.b64decode(uri.partition(",")[2])
-    else:
-        data = read_beside(unquote(uri))
-    if len(data) < length:
-        raise FormatError(f"a buffer should have {length} bytes, found {len(data)}", mend="Copy its .bin file again")
-    return data[:length]
+def _content(uri: str, read_beside: Callable[[str], bytes]) -> bytes:
+    return base64.b64decode(uri.partition(",")[2]) if uri.startswith("data:") else read_beside(unquote(uri))

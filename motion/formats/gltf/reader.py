@@ -27,6 +27,7 @@ MALFORMED = (
     *(KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError, OverflowError, struct.error),
 )
 MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
+BYTES = 4  # that a transform takes in a file at least: a key takes 16 bytes, and some nodes have none
 MOST_NUMBERS = 1_000_000  # in the tracks of a small file, whose accessors may all lie over the same bytes
 Tracks = dict[tuple[int, str], Track]
 
@@ -37,14 +38,21 @@ def animation_names(data: bytes) -> list[str]:
         return _names(read_document(data)[0])
 
 
-def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str) -> Scene:
-    """Reads the nodes of a file, moved by one of its animations, at the rate of its keys.
+def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str | None) -> Scene:
+    """Reads the nodes of a file, moved by one of its animations, or by its only one, at the rate of its keys.
 
     `read_beside` reads a file in the same folder, for buffers. Raises FormatError.
     """
     with malformed():
         container = open_container(data, read_beside)
         names = _names(container.document)
+        if not names:
+            raise FormatError("it has no animation", mend="Export the armature with its animation")
+        if animation is None:
+            if len(names) > 1:
+                problem = f"it has {len(names)} animations"
+                raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
+            animation = names[0]
         if animation not in names:
             raise FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
         return _scene(container, names.index(animation))
@@ -82,9 +90,14 @@ def malformed() -> Iterator[None]:
 def _names(document: dict[str, Any]) -> list[str]:
     names: dict[str, None] = {}
     for number, animation in enumerate(document.get("animations", ())):
-        name = str(animation.get("name") or number)
+        name = _text(animation.get("name") or number)
         names[name if name not in names else f"{name}.{number}"] = None
     return list(names)
+
+
+def _text(name: Any) -> str:
+    """Returns a name as text that can be written: JSON may hold half a character."""
+    return str(name).encode(errors="replace").decode()
 
 
 def _scene(container: Container, number: int) -> Scene:
@@ -93,7 +106,7 @@ def _scene(container: Container, number: int) -> Scene:
     tracks = _tracks(container, document["animations"][number], len(order))
     if not tracks:
         raise FormatError("this animation moves no node", mend="Choose another one, or bake it before the export")
-    times, rate = _times(list(tracks.values()), len(order), max(MOST_TRANSFORMS, container.size))
+    times, rate = _times(list(tracks.values()), len(order), max(MOST_TRANSFORMS, container.size // BYTES))
     return _posed(container, order, parents, tracks, times, rate)
 
 
@@ -109,7 +122,7 @@ def _posed(
     joints[[places[node] for node in human_bones(document).values()]] = True
     if not joints.any():
         joints[[places[node] for node, _ in tracks]] = True
-    names = tuple(str(nodes[node].get("name") or f"node {node}") for node in order)
+    names = tuple(_text(nodes[node].get("name") or f"node {node}") for node in order)
     named = {role: names[places[node]] for role, node in roles.items()}
     return Scene(names, parents, joints, bind, world, rate, named)
 
@@ -168,32 +181,33 @@ def _times(tracks: list[Track], nodes: int, most: int) -> tuple[Floats, float]:
 
 
 def _local(node: dict[str, Any], number: int, tracks: Tracks, times: Floats) -> Floats:
-    """Returns a node's transforms to its parent [F or 1, 3, 4]."""
+    """Returns a node's transforms to its parent [3, 4, F or 1]."""
     moved = {path: tracks[number, path].sampled(times) for path in PATHS if (number, path) in tracks}
     if "matrix" in node and not moved:
-        return np.array(node["matrix"], np.float64).reshape(4, 4).T[None, :3]
+        return np.array(node["matrix"], np.float64).reshape(4, 4).T[:3, :, None]
     values = {
         path: moved.get(path, np.array([node.get(path, DEFAULTS[path])], np.float64)) for path in PATHS
     }  # [F or 1, width]
-    turned = quaternion.rotate(values["rotation"][:, None], np.eye(3))  # the axes, one after the other
-    axes = np.swapaxes(turned, 1, 2) * values["scale"][:, None, :]
-    frames = max(len(axes), len(values["translation"]))
-    local = np.empty((frames, 3, 4))
-    local[..., :3], local[..., 3] = axes, values["translation"]
+    local = np.empty((3, 4, max(len(value) for value in values.values())))
+    axes = quaternion.to_matrices(values["rotation"]).transpose(1, 2, 0)
+    local[:, :3], local[:, 3] = axes * values["scale"].T, values["translation"].T
     return local
 
 
 def _world(locals_: Iterable[Floats], parents: Integers, frames: int) -> Floats:
-    """Returns world transforms [F, N, 3, 4] of nodes with transforms to their parents [F or 1, 3, 4]."""
-    world = np.empty((frames, len(parents), 3, 4))
+    """Returns world transforms [F, N, 3, 4] of nodes with transforms to their parents [3, 4, F or 1].
+
+    In memory all frames of a number lie together, because the work goes from node to node.
+    """
+    world = np.empty((len(parents), 3, 4, frames))
     for node, local in enumerate(locals_):
         if parents[node] < 0:
-            world[:, node] = local
+            world[node] = local
         else:
-            above = world[:, parents[node]]
-            world[:, node] = above[..., :3] @ local
-            world[:, node, :, 3] += above[..., 3]
-    return world
+            above = world[parents[node]]
+            world[node] = above[:, 0, None] * local[0] + above[:, 1, None] * local[1] + above[:, 2, None] * local[2]
+            world[node, :, 3] += above[:, 3]
+    return world.transpose(3, 0, 1, 2)
 
 
 def _skeleton(container: Container, places: dict[int, int], parents: Integers, rest: Floats) -> tuple[Any, Floats]:

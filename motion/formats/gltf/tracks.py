@@ -15,6 +15,8 @@ from motionsplice.motion.skeleton import Integers
 USUAL_RATE = 30.0  # frames per second of animations with a few keys only
 FEW_KEYS = 4
 SLOWEST, FASTEST = 5.0, 1000.0  # frames per second that keys are taken for a capture's own
+UNEVEN = 0.1  # relative: steps between keys that differ more are not those of a capture
+ROUNDING = 2.0**-23  # of float32, relative
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +37,10 @@ class Track:
 
     def sampled(self, times: Floats) -> Floats:
         """Returns the values [n, width] at `times` [n]; before the first key and after the last these keys' own."""
+        if self._keyed_at(times):
+            keys = self.values.reshape(len(times), -1, self.values.shape[1])  # of a cubic spline with its tangents
+            found = keys[:, keys.shape[1] // 2]
+            return _unit(found) if self.is_rotation else found
         last = len(self.times) - 1
         before = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, max(last - 1, 0))
         after = np.minimum(before + 1, last)
@@ -49,6 +55,12 @@ class Track:
         else:
             found = self.values[before] + t[:, None] * (self.values[after] - self.values[before])
         return _unit(found) if self.is_rotation else found
+
+    def _keyed_at(self, times: Floats) -> bool:
+        """Whether these are the keys' own times, which the file has rounded."""
+        if len(times) != len(self.times):
+            return False
+        return bool(np.abs(times - self.times).max() <= ROUNDING * np.abs(times).max())
 
     def _cubic(self, before: Integers, after: Integers, step: Floats, t: Floats) -> Floats:
         keys = self.values.reshape(len(self.times), 3, -1)
@@ -69,10 +81,14 @@ def key_rate(tracks: list[Track]) -> float:
     times = max((track.times for track in tracks), key=len)
     if len(times) < FEW_KEYS:
         return USUAL_RATE
-    rate = common_rate(1.0 / float(np.median(np.diff(times))))
+    steps = np.diff(times)
+    usual = np.abs(steps / np.median(steps) - 1.0) < UNEVEN
+    rate = common_rate(1.0 / float(np.mean(steps[usual])))  # after minutes, float32 rounds single steps too much
     return rate if SLOWEST <= rate <= FASTEST else USUAL_RATE
 
 
 def _unit(q: Floats) -> Floats:
     length = quaternion.length(q)[..., None]
+    if length.all():
+        return q / length
     return np.where(length > 0.0, q / np.where(length > 0.0, length, 1.0), quaternion.IDENTITY)

@@ -206,6 +206,14 @@ def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
         build_bank([tmp_path / "absent.bvh"], tmp_path / "bank")
 
 
+def test_files_of_other_programs_alone_are_named_in_the_error(tmp_path: Path) -> None:
+    for name in ("jog.c3d", "scene.BLEND", "16.asf", "readme.txt", "clips.toml", "skin.png"):
+        (tmp_path / name).write_bytes(b"anything")
+    problem = r"these cannot be read: jog\.c3d, scene\.BLEND\. Export them as BVH or GLB$"
+    with pytest.raises(ClipError, match=problem):
+        build_bank([tmp_path], tmp_path / "bank")
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

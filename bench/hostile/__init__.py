@@ -1,0 +1,1 @@
+"""Damaged motion files, and what reading them leads to."""

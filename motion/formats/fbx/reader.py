@@ -1,0 +1,129 @@
+"""Reads the nodes and animations of an FBX file as scenes, in a child process."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.formats.fbx.biped import with_legs_on_the_pelvis
+from motionsplice.motion.formats.fold import listed
+from motionsplice.motion.formats.rest_pose import without_frame_as_bind
+from motionsplice.motion.formats.scene import Scene
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Integers
+
+WORKER = Path(__file__).with_name("worker.py")
+MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
+BYTES = 4  # that a transform takes in a large file at least
+SECONDS, SECONDS_PER_BYTE = 20.0, 1e-5  # limits of a child: far more than it needs, since the machine may be busy
+MEMORY, MEMORY_PER_BYTE = 200_000_000, 120  # bytes, limits of a child: Python and ufbx take 40 MB
+STACK = (b"\0\1AnimStack", b'"AnimStack::')  # follows the name of a stack in binary files, precedes it in text
+EXPORT = "Export it again as FBX 2014 or newer"
+
+
+def animation_names(data: bytes) -> list[str]:
+    """Returns the names of the animations that move joints, or [] for a file that has only one. Raises FormatError.
+
+    A file that evidently has only one is not parsed, which would take a child process.
+    """
+    if sum(data.count(mark) for mark in STACK) == 1:
+        return []
+    return list(_ask(data, names_only=True, animation=None)[0]["animations"])
+
+
+def read_scene(data: bytes, animation: str | None) -> Scene:
+    """Reads the joints of a file and the nodes above them, moved by one of its animations, or by its only one.
+
+    Raises FormatError.
+    """
+    answer, numbers = _ask(data, names_only=False, animation=animation)
+    names = answer["animations"]
+    if not names:
+        raise FormatError("it has no animation that moves a joint", mend="Export the armature with its animation")
+    if "frames" not in answer:
+        if animation is None:
+            problem = f"it has {len(names)} animations"
+            raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
+        raise FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
+    return _scene(answer, numbers)
+
+
+def _ask(data: bytes, **options: Any) -> tuple[dict[str, Any], Floats]:
+    """Returns what a child process finds in a file: a document, and numbers. Raises FormatError."""
+    found = find_spec("ufbx")
+    if found is None or found.origin is None:
+        raise FormatError("FBX files need the package ufbx", mend="Run: pip install 'motionsplice[fbx]'")
+    options["most"] = max(MOST_TRANSFORMS, len(data) // BYTES)
+    request = {"memory": MEMORY + MEMORY_PER_BYTE * len(data), "options": options}
+    seconds = SECONDS + SECONDS_PER_BYTE * len(data)
+    # -I and -S: the user's settings and other packages are not imported, which would take time and might print.
+    command = [sys.executable, "-I", "-S", str(WORKER), str(Path(found.origin).parents[1])]
+    try:
+        sent = json.dumps(request).encode() + b"\n" + data
+        child = subprocess.run(command, input=sent, capture_output=True, timeout=seconds)
+    except subprocess.TimeoutExpired:
+        raise FormatError(f"reading it takes more than {seconds:.3g} s", mend=EXPORT) from None
+    except OSError as error:
+        problem = f"the process that reads FBX files cannot be started: {error.strerror}"
+        raise FormatError(problem, mend="Try again when the machine has more memory") from None
+    if child.returncode < 0:
+        raise FormatError(f"reading it ended with signal {-child.returncode}", mend=EXPORT)
+    if child.returncode > 0:
+        last = child.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+        raise FormatError(f"reading it failed: {last[:200] or f'exit code {child.returncode}'}", mend=EXPORT)
+    head, _, numbers = child.stdout.partition(b"\n")
+    answer = json.loads(head)
+    if "problem" in answer:
+        raise FormatError(answer["problem"], mend=answer["mend"])
+    return answer, np.frombuffer(numbers)
+
+
+def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
+    count, frames, bound = len(answer["names"]), answer["frames"], answer["bound"]
+    parents = np.array(answer["parents"], np.int64)
+    bind, rest, moved = np.split(numbers, np.cumsum([12 * len(bound), 10 * count]))
+    stated = dict(zip(bound, bind.reshape(-1, 4, 3).transpose(0, 2, 1), strict=True))
+    world = _world(_matrices(moved.reshape(frames, count, 10)), parents, {})
+    notes = [f"left out, not joints: {listed(answer['left_out'])}"] if answer["left_out"] else []
+    if not bound:
+        notes.append("it states no bind pose; the pose of its nodes at rest is taken")
+    scene = Scene(
+        names=tuple(name or f"node {place}" for place, name in enumerate(answer["names"])),
+        parents=parents,
+        joints=np.array(answer["joints"], np.bool_),
+        bind=_world(_matrices(rest.reshape(1, count, 10)), parents, stated)[0],
+        world=world,
+        rate=answer["rate"],
+        roles={},
+        unit=answer["unit"],
+        notes=tuple(notes),
+    )
+    scene = with_legs_on_the_pelvis(scene)
+    return scene if bound else without_frame_as_bind(scene)
+
+
+def _matrices(local: Floats) -> Floats:
+    """Returns transforms [F, N, 3, 4] from translations, rotations and scales [F, N, 10]."""
+    axes = quaternion.rotate(local[..., None, 3:7], np.eye(3))  # one after the other
+    return np.concatenate([np.swapaxes(axes, -1, -2) * local[..., None, 7:], local[..., :3, None]], axis=-1)
+
+
+def _world(local: Floats, parents: Integers, stated: dict[int, Floats]) -> Floats:
+    """Returns world transforms [F, N, 3, 4] from those to the parents; `stated` ones [3, 4] replace them."""
+    world = local.copy()
+    for node, parent in enumerate(parents.tolist()):
+        if node in stated:
+            world[:, node] = stated[node]
+        elif parent >= 0:
+            above = world[:, parent]
+            world[:, node] = above[..., :3] @ local[:, node]
+            world[:, node, :, 3] += above[..., 3]
+    return world

@@ -1,0 +1,23 @@
+"""What a parser returns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from motionsplice.motion.formats.fold import Nodes
+from motionsplice.motion.roles import NOTHING_GIVEN
+
+
+class Parsed(NamedTuple):
+    """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes.
+
+    warnings: what is probably wrong with the file, such as a header that disagrees with the frames.
+    """
+
+    nodes: Nodes
+    rate: float
+    unit: float | None = None
+    roles: Mapping[str, str] = NOTHING_GIVEN  # type: ignore[assignment]
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()

@@ -1,0 +1,41 @@
+"""Text files of motion: their encoding, padding and decimal commas."""
+
+from __future__ import annotations
+
+import codecs
+
+from motionsplice.motion.errors import FormatError
+
+PADDING = "\0\x1a"  # the second is Ctrl-Z, the end of a text file in DOS
+COMMAS = "its decimal commas were read as decimal points"
+PROBED = 64  # bytes that show UTF-16 without a byte order mark
+FIRST_LETTER = 9  # a tab; lower codes do not occur in text
+
+
+def text_of(data: bytes, mend: str) -> str:
+    """Returns the text of a file in UTF-8 or UTF-16, without byte order mark, and without the padding at its end.
+
+    Raises FormatError, with `mend`, if the file is not text.
+    """
+    text = data.decode(_encoding(data), errors="replace")
+    if "\0" in text or "\x1a" in text:
+        end = len(text.rstrip(PADDING + " \t\r\n"))
+        text = text[:end] + text[end:].translate(dict.fromkeys(map(ord, PADDING)))
+    if "\0" in text:
+        raise FormatError("this is a binary file, not text", mend=mend)
+    return text
+
+
+def _encoding(data: bytes) -> str:
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    even, odd = data[:PROBED:2], data[1:PROBED:2]
+    for zeros, letters, encoding in ((odd, even, "utf-16-le"), (even, odd, "utf-16-be")):
+        if zeros and letters and not any(zeros) and min(letters) >= FIRST_LETTER:
+            return encoding
+    return "utf-8-sig"
+
+
+def with_points(text: str) -> str:
+    """Returns numbers with decimal points in place of commas, if commas can be nothing else: no number has a point."""
+    return text.replace(",", ".") if "," in text and "." not in text else text

@@ -6,10 +6,14 @@ neutral = "walk"         # the clip that its posture is relative to
 tags = ["carry"]
 skip_frames = 1          # leading frames that are not motion, such as a T-pose
 unit = "cm"
+up = "z"                 # the axis that is up in the file, where it is not found
+rate = 120               # frames per second, if the file says it wrongly
+root = "Hips2"           # a joint of the body to read, in a file with several
 """
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -26,6 +30,9 @@ VALUES = {
     "tags": 'a list of strings, such as ["carry"]',
     "skip_frames": "a whole number, 0 or more",
     "unit": 'a string, such as "cm"',
+    "up": '"x", "y" or "z"',
+    "rate": "a number above 0",
+    "root": "the name of a joint, in quotes",
 }
 
 
@@ -40,6 +47,9 @@ class ClipSettings:
         tags: Any words, which the bank stores with the clip.
         skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
         unit: The file's unit of length, as `read_clip` takes it; None to take it from the file or guess it.
+        up: The axis that is up in the file, as `read_clip` takes it.
+        rate: Frames per second, if the file states it wrongly.
+        root: The root of the body to read, in a file with several.
     """
 
     kind: str = "locomotion"
@@ -47,6 +57,14 @@ class ClipSettings:
     tags: tuple[str, ...] = ()
     skip_frames: int = 0
     unit: str | None = None
+    up: str | None = None
+    rate: float | None = None
+    root: str | None = None
+
+    @property
+    def reading(self) -> dict[str, Any]:
+        """The arguments for `read_clip`."""
+        return {key: getattr(self, key) for key in ("skip_frames", "unit", "up", "rate", "root")}
 
 
 DEFAULT_SETTINGS = ClipSettings()
@@ -91,6 +109,9 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
             "tags": isinstance(tags, list) and all(isinstance(tag, str) for tag in settings.tags),
             "skip_frames": type(settings.skip_frames) is int and settings.skip_frames >= 0,
             "unit": isinstance(settings.unit, str | None),
+            "up": settings.up in (None, "x", "y", "z"),
+            "rate": settings.rate is None or (type(settings.rate) in (int, float) and 0.0 < settings.rate < math.inf),
+            "root": isinstance(settings.root, str | None),
         }.items()
         if not valid
     ]

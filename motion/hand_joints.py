@@ -12,7 +12,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import IDENTITY, Floats, angle, rotate
-from motionsplice.motion.role_names import side_and_part
+from motionsplice.motion.role_names import words_of
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Integers, Skeleton
 
@@ -74,9 +74,14 @@ def fingers_of(skeleton: Skeleton, roles: Roles, side: Side) -> list[int]:
 def _named_fingers(skeleton: Skeleton, wrist: int) -> list[int]:
     """Returns the joints below a wrist that have a finger's name, and those between, in order."""
     below = skeleton.subtree(wrist)[1:]
-    fingers = [joint for joint in below if HAND.search(side_and_part(skeleton.names[joint])[1])]
+    fingers = [joint for joint in below if HAND.search(_spelled(skeleton.names[joint]))]
     paths = {ancestor for joint in fingers for ancestor in skeleton.chain(joint)}
     return [joint for joint in below if joint in paths]
+
+
+def _spelled(name: str) -> str:
+    """Returns a joint's name in lower case without separators and side: "LeftHandIndex1" gives "handindex1"."""
+    return "".join(words_of(name)[0])
 
 
 def has_fingers(skeleton: Skeleton, roles: Roles) -> bool:
@@ -129,7 +134,7 @@ def finger_places(skeleton: Skeleton, joints: list[int]) -> dict[int, tuple[str,
     The place is the number in the name, or the order of the joints if no joint of the finger has one. Bones within the
     palm have place 0.
     """
-    found = {joint: FINGER.search(part) for joint in joints if (part := side_and_part(skeleton.names[joint])[1])}
+    found = {joint: FINGER.search(_spelled(skeleton.names[joint])) for joint in joints}
     named = {joint: (SAME_FINGER.get(name[1], name[1]), name[2]) for joint, name in found.items() if name is not None}
     numbered = {finger for finger, number in named.values() if number}
     places: dict[int, tuple[str, int]] = {}

@@ -3,54 +3,106 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping
 
-# A joint's name without prefixes, separators and the side, in order of preference.
-#                Mixamo, LAFAN1  Unreal            VRM, Bandai     Rigify       CMU (ASF)     others
+# The name of a part of the body, without the side and what all joints of a rig share, in order of preference.
+#                Mixamo, LAFAN1  Unreal      VRM, Unity   Poser       Daz            CAT     others
 NAMES = {
-    "hip":      ("upleg",        "thigh",          "upperleg",                  "femur",      "hip"),
-    "knee":     ("leg",          "calf",           "lowerleg",     "shin",      "tibia",      "knee"),
-    "ankle":    ("ankle",        "foot"),  # SMPL has both; its "foot" is the ball
-    "toe":      ("toebase",      "ball",           "toes",         "toe"),
-    "shoulder": ("arm",          "upperarm",                                    "humerus",    "shoulder"),
-    "elbow":    ("forearm",      "lowerarm",                                    "radius",     "elbow"),
-    "wrist":    ("wrist",        "hand"),
-    "neck":     ("neck",         "neck01",                                      "lowerneck"),
-    "head":     ("head",),
+    "hip":      ("upleg",        "thigh",    "upperleg",              "thighbend",   "leg1",
+                 "legupper", "femur", "hip", "足", "leg"),
+    "knee":     ("leg",          "calf",     "lowerleg",  "shin",     "shinbend",    "leg2",
+                 "lowleg", "loleg", "leglower", "shank", "tibia", "knee", "ひざ", "膝"),
+    "ankle":    ("ankle",        "foot",     "足首"),  # SMPL has both; its "foot" is the ball
+    "toe":      ("toebase",      "ball",     "toes",      "toe",      "つま先"),
+    "shoulder": ("arm",          "upperarm",              "shldr",    "shldrbend",   "arm1",
+                 "uparm", "uarm", "armupper", "humerus", "shoulder", "腕"),
+    "elbow":    ("forearm",      "lowerarm",                          "forearmbend", "arm2",
+                 "lowarm", "loarm", "farm", "armlower", "radius", "ulna", "elbow", "ひじ", "肘"),
+    "wrist":    ("wrist",        "hand",                                             "palm", "手首"),
+    "neck":     ("neck",                                              "necklower",   "necktwist", "lowerneck", "首"),
+    "head":     ("head",         "頭"),
 }  # fmt: skip
 PAIRED = ("hip", "knee", "ankle", "toe", "shoulder", "elbow", "wrist")
 OPTIONAL = ("left_toe", "right_toe", "neck", "head")
+KNOWN = {name for names in NAMES.values() for name in names}
 
-NAMESPACE = re.compile(r"^.*[:|]")
-PREFIX = re.compile(r"^(mixamorig\d*[-_ .]*|(DEF|ORG|MCH|J_Bip|Bip\d*|CC_Base|joint)[-_ .]+)", re.IGNORECASE)
-SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
-WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+NAMESPACE = re.compile(r"^.*[:|]|\[.*\]")  # "mixamorig:", and Skyrim's "NPC L Thigh [LThg]"
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|左|右|[^\W\d_A-Za-z左右]+")
+SIDES = {"left": "left", "l": "left", "左": "left", "right": "right", "r": "right", "右": "right"}
+MIDDLE = ("c", "m")  # VRoid's J_Bip_C_Head, Advanced Skeleton's Spine1_M
+LIMBS = ("arm", "leg")  # CAT's LLegAnkle, mGear's arm_L0_hand_jnt
+HELPERS = {"ik", "fk", "mch", "ctrl", "pole", "target", "twist", "roll"}  # joints by which others are posed
 
-
-def side_and_part(name: str) -> tuple[str, str]:
-    """Returns a joint's side ("left", "right" or "") and the rest of its name, in lower case without separators.
-
-    "mixamorig:LeftUpLeg" gives ("left", "upleg"), "DEF-thigh.L" ("left", "thigh"), "lfemur" ("left", "femur").
-    """
-    words = [word.lower() for word in WORD.findall(PREFIX.sub("", NAMESPACE.sub("", name)))]
-    sides = [SIDES[word] for word in words if word in SIDES]
-    part = "".join(word for word in words if word not in SIDES)
-    if not sides and part[:1] in SIDES and any(part[1:] in names for names in NAMES.values()):
-        return SIDES[part[0]], part[1:]  # CMU's lfemur, rhumerus
-    return (sides[0] if sides else ""), part
+Affixes = tuple[tuple[str, ...], tuple[str, ...]]  # the words before and after the part of the body
+Part = tuple[str, str]  # side ("left", "right" or "") and one of KNOWN
 
 
 def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
-    """Returns the joints of the limbs, neck and head that are found by name alone, by role."""
-    parts: dict[tuple[str, str], int] = {}
-    for joint, name in enumerate(names):
-        parts.setdefault(side_and_part(name), joint)
+    """Returns the joints of the limbs, neck and head that are found by name alone, by role.
+
+    All joints of a body have the same words around the part: none, or "Bip01", "CC_Base", "m_avg", "_jnt". So the roles
+    are those of the words with which most are found. Joints beside the body, such as "ik_foot_l" and "thigh_twist_l",
+    have others.
+    """
+    bodies: dict[Affixes, dict[Part, int]] = {}
+    for numbered in (False, True):  # "thigh.L" goes before "thigh.L.001"
+        for joint, name in enumerate(names):
+            for affixes, part, has_number in parts_in(name):
+                if has_number == numbered:
+                    bodies.setdefault(affixes, {}).setdefault(part, joint)
+    found = [(affixes, _roles(parts)) for affixes, parts in bodies.items()]
+    return max(found, key=lambda one: _rank(*one), default=(((), ()), {}))[1]
+
+
+def words_of(name: str) -> tuple[list[str], str]:
+    """Returns the words of a joint's name in lower case, without the side, and the side ("left", "right" or "")."""
+    words = [word.lower() for word in WORD.findall(NAMESPACE.sub("", name))]
+    sides = [SIDES[word] for word in words if word in SIDES]
+    return [word for word in words if word not in SIDES and word not in MIDDLE], sides[0] if sides else ""
+
+
+def parts_in(name: str) -> Iterator[tuple[Affixes, Part, bool]]:
+    """Yields what a joint may be by its name: the words around the part, the part, and whether a number follows it.
+
+    "LeftForeArm" is the left "forearm", or the left "arm" after "fore"; "DEF-thigh.L.001" is the left "thigh" after
+    "def", with a number.
+    """
+    words, side = words_of(name)
+    for start in range(len(words)):
+        for stop in range(start + 1, len(words) + 1):
+            part = _part("".join(words[start:stop]), side)
+            longer = "".join(words[start : stop + 1])  # CAT's "leg1" is not a "leg" with a number
+            if part[1] in KNOWN and not (longer in KNOWN and words[stop : stop + 1] and words[stop].isdecimal()):
+                before = tuple(word for word in words[:start] if not (word.isdecimal() or word in LIMBS))
+                after = tuple(word for word in words[stop:] if not word.isdecimal())
+                yield (before, after), part, len(after) < len(words) - stop
+
+
+def _part(text: str, side: str) -> Part:
+    """Returns the side and the part; in a name without capitals, such as "lfemur" or "leftupleg", they are one word."""
+    if side or text in KNOWN:
+        return side, text
+    glued = [(SIDES[word], text[len(word) :]) for word in SIDES if text.startswith(word)]
+    glued += [(SIDES[word], text[: -len(word)]) for word in SIDES if text.endswith(word)]
+    return next((one for one in glued if one[1] in KNOWN), ("", text))
+
+
+def _roles(parts: Mapping[Part, int]) -> dict[str, int]:
     found: dict[str, int] = {}
+    taken: set[str] = set()
     for role, candidates in NAMES.items():
         sides = ("left", "right") if role in PAIRED else ("",)
         # Both sides use the same candidate, the first that either side has. Otherwise, if one arm had an unknown name,
         # the collar bone on its side, which some rigs call "shoulder", would be taken instead.
-        matches = [[side for side in sides if (side, part) in parts] for part in candidates]
-        best = next(filter(None, matches), [])
-        for side in best:
-            found[f"{side}_{role}" if side else role] = parts[side, candidates[matches.index(best)]]
+        for part in candidates:
+            matches = [side for side in sides if (side, part) in parts]
+            if matches and part not in taken:  # a leg with a knee is the thigh
+                taken.add(part)
+                found |= {f"{side}_{role}" if side else role: parts[side, part] for side in matches}
+                break
     return found
+
+
+def _rank(affixes: Affixes, roles: Mapping[str, int]) -> tuple[bool, int, int]:
+    words = affixes[0] + affixes[1]
+    return HELPERS.isdisjoint(words), len(roles), -len(words)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
-
+from motionsplice.motion.animals import not_human
 from motionsplice.motion.errors import RoleError, SettingsError, did_you_mean
-from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.role_names import OPTIONAL, PAIRED, roles_by_name
 from motionsplice.motion.skeleton import Integers, Skeleton, chain
 
@@ -83,7 +82,8 @@ class Roles:
 def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Roles:
     """Finds the roles of a rig's joints by their names and the shape of the hierarchy.
 
-    Knows the joint names of the common rigs: Mixamo, Unreal, CMU, LAFAN1, VRM, Rigify, Biped, SMPL and others.
+    Knows the joint names of the common rigs: Mixamo, Unreal, CMU, LAFAN1, VRM, Rigify, Biped, Daz, SMPL and others,
+    with any prefix or suffix that all joints share.
 
     Args:
         skeleton: The rig. The root, at which legs and trunk branch, must be joint 0, as in clips from `read_clip`.
@@ -95,22 +95,22 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
 
     Raises:
         RoleError: A role cannot be found, or the roles found do not form legs, arms and a trunk. The message lists all
-            joints and the roles that were found, and has the text of a roles file to fill in.
+            joints and the roles that were found, and has the text of a roles file to fill in, or says why this is not
+            a human body.
         SettingsError: `given` has an unknown role.
     """
     found = limbs_by_name(skeleton.names, given)
     if missing := [role for role in LIMBS if role not in found]:
-        raise RoleError(
-            f"no joint found for {', '.join(missing)}. Joints: {', '.join(skeleton.names)}. "
-            f"Roles found: {', '.join(f'{role} = {skeleton.names[at]}' for role, at in found.items()) or 'none'}",
-            mend=f"Name the missing joints in a file and pass it as --roles:\n\n{_stub(missing)}",
-        )
+        raise _missing(skeleton, found, missing)
     root = common_ancestor(skeleton.parents, [found[role] for role in ENDS])
     chest = common_ancestor(skeleton.parents, [found["left_shoulder"], found["right_shoulder"]])
-    if root != 0 or chest == root:
-        meeting = f"legs and arms branch at {skeleton.names[root]!r}, both arms at {skeleton.names[chest]!r}"
-        problem = f"no trunk found: {meeting}"
-        raise RoleError(problem, mend="Name the joints of the legs and arms in a file and pass it as --roles")
+    if root != 0:
+        problem = f"legs and arms branch at {skeleton.names[root]!r}, which is not joint 0"
+        raise RoleError(problem, mend="Read the file with `read_clip`, which makes it joint 0")
+    if chest == root:
+        problem = f"no trunk found: arms and legs hang on one joint, {skeleton.names[root]!r}"
+        mend = "This rig cannot be spliced. Export one with a joint between hips and arms, such as a spine"
+        raise RoleError(problem, mend=mend)
     path = skeleton.chain(chest)
     pelvis = path[path.index(root) - 1]
     if "pelvis" in given:
@@ -119,12 +119,7 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
     spine = given.get("spine", tuple(skeleton.names[joint] for joint in trunk))
     trunk = [_joint("spine", name, skeleton.names) for name in ((spine,) if isinstance(spine, str) else spine)]
     limbs = {role: found.get(role, -1) for role in (*LIMBS, *OPTIONAL)}
-    for side in ("left", "right"):
-        for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
-            upper, middle, lower = (found[f"{side}_{joint}"] for joint in limb)
-            if upper not in skeleton.chain(middle)[1:] or middle not in skeleton.chain(lower)[1:]:
-                problem = f"the {side} {limb[0]}, {limb[1]} and {limb[2]} are not one chain of joints in this order"
-                raise RoleError(problem, mend="Name them in a file and pass it as --roles")
+    check_limbs(skeleton.names, skeleton.parents, found)
     if pelvis == root or pelvis not in path:
         problem = f"the pelvis {skeleton.names[pelvis]!r} is not between the root and the arms"
         raise RoleError(problem, mend="Name a joint of the trunk, or leave the pelvis out")
@@ -148,26 +143,18 @@ def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:
     return next(joint for joint in chains[0] if joint in shared)
 
 
-def check_shape(positions: Floats, roles: Roles) -> None:
-    """Raises RoleError unless the roles fit the motion of the body, given its joints' world positions [F, J, 3].
-
-    In the median frame, knees are below hips, shoulders above the pelvis, and the left shoulder on the left hip's side.
-    """
-    median = np.median(positions - positions[:, :1], axis=0)
-    hips = positions[:, roles.left_hip] - positions[:, roles.right_hip]
-    shoulders = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
-    for problem, fits in {
-        "the left knee is above the left hip": median[roles.left_knee, 1] < median[roles.left_hip, 1],
-        "the right knee is above the right hip": median[roles.right_knee, 1] < median[roles.right_hip, 1],
-        "the left shoulder is below the pelvis": median[roles.left_shoulder, 1] > median[roles.pelvis, 1],
-        "the right shoulder is below the pelvis": median[roles.right_shoulder, 1] > median[roles.pelvis, 1],
-        "left and right are crossed between hips and shoulders": np.median(np.sum(hips * shoulders, axis=1)) > 0.0,
-    }.items():
-        if not fits:
-            raise RoleError(
-                f"the roles do not fit the motion: {problem}",
-                mend="Check that the file is Y up. If it is, name the joints in a file and pass it as --roles",
-            )
+def check_limbs(names: Sequence[str], parents: Integers, found: Mapping[str, int]) -> None:
+    """Raises RoleError unless knees are below hips, ankles below knees, and so on, of the joints that were found."""
+    for side in ("left", "right"):
+        for above, below in (*pairwise(("hip", "knee", "ankle")), *pairwise(("shoulder", "elbow", "wrist"))):
+            upper, lower = found.get(f"{side}_{above}"), found.get(f"{side}_{below}")
+            if upper is not None and lower is not None and upper not in chain(parents, lower)[1:]:
+                raise RoleError(
+                    f"{names[lower]!r} ({side} {below}) is not below {names[upper]!r} ({side} {above})"
+                    + (f", but hangs on {names[parents[lower]]!r}" if parents[lower] >= 0 else ""),
+                    mend="If other joints are these, name them in a file and pass it as --roles. "
+                    "If not, export a rig whose legs and arms are chains of joints",
+                )
 
 
 def read_roles_file(file: Path) -> dict[str, GivenRole]:
@@ -216,5 +203,14 @@ def _between(skeleton: Skeleton, upper: int, lower: int) -> list[int]:
     return path[: path.index(upper)]
 
 
-def _stub(missing: Sequence[str]) -> str:
-    return "[roles]\n" + "\n".join(f'{role} = ""' for role in missing)
+def _missing(skeleton: Skeleton, found: Mapping[str, int], missing: Sequence[str]) -> RoleError:
+    """Returns the error for roles without a joint, with a roles file to fill in if it may be a human body."""
+    if difference := not_human(skeleton):
+        problem = f"this is not a human body: {difference}"
+        return RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
+    return RoleError(
+        f"no joint found for {', '.join(missing)}. Joints: {', '.join(skeleton.names)}. "
+        f"Roles found: {', '.join(f'{role} = {skeleton.names[at]}' for role, at in found.items()) or 'none'}",
+        mend="If it is a human body, name the missing joints in a file and pass it as --roles:\n\n[roles]\n"
+        + "\n".join(f'{role} = ""' for role in missing),
+    )

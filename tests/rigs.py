@@ -1,4 +1,4 @@
-"""Variants of rigs for tests: extra bones, and another bind pose."""
+"""Variants of rigs for tests: extra bones, another bind pose, other axes, two bodies."""
 
 from __future__ import annotations
 
@@ -70,3 +70,43 @@ def with_bind_pose(clip: Clip, turns: Mapping[str, Floats]) -> Clip:
     )
     rotations = quaternion.multiply(quaternion.multiply(above, clip.rotations), quaternion.conjugate(world))
     return replace(clip, skeleton=rig, rotations=rotations)
+
+
+def z_up(clip: Clip) -> Clip:
+    """Returns the same motion as a file has it in which Z is up and a body faces -Y."""
+
+    def turned(vectors: Floats) -> Floats:
+        return np.stack([vectors[..., 0], -vectors[..., 2], vectors[..., 1]], axis=-1)
+
+    rotations = np.concatenate([turned(clip.rotations), clip.rotations[..., 3:]], axis=-1)
+    skeleton = replace(
+        clip.skeleton, offsets=turned(clip.skeleton.offsets), end_offsets=turned(clip.skeleton.end_offsets)
+    )
+    return replace(clip, skeleton=skeleton, root_positions=turned(clip.root_positions), rotations=rotations)
+
+
+def leaning(clip: Clip, radians: float) -> Clip:
+    """Returns the motion of a body that leans towards +Z in every frame; by half pi, it lies on its face."""
+    rotations = clip.rotations.copy()
+    rotations[:, 0] = quaternion.multiply(quaternion.about([1.0, 0.0, 0.0], radians), rotations[:, 0])
+    return replace(clip, rotations=rotations)
+
+
+def two_bodies(clip: Clip, apart: float) -> Clip:
+    """Returns two bodies in the same motion below one root, "Reference", the second `apart` metres to the left.
+
+    The second's joints have "B_" before their names.
+    """
+    skeleton, joints = clip.skeleton, clip.skeleton.joint_count
+    second = np.concatenate([[0], skeleton.parents[1:] + 1 + joints])
+    offsets = np.concatenate([np.zeros((1, 3)), skeleton.offsets, skeleton.offsets])
+    offsets[1], offsets[1 + joints] = 0.0, [apart, 0.0, 0.0]
+    both = Skeleton(
+        names=("Reference", *skeleton.names, *(f"B_{name}" for name in skeleton.names)),
+        parents=np.concatenate([[-1, 0], skeleton.parents[1:] + 1, second]),
+        offsets=offsets,
+        end_parents=np.concatenate([skeleton.end_parents + 1, skeleton.end_parents + 1 + joints]),
+        end_offsets=np.concatenate([skeleton.end_offsets, skeleton.end_offsets]),
+    )
+    still = np.tile(quaternion.IDENTITY, (clip.frame_count, 1, 1))
+    return replace(clip, skeleton=both, rotations=np.concatenate([still, clip.rotations, clip.rotations], axis=1))

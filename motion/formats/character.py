@@ -99,9 +99,9 @@ def _read(data: bytes) -> Character:
     if "uri" in (document.get("buffers") or [{}])[0]:
         raise FormatError("its data are not in the file's binary chunk", mend="Export it as one GLB file")
     scene, numbers = read_rest(data)
-    inside, _, _ = joints_of(scene)
+    inside, *_ = joints_of(scene)
     nodes, _ = nodes_of(scene)
-    skeleton = fold(nodes, root_of(nodes, scene.roles)).skeleton
+    skeleton = fold(nodes, root_of(nodes, None, scene.roles)).skeleton
     places = [inside[nodes.names.index(name)] for name in skeleton.names]
     above, rest, bind = scene.parents[places[0]], scene.world[0, places], rotations_of(scene.bind[places])
     outwards = np.eye(4)

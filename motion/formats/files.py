@@ -80,8 +80,11 @@ def _animations(path: Path) -> list[str]:
     return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
-def parse(path: Path, animation: str | None) -> Parsed:
-    """Returns what a file says. Raises FormatError."""
+def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
+    """Returns what a file says: of several skeletons the one with the joint `root`, else the largest.
+
+    Raises FormatError.
+    """
     suffix = path.suffix.lower()
     if path.is_dir():
         raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
@@ -89,13 +92,13 @@ def parse(path: Path, animation: str | None) -> Parsed:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)
     if suffix in GLTF:
-        return _parsed(gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation))
+        return _parsed(gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation), root)
     if suffix == ".fbx":
-        return _parsed(fbx_reader.read_scene(data, animation))
+        return _parsed(fbx_reader.read_scene(data, animation), root)
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
-        return bvh.parse(data)
+        return bvh.parse(data, root)
     asf = _skeleton_file(path)
     try:
         skeleton = asf_amc.parse_skeleton(read_bytes(asf))
@@ -104,9 +107,9 @@ def parse(path: Path, animation: str | None) -> Parsed:
     return asf_amc.parse_motion(data, skeleton)
 
 
-def _parsed(scene: Scene) -> Parsed:
-    nodes, notes = nodes_of(scene)
-    return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes)
+def _parsed(scene: Scene, root: str | None) -> Parsed:
+    nodes, notes = nodes_of(scene, root)
+    return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes, up="y")
 
 
 def _beside(path: Path, name: str) -> Path:

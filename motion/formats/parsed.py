@@ -13,6 +13,7 @@ class Parsed(NamedTuple):
     """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes.
 
     warnings: what is probably wrong with the file, such as a header that disagrees with the frames.
+    up: the axis that is up by the format's definition, None if the format does not define it.
     """
 
     nodes: Nodes
@@ -21,3 +22,4 @@ class Parsed(NamedTuple):
     roles: Mapping[str, str] = NOTHING_GIVEN  # type: ignore[assignment]
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    up: str | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
@@ -10,30 +11,32 @@ from pathlib import Path
 import numpy as np
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.body_shape import check_shape
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import FormatError, MotionError
+from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError, did_you_mean
 from motionsplice.motion.formats.files import SCENES, clip_name, parse
 from motionsplice.motion.formats.fold import Folded, Nodes, fold
+from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.units import guess_unit, metres_per_unit
-from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.formats.upright import check_up, made_upright
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import (
     ENDS,
     NOTHING_GIVEN,
     GivenRole,
     Roles,
-    check_shape,
+    check_limbs,
     common_ancestor,
     find_roles,
     limbs_by_name,
 )
+from motionsplice.motion.skeleton import subtree
 
 # The first frame is a bind pose if the step after it, in mean radians over the joints, exceeds this and is more than
 # twice as large as any other step.
 JUMP = 0.1
 
 SHORTEST_LEG, LONGEST_LEG = 0.3, 2.5  # metres: with other legs, a glTF or FBX file is not in the unit that it states
-CHECKED_RATE = 10.0  # frames per second at which the roles are checked against the motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,9 @@ def read_clip(
     animation: str | None = None,
     skip_frames: int = 0,
     unit: str | None = None,
+    up: str | None = None,
+    rate: float | None = None,
+    root: str | None = None,
     roles: Mapping[str, GivenRole] = NOTHING_GIVEN,
 ) -> Reading:
     """Reads a BVH, AMC, FBX or glTF file (.glb, .gltf, .vrm, .vrma).
@@ -74,8 +80,12 @@ def read_clip(
         path: The file.
         animation: The name of the animation, for a glTF or FBX file that has several.
         skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
-        unit: The file's unit of length: "m", "dm", "cm", "mm", "in", "cmu" (0.0254 / 0.45 m), or metres per unit as a
-            number. None to use the one stated in the file, or else the one that gives the legs an adult's length.
+        unit: The file's unit of length: "m", "dm", "cm", "mm", "in", "ft", "cmu" (0.0254 / 0.45 m), or metres per unit
+            as a number. None to use the one stated in the file, or else the one that gives the legs an adult's length.
+        up: The axis that is up in the file, "x", "y" or "z". None for the one that the format defines, or else along
+            which the bind pose stands.
+        rate: Frames per second, if the file states it wrongly. The frames stay what they are.
+        root: The root of the body to read, or any joint above its legs and arms, in a file with several bodies.
         roles: Joint names by role, for joints that cannot be found by name; see `find_roles`.
 
     Returns:
@@ -84,8 +94,8 @@ def read_clip(
     Raises:
         FormatError: The file or its skeleton file is missing, malformed or of an unsupported type.
         ClipError: The motion is invalid, for example not finite.
-        RoleError: The roles of the joints cannot be found.
-        SettingsError: The unit or a role is unknown.
+        RoleError: The roles of the joints cannot be found, or `root` is not a joint.
+        SettingsError: The unit, the axis or a role is unknown, or the rate is not positive.
 
     Example:
         ```python
@@ -99,48 +109,67 @@ def read_clip(
         ```
     """
     path = Path(path)
+    check_up(up)
+    if rate is not None and not 0.0 < rate < math.inf:
+        raise SettingsError(f"a rate of {rate:g} frames per second", mend="Give a number above 0")
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
-            return _read(path, animation, skip_frames, unit, roles)
+            parsed = parse(path, animation, root)
+            if rate is not None:
+                parsed = parsed._replace(rate=float(rate))
+            return _read(path, clip_name(path, animation), parsed, skip_frames, unit, up, root, roles)
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
 def _read(
-    path: Path, animation: str | None, skip_frames: int, unit: str | None, given: Mapping[str, GivenRole]
+    path: Path,
+    name: str,
+    parsed: Parsed,
+    skip_frames: int,
+    unit: str | None,
+    up: str | None,
+    root: str | None,
+    given: Mapping[str, GivenRole],
 ) -> Reading:
-    nodes, rate, own_unit, own_roles, own_notes, own_warnings = parse(path, animation)
-    given = {**own_roles, **given}
+    nodes, given = parsed.nodes, {**parsed.roles, **given}
     if not 0 <= skip_frames < len(nodes.rotations):
         problem = f"cannot skip {skip_frames} of {len(nodes.rotations)} frames"
         raise FormatError(problem, mend="Choose a smaller --skip-frames")
-    folded = fold(nodes, root_of(nodes, given))
+    folded = fold(nodes, root_of(nodes, root, given))
     roles = find_roles(folded.skeleton, given)
-    notes = [*own_notes, *folded.notes]
+    notes, warnings = [*parsed.notes, *folded.notes], list(parsed.warnings)
     leg = roles.leg_length(folded.skeleton)
     if unit is not None:
         metres = metres_per_unit(unit)
-    elif own_unit is not None and (path.suffix.lower() not in SCENES or SHORTEST_LEG <= own_unit * leg <= LONGEST_LEG):
-        metres = own_unit
+    elif parsed.unit is not None and (
+        path.suffix.lower() not in SCENES or SHORTEST_LEG <= parsed.unit * leg <= LONGEST_LEG
+    ):
+        metres = parsed.unit
     else:
-        metres, note = guess_unit(leg)
+        metres, note, warning = guess_unit(leg)
         notes.append(note)
-    clip = _clip(clip_name(path, animation), folded, rate, metres, skip_frames)
-    posed = skip_frames == 0 and _starts_with_a_pose(clip.rotations)
-    warnings = ("the first frame looks like a bind pose; leave it out with --skip-frames 1",) if posed else ()
-    if not given:
-        checked = slice(None, None, max(1, int(clip.rate / CHECKED_RATE)))
-        check_shape(world_transforms(clip.skeleton, clip.root_positions[checked], clip.rotations[checked])[0], roles)
-    return Reading(clip, roles, metres, tuple(notes), (*own_warnings, *warnings))
+        warnings += [warning] if warning else []
+    clip, turns = made_upright(_clip(name, folded, parsed.rate, metres, skip_frames), roles, up or parsed.up)
+    if skip_frames == 0 and _starts_with_a_pose(clip.rotations):
+        warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1")
+    warnings += check_shape(clip, roles, given=bool(given))
+    return Reading(clip, roles, metres, (*notes, *turns), tuple(warnings))
 
 
-def root_of(nodes: Nodes, given: Mapping[str, GivenRole]) -> int:
-    """Returns the joint at which legs and trunk branch.
+def root_of(nodes: Nodes, above: str | None, given: Mapping[str, GivenRole]) -> int:
+    """Returns the joint at which legs and trunk branch, of the body below the joint called `above`, if one is named.
 
-    If names do not show it, returns the file's own root; `find_roles` then reports what is missing.
+    If names do not show it, returns that joint or the file's own root; `find_roles` then reports what is missing.
+    Raises RoleError if a limb is not a chain of joints, as in rigs whose feet hang on IK targets.
     """
-    found = limbs_by_name(nodes.names, given)
-    return common_ancestor(nodes.parents, [found[role] for role in ENDS]) if set(ENDS) <= set(found) else 0
+    if above is not None and above not in nodes.names:
+        raise RoleError(f"unknown joint {above!r} for --root", mend=did_you_mean(above, nodes.names))
+    body = subtree(nodes.parents, nodes.names.index(above) if above else 0)
+    names = tuple(nodes.names[joint] for joint in body)
+    found = {role: body[joint] for role, joint in limbs_by_name(names, given).items()}
+    check_limbs(nodes.names, nodes.parents, found)
+    return common_ancestor(nodes.parents, [found[role] for role in ENDS]) if set(ENDS) <= set(found) else body[0]
 
 
 def _clip(name: str, folded: Folded, rate: float, metres: float, skip: int) -> Clip:

@@ -7,7 +7,7 @@ the bind pose, so that the bind pose has no rotations, as in a BVH file.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
 END = re.compile(r"(_end|[_ .]?End|Nub|_leaf|HeadTop_End)(\d*|_\d+)$")  # leaves that mark the tip of a bone
+SMALLEST_BODY = 13  # joints: a root, and three in each limb; a smaller skeleton is a prop
 STEADY = 1e-4  # of the longest bone: a joint that moves less on its parent does not move
 
 BLOCK = 8192  # transforms that are worked on at once: few enough for the processor's cache
@@ -47,12 +48,13 @@ class Scene:
     unit: float = 1.0
 
 
-def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
-    """Makes the joints of a scene `Nodes`, and returns notes for the user. Raises FormatError if there are none.
+def nodes_of(scene: Scene, root: str | None = None) -> tuple[Nodes, tuple[str, ...]]:
+    """Makes the joints of one skeleton of a scene `Nodes`, and returns notes for the user.
 
-    Joints are kept with all nodes between them. Transforms above them become part of the root's.
+    It is the skeleton with the joint `root`, else the largest. Joints are kept with all nodes between them. Transforms
+    above them become part of the root's. Raises FormatError if there are no joints, or none called `root`.
     """
-    inside, ends, dropped = joints_of(scene)
+    inside, ends, dropped, others = joints_of(scene, root)
     places = {node: place for place, node in enumerate(inside)}
     parents = np.array([places.get(int(scene.parents[node]), -1) for node in inside])
     world, local = _turns(scene, inside, parents)
@@ -60,7 +62,7 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
     offsets = np.concatenate([np.zeros((1, 3)), rest[1:] - rest[parents[1:]]])
     end_parents = np.array([places[int(scene.parents[node])] for node in ends], np.int64)
     nodes = Nodes(
-        names=_unique([scene.names[node] for node in inside]),
+        names=unique([scene.names[node] for node in inside]),
         parents=parents,
         offsets=offsets,
         end_parents=end_parents,
@@ -68,7 +70,7 @@ def nodes_of(scene: Scene) -> tuple[Nodes, tuple[str, ...]]:
         translations=_translations(at, world, parents, offsets),
         rotations=local,
     )
-    notes = list(scene.notes)
+    notes = [*scene.notes, *others]
     if dropped:
         notes.append(f"left out, not part of the skeleton: {listed(dropped)}")
     return nodes, tuple(notes)
@@ -89,32 +91,43 @@ def _turns(scene: Scene, inside: list[int], parents: Integers) -> tuple[Floats, 
     return world, local
 
 
-def joints_of(scene: Scene) -> tuple[list[int], list[int], list[str]]:
-    """Returns the joints of a scene, parent before child, its end sites, and the names of joints left out.
+def joints_of(scene: Scene, root: str | None = None) -> tuple[list[int], list[int], list[str], list[str]]:
+    """Returns the joints of one skeleton, parent before child, its end sites, joints beside it, and a note on others.
 
-    Raises FormatError if there are none.
+    It is the skeleton with the joint `root`, else the largest. Raises FormatError if there are no joints, or none
+    called `root`.
     """
-    kept, dropped = _body(scene)
+    kept, dropped, others = _body(scene, root)
     ends = _ends(scene, kept)
-    return sorted(set(kept) - set(ends)), ends, dropped
+    return sorted(set(kept) - set(ends)), ends, dropped, others
 
 
-def _body(scene: Scene) -> tuple[list[int], list[str]]:
-    """Returns the nodes of the largest skeleton, parent before child, and the names of joints that are not in it."""
+def _body(scene: Scene, root: str | None) -> tuple[list[int], list[str], list[str]]:
+    """Returns the nodes of one skeleton, parent before child, the names of joints beside it, and a note on others."""
     if not scene.joints.any():
         raise FormatError("no skeleton found", mend="Export the armature with the animation")
     top = np.full(len(scene.names), -1)  # the highest joint above each node, or the node itself
     for node, parent in enumerate(scene.parents.tolist()):
         above = top[parent] if parent >= 0 else -1
         top[node] = above if above >= 0 or not scene.joints[node] else node
-    inside = top == np.argmax(np.bincount(top[scene.joints]))
+    sizes, names = np.bincount(top[scene.joints]), unique(scene.names)
+    chosen = int(np.argmax(sizes))
+    if root is not None:
+        if root not in names or top[names.index(root)] < 0:
+            found = [names[node] for node in np.flatnonzero(sizes)]
+            raise FormatError(f"no skeleton has a joint {root!r}", mend=f"Choose one with --root: {', '.join(found)}")
+        chosen = int(top[names.index(root)])
+    inside = top == chosen
     needed = scene.joints & inside
     for node in range(len(needed) - 1, -1, -1):
         parent = scene.parents[node]
         if needed[node] and parent >= 0 and inside[parent]:
             needed[parent] = True
-    dropped = np.flatnonzero(scene.joints & ~needed)
-    return np.flatnonzero(needed).tolist(), [scene.names[joint] for joint in dropped]
+    bodies = [node for node in np.flatnonzero(sizes >= SMALLEST_BODY).tolist() if node != chosen]
+    dropped = [names[joint] for joint in np.flatnonzero(scene.joints & ~needed) if top[joint] not in bodies]
+    others = listed([names[node] for node in bodies])
+    note = f"read the skeleton {names[chosen]!r}; choose another with --root: {others}"
+    return np.flatnonzero(needed).tolist(), dropped, [note] if others else []
 
 
 def _ends(scene: Scene, kept: list[int]) -> list[int]:
@@ -151,7 +164,7 @@ def _unit(v: Floats) -> Floats:
     return v / np.where(length > 0.0, length, 1.0)
 
 
-def _unique(names: list[str]) -> tuple[str, ...]:
+def unique(names: Sequence[str]) -> tuple[str, ...]:
     """Numbers names that come twice: exporters allow them."""
     seen: dict[str, int] = {}
     unique = []

@@ -6,8 +6,11 @@ import math
 
 from motionsplice.motion.errors import FormatError, SettingsError
 
-UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "cmu": 0.0254 / 0.45}
+GUESSED = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "cmu": 0.0254 / 0.45}
+UNITS = GUESSED | {"ft": 0.3048}
 LEG = 0.85  # metres from hip over knee to ankle of an adult
+GROWN = (0.65, 1.05)  # metres: legs of grown people
+POSSIBLE = (0.3, 1.2)  # metres: legs of children too
 
 
 def metres_per_unit(unit: str) -> float:
@@ -22,14 +25,21 @@ def metres_per_unit(unit: str) -> float:
     return metres
 
 
-def guess_unit(leg: float) -> tuple[float, str]:
+def guess_unit(leg: float) -> tuple[float, str, str]:
     """Guesses the unit in which a leg of length `leg` comes nearest to an adult's.
 
-    Returns the metres in that unit and a note for the user. Raises FormatError if the length is not positive.
+    Returns the metres in that unit, a note for the user, and a warning, which is empty unless the leg is too short or
+    too long for a grown person's even so. Raises FormatError if the length is not positive.
     """
     if not (math.isfinite(leg) and leg > 0.0):
         problem = "the legs have no length, so the unit of length cannot be guessed"
         raise FormatError(problem, mend="Give the unit with --unit")
-    name = min(UNITS, key=lambda unit: abs(math.log(UNITS[unit] * leg / LEG)))
-    note = f"assumed unit {name} ({UNITS[name]:.4g} m), because the legs are {leg:.4g} units long"
-    return UNITS[name], note
+    name = min(GUESSED, key=lambda unit: abs(math.log(GUESSED[unit] * leg / LEG)))
+    metres = GUESSED[name]
+    note = f"assumed unit {name} ({metres:.4g} m), because the legs are {leg:.4g} units long"
+    if GROWN[0] <= metres * leg <= GROWN[1]:
+        return metres, note, ""
+    others = [unit for unit in UNITS if unit != name and POSSIBLE[0] <= UNITS[unit] * leg <= POSSIBLE[1]]
+    choices = [f"--unit {unit} for legs of {UNITS[unit] * leg:.2g} m" for unit in others] or ["another --unit"]
+    found = f"legs of {metres * leg:.3g} m, by the assumed unit {name}, are no grown person's"
+    return metres, note, f"{found}. Give {' or '.join(choices)}, or --unit {name} if they are right"

@@ -18,6 +18,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 from rich.table import Table
 
 from motionsplice.commands.progress_file import ProgressFile
+from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
@@ -45,7 +46,7 @@ def precompute_command(
         str, typer.Option(help="The clip to whose stride all clips are aligned; auto: the most typical stride.")
     ] = AUTOMATIC,
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one per core.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    roles: RolesFile = None,
     hands: Annotated[
         list[str] | None, typer.Option(help="BODY:HANDS: lay the hands of clip HANDS on clip BODY.")
     ] = None,
@@ -56,15 +57,18 @@ def precompute_command(
     retarget: Annotated[
         bool, typer.Option("--retarget/--no-retarget", help="Move clips of other rigs over by roles, or refuse them.")
     ] = True,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
+    skip_frames: SkipFrames = 0,
+    unit: Unit = None,
+    up: Up = None,
+    rate: Rate = None,
+    root: Root = None,
     progress: Annotated[Path | None, typer.Option(help="File to write progress to, as JSON.")] = None,
 ) -> None:
     """Align clips to a baseline locomotion, and write a bank.
 
-    A clips.toml beside the clips may set the kind ("locomotion" or "action"), neutral, tags, skip_frames and unit of
-    each clip. A hands.toml lists which hands are laid on which bodies, and how. If a clip fails, its reason is printed,
-    the others finish, and the exit status is 1.
+    A clips.toml beside the clips may set the kind ("locomotion" or "action"), neutral, tags, skip_frames, unit, up,
+    rate and root of each clip. A hands.toml lists which hands are laid on which bodies, and how. If a clip fails, its
+    reason is printed, the others finish, and the exit status is 1.
     """
     from motionsplice.precompute.hands.settings import HandsOnBody
 
@@ -75,7 +79,7 @@ def precompute_command(
             out,
             baseline=None if baseline == AUTOMATIC else baseline,
             jobs=jobs,
-            settings=ClipSettings(skip_frames=skip_frames, unit=unit),
+            settings=ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root),
             roles_file=roles,
             hands=[HandsOnBody.parse(one) for one in hands or ()],
             skeleton=skeleton,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from motionsplice.commands.outputs import CharacterOption, check_out, open_character, print_sentences, write_motion
+from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.reading import Reading, read_clip
@@ -32,12 +34,15 @@ def register(app: typer.Typer) -> None:
 
 
 def convert_command(
-    motion: Annotated[Path, typer.Argument(help="A motion file (.bvh, .amc, .glb, .gltf, .vrm, .vrma).")],
+    motion: Annotated[Path, typer.Argument(help="A motion file (.bvh, .amc, .fbx, .glb, .gltf, .vrm, .vrma).")],
     out: Annotated[Path, typer.Argument(help="The file to write: .bvh, .glb, .gltf or .vrma, in metres.")],
     animation: Annotated[str | None, typer.Option(help="The animation, of a file that has several.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames to leave out (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    skip_frames: SkipFrames = 0,
+    unit: Unit = None,
+    up: Up = None,
+    rate: Rate = None,
+    root: Root = None,
+    roles: RolesFile = None,
     skeleton: Annotated[
         Path | None, typer.Option(help="A motion file, character or bank: put the motion on its skeleton.")
     ] = None,
@@ -52,7 +57,8 @@ def convert_command(
     check_out(out, character, option="OUT")
     receiver = open_character(character)
     given = read_roles_file(roles) if roles else {}
-    reading = read_clip(motion, animation=animation, skip_frames=skip_frames, unit=unit, roles=given)
+    read = partial(read_clip, skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, roles=given)
+    reading = read(motion, animation=animation)
     _show(motion, reading)
     clip, own_roles, notes = reading.clip, reading.roles, tuple[str, ...]()
     if skeleton is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 from pathlib import Path
 from typing import Annotated, get_args
 
@@ -21,6 +22,7 @@ from motionsplice.commands.outputs import (
     print_sentences,
     write_motion,
 )
+from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.roles import read_roles_file
@@ -64,9 +66,12 @@ def hands_command(
     ] = "window",
     wrist: Annotated[bool, typer.Option("--wrist", help="Also take the wrists and the twist of the forearms.")] = False,
     picture: Annotated[Path | None, typer.Option(help="A .png to write: costs, bands, paths and curves.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames of both motions that are not motion.")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    skip_frames: SkipFrames = 0,
+    unit: Unit = None,
+    up: Up = None,
+    rate: Rate = None,
+    root: Root = None,
+    roles: RolesFile = None,
     character: CharacterOption = None,
 ) -> None:
     """Align hands to a body that was captured separately, and write the body with their fingers.
@@ -80,7 +85,8 @@ def hands_command(
     settings = HandSettings(hand, wrist, turn, _bands(band), tuple(FramePair.parse(one) for one in pair or ()))
     given = read_roles_file(roles) if roles else {}
     receiver = open_character(character)
-    ours, theirs = (read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in (body, hands))
+    read = partial(read_clip, skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, roles=given)
+    ours, theirs = read(body), read(hands)
     begin = time.perf_counter()
     spliced = splice_hands(ours.clip, ours.roles, theirs.clip, theirs.roles, settings)
     seconds = time.perf_counter() - begin

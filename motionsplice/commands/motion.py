@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,6 +23,7 @@ from motionsplice.commands.outputs import (
     print_sentences,
     write_motion,
 )
+from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up, print_remarks
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.hand_joints import Side
 
@@ -159,9 +161,12 @@ def render_command(
     view: Annotated[str, typer.Option(help="side, front or three-quarter.")] = "three-quarter",
     hand: Annotated[Side | None, typer.Option(help="Draw only this hand, as a close-up.")] = None,
     clip: Annotated[str | None, typer.Option("--animation", help="The animation, of files that have several.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    skip_frames: SkipFrames = 0,
+    unit: Unit = None,
+    up: Up = None,
+    rate: Rate = None,
+    root: Root = None,
+    roles: RolesFile = None,
 ) -> None:
     """Draw motions as stick figures, or one hand of each, to judge them by eye."""
     kind = check_suffix(out, ".png", ".gif")
@@ -170,11 +175,14 @@ def render_command(
     from motionsplice.pictures.sheets import animation, contact_sheet
 
     given = read_roles_file(roles) if roles else {}
-    readings = [read_clip(file, animation=clip, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
+    read = partial(read_clip, skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, roles=given)
+    readings = [read(file, animation=clip) for file in motions]
     rows = [(reading.clip.name, reading.clip, reading.roles) for reading in readings]
-    behind = read_clip(ghost, skip_frames=skip_frames, unit=unit, roles=given).clip if ghost else None
+    behind = read(ghost).clip if ghost else None
     if kind == ".png":
         contact_sheet(rows, columns=columns, start=start, end=end, view=view, ghost=behind, hand=hand).save(out)
     else:
         out.write_bytes(animation(rows, start=start, end=end, view=view, ghost=behind, hand=hand))
     console.print(f"{out}")
+    for reading in readings:
+        print_remarks(console, reading)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +15,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.roles import read_roles_file
@@ -50,13 +52,17 @@ def register(app: typer.Typer) -> None:
 def study_command(
     motions: Annotated[list[Path], typer.Argument(help="Motion files; each is compared with the first.")],
     out: Annotated[Path | None, typer.Option(help="A folder for study.json and two plots of each motion.")] = None,
-    skip_frames: Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")] = 0,
-    unit: Annotated[str | None, typer.Option(help="m, cm, mm, in, cmu or metres per unit; default: guessed.")] = None,
-    roles: Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")] = None,
+    skip_frames: SkipFrames = 0,
+    unit: Unit = None,
+    up: Up = None,
+    rate: Rate = None,
+    root: Root = None,
+    roles: RolesFile = None,
 ) -> None:
     """Find which upper-body motions correlate with the legs, and which of them other motions keep."""
     given = read_roles_file(roles) if roles else {}
-    readings = [read_clip(file, skip_frames=skip_frames, unit=unit, roles=given) for file in motions]
+    read = partial(read_clip, skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, roles=given)
+    readings = [read(file) for file in motions]
     names = [reading.clip.name for reading in readings]
     if twice := [name for name, count in Counter(names).items() if count > 1]:
         raise SettingsError(f"two motions are named {twice[0]!r}", mend="Rename one of the files")

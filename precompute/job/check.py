@@ -1,6 +1,6 @@
 """Checks whether a file can become a clip of a bank.
 
-`python -m motionsplice.precompute.job.check FILE MANIFEST_FOLDER SKIP_FRAMES UNIT`
+`python -m motionsplice.precompute.job.check FILE MANIFEST_FOLDER SETTINGS`, with the arguments for `read_clip` as JSON
 
 The service runs this for every uploaded file, in a separate process: the file may be hostile, and parsing holds the
 GIL. It prints a JSON map of `problem`, `place` and `mend`, which is empty if the file is fine.
@@ -11,7 +11,9 @@ from __future__ import annotations
 import json
 import resource
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from motionsplice.motion.errors import ClipError, MotionError
 from motionsplice.motion.formats.asf_amc import parse_skeleton
@@ -24,7 +26,7 @@ from motionsplice.runtime.format.manifest import Manifest
 MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 12  # bytes of address space: for the process, and per byte of the file
 
 
-def check(file: Path, bank: Path, skip_frames: int = 0, unit: str | None = None) -> None:
+def check(file: Path, bank: Path, settings: Mapping[str, Any]) -> None:
     """Reads a file as the offline job would, and moves it to the bank's skeleton. Raises MotionError if either fails.
 
     It does not check for a gait; the job itself does.
@@ -32,17 +34,17 @@ def check(file: Path, bank: Path, skip_frames: int = 0, unit: str | None = None)
     if file.suffix == ".asf":
         parse_skeleton(read_bytes(file))
         return
-    reading, manifest = read_clip(file, skip_frames=skip_frames, unit=unit), Manifest.read(bank)
+    reading, manifest = read_clip(file, **settings), Manifest.read(bank)
     clip = onto_skeleton(reading.clip, reading.roles, manifest.skeleton, manifest.roles).clip
     if clip.duration < SHORTEST_CLIP:
         problem = f"it lasts {clip.duration:.3f} s, too short to find its gait"
         raise ClipError(problem, mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more")
 
 
-def problem_of(file: Path, bank: Path, skip_frames: int, unit: str | None) -> dict[str, str]:
+def problem_of(file: Path, bank: Path, settings: Mapping[str, Any]) -> dict[str, str]:
     """Returns the problem with a file, without its folder's name; empty if the file is fine."""
     try:
-        check(file, bank, skip_frames, unit)
+        check(file, bank, settings)
     except MotionError as error:
         problem = {"problem": error.problem, "place": error.place, "mend": error.mend}
         return {key: text.replace(f"{file.parent}/", "") for key, text in problem.items()}
@@ -52,7 +54,7 @@ def problem_of(file: Path, bank: Path, skip_frames: int, unit: str | None) -> di
 
 
 if __name__ == "__main__":
-    file, bank, skip_frames, unit = sys.argv[1:]
+    file, bank, settings = sys.argv[1:]
     most = MEMORY + MEMORY_PER_BYTE * Path(file).stat().st_size
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    print(json.dumps(problem_of(Path(file), Path(bank), int(skip_frames), unit or None)))
+    print(json.dumps(problem_of(Path(file), Path(bank), json.loads(settings))))

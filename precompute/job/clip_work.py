@@ -85,8 +85,7 @@ def identify(source: Source) -> Identified:
         contents = [read_bytes(file) for file in files_behind(source.file)]
     except MotionError as error:
         raise error.within(str(source.file)) from None
-    asked = source.settings
-    settings = (source.animation, asked.skip_frames, asked.unit, sorted(source.roles.items()))
+    settings = (source.animation, source.settings.reading, sorted(source.roles.items()))
     digests = [content_digest(data) for data in contents]
     key = key_of(version_of("motion", "runtime", "precompute"), source.file.suffix.lower(), digests, settings)
     return Identified(source, len(contents[0]), digests[0], key)
@@ -94,14 +93,8 @@ def identify(source: Source) -> Identified:
 
 def read(one: Identified) -> Reading:
     """Reads a clip. Raises MotionError if it cannot be read, or if its files have changed since `identify`."""
-    settings = one.source.settings
-    reading = read_clip(
-        one.source.file,
-        animation=one.source.animation,
-        skip_frames=settings.skip_frames,
-        unit=settings.unit,
-        roles=one.source.roles,
-    )
+    source = one.source
+    reading = read_clip(source.file, animation=source.animation, roles=source.roles, **source.settings.reading)
     if identify(one.source).reading_key != one.reading_key:
         raise ClipError("it changed while it was read", file=str(one.source.file), mend="Start again")
     return reading

@@ -120,8 +120,8 @@ async def _write(file: Path, body: AsyncIterator[bytes]) -> None:
 async def _check(file: Path, bank: Path, settings: ClipSettings) -> None:
     """Reads a clip in another process, where it may take long or crash without harm. Raises ClipError."""
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "motionsplice.precompute.job.check", str(file), str(bank)),
-        *(str(settings.skip_frames), settings.unit or ""),
+        *(sys.executable, "-m", "motionsplice.precompute.job.check"),
+        *(str(file), str(bank), orjson.dumps(settings.reading).decode()),
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.DEVNULL,

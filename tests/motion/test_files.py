@@ -13,9 +13,10 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import MotionError, RoleError, SettingsError
 from motionsplice.motion.formats import bvh
 from motionsplice.motion.formats.reading import read_clip
-from motionsplice.motion.formats.units import UNITS, guess_unit, metres_per_unit
+from motionsplice.motion.formats.units import GUESSED, UNITS, guess_unit, metres_per_unit
 from motionsplice.motion.kinematics import joint_positions
 from tests.conftest import CLIPS
+from tests.rigs import two_bodies
 
 WALK = CLIPS["walk"].frames(0, 30)
 
@@ -26,7 +27,7 @@ def written(folder: Path, clip: Clip = WALK, unit: float = 1.0) -> Path:
     return path
 
 
-@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("unit", GUESSED)
 def test_the_unit_is_guessed_from_the_legs_and_noted(tmp_path: Path, unit: str) -> None:
     reading = read_clip(written(tmp_path, unit=UNITS[unit]))
     assert reading.unit == UNITS[unit]
@@ -43,6 +44,50 @@ def test_a_given_unit_is_used(tmp_path: Path) -> None:
             metres_per_unit(wrong)
     with pytest.raises(MotionError, match="legs have no length"):
         guess_unit(0.0)
+
+
+@pytest.mark.parametrize(
+    ("leg", "unit", "words"),
+    [
+        (0.84, 1.0, "^$"),
+        (0.70, 0.01, "^$"),
+        (1.02, 0.0254, "^$"),
+        (0.437, 0.01, r"legs of 1\.11 m, by the assumed unit in, .* --unit cm for legs of 0\.44 m, or --unit in if"),
+        (0.84, 0.3048, r"legs of 0\.276 m, by the assumed unit dm, .* Give --unit ft for legs of 0\.84 m"),
+        (
+            1.68,
+            0.01,
+            r"legs of 1\.68 m, by the assumed unit cm, are no grown person's\. Give another --unit, or --unit cm",
+        ),
+    ],
+)
+def test_legs_that_are_no_grown_persons_are_warned_about(leg: float, unit: float, words: str) -> None:
+    _, _, warning = guess_unit(leg / unit)
+    assert re.search(words, warning)
+
+
+def test_a_rate_that_is_given_replaces_that_of_the_file(tmp_path: Path) -> None:
+    told, untold = read_clip(written(tmp_path), rate=30).clip, read_clip(written(tmp_path)).clip
+    assert (untold.rate, told.rate) == (WALK.rate, 30.0)
+    np.testing.assert_array_equal(told.rotations, untold.rotations)
+    for wrong in (0.0, -30.0, float("nan"), float("inf")):
+        with pytest.raises(SettingsError, match=r"frames per second\. Give a number above 0"):
+            read_clip(written(tmp_path), rate=wrong)
+
+
+@pytest.mark.parametrize(("root", "left"), [(None, 0.0), ("Hips", 0.0), ("Reference", 0.0), ("B_Hips", 1.5)])
+def test_of_two_bodies_the_one_below_the_given_root_is_read(tmp_path: Path, root: str | None, left: float) -> None:
+    clip = read_clip(written(tmp_path, two_bodies(WALK, apart=1.5)), unit="m", root=root).clip
+    names = ["B_" * (left > 0.0) + name for name in WALK.skeleton.names]
+    order = [clip.skeleton.index(name) for name in names]
+    assert clip.skeleton.names[0] == names[0]
+    moved = joint_positions(WALK) + np.array([left, 0.0, 0.0])
+    np.testing.assert_allclose(joint_positions(clip)[:, order], moved, atol=1e-4)
+
+
+def test_an_unknown_root_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(MotionError, match=r"unknown joint 'Hip' for --root\. Did you mean 'Hips'"):
+        read_clip(written(tmp_path), root="Hip")
 
 
 def test_leading_frames_are_skipped(tmp_path: Path) -> None:

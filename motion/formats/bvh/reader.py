@@ -74,7 +74,7 @@ def _choose(joints: list[Joint], root: str | None) -> tuple[int, list[str]]:
     if root is not None:
         found = [place for place, joint in enumerate(joints) if joint.name == root and not joint.is_end]
         if not found:
-            raise FormatError(f"unknown joint {root!r}", mend=did_you_mean(root, names))
+            raise FormatError(f"unknown joint {root!r} for --root", mend=did_you_mean(root, names))
         return max(place for place in roots if place <= found[0]), []
     limbs = (place for place in roots if _has_limbs(joints[place : joints[place].end]))
     chosen = roots[0] if len(roots) == 1 else next(limbs, roots[0])

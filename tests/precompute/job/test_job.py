@@ -21,6 +21,7 @@ from motionsplice.runtime.bank import TABLE_FOLDER, Bank
 from motionsplice.runtime.format.manifest import MANIFEST
 from tests.conftest import CLIPS
 from tests.glb_files import with_animation
+from tests.rigs import two_bodies, z_up
 
 
 def write(folder: Path, **clips: Clip) -> Path:
@@ -222,6 +223,10 @@ def test_files_of_other_programs_alone_are_named_in_the_error(tmp_path: Path) ->
         ("[walk]\nkind = 'dance'", 'invalid value kind = \'dance\'.*Use "locomotion" or "action"'),
         ("[walk]\nskip_frames = -1", "skip_frames = -1"),
         ("[walk]\nskip_frames = true", "skip_frames = True"),
+        ("[walk]\nup = 'w'", 'up = \'w\'.*Use "x", "y" or "z"'),
+        ("[walk]\nrate = 0", "rate = 0.*Use a number above 0"),
+        ("[walk]\nrate = true", "rate = True"),
+        ("[walk]\nroot = 3", "root = 3"),
         ("[walk]\ntags = 'one'", "tags"),
         ("[walk]\ntags = 5", "tags = 5"),
         ("walk = 3", r"expected a table, found 3. Begin it with \[walk\]"),
@@ -243,6 +248,16 @@ def test_settings_are_applied_to_the_clip(tmp_path: Path) -> None:
     assert bank.clip("box").frame_count == CLIPS["carry_box"].frame_count - 7
     assert bank.clip("box").tags == ("a", "b")
     assert bank.neutral("box") == "walk"  # nearer in gait than the run
+
+
+def test_axis_rate_and_root_of_a_clip_are_settings(tmp_path: Path) -> None:
+    walk = CLIPS["walk"]
+    clips = write(tmp_path / "clips", walk=walk, stated=two_bodies(z_up(walk), apart=1.0))
+    (clips / "clips.toml").write_text(f"[stated]\nup = 'z'\nrate = {2 * walk.rate}\nroot = 'B_Hips'\n")
+    outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=1)
+    assert not outcome.failed
+    found = Bank.open(tmp_path / "bank").clip("stated")
+    assert (found.rate, found.duration) == (2 * walk.rate, 0.5 * walk.duration)
 
 
 def test_a_leading_bind_pose_is_a_warning_until_it_is_skipped(tmp_path: Path) -> None:

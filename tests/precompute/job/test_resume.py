@@ -103,6 +103,9 @@ def test_a_changed_clip_is_the_only_one_aligned_again(clips: Path, aligned: list
     [
         (CLIPS_TOML + "[run]\nskip_frames = 3\n", ["run"]),
         (CLIPS_TOML + "[run]\nunit = 'm'\n", ["run"]),
+        (CLIPS_TOML + "[run]\nup = 'y'\n", ["run"]),
+        (CLIPS_TOML + "[run]\nrate = 60\n", ["run"]),
+        (CLIPS_TOML + "[run]\nroot = 'Hips'\n", ["run"]),
         (CLIPS_TOML + "tags = ['box']\n", []),
         ("[carry_box]\nkind = 'action'\nneutral = 'run'\n", []),
         ("", []),

@@ -1,0 +1,119 @@
+"""The shape of a body: along which axis it stands, and whether the roles of its joints fit it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import RoleError
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.quaternion import IDENTITY, Floats
+from motionsplice.motion.roles import Roles
+
+RATE = 10.0  # frames per second at which a motion is looked at
+UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
+LEVEL = 0.5  # cosine: a trunk within 30 degrees of the ground
+REACH = 0.35  # of the legs' length: hands that are less above the feet reach the ground
+
+
+def bind_positions(clip: Clip) -> Floats:
+    """Returns the positions [1, J, 3] of a clip's joints in the bind pose, metres from the root."""
+    rotations = np.tile(IDENTITY, (1, clip.skeleton.joint_count, 1))
+    return world_transforms(clip.skeleton, np.zeros((1, 3)), rotations)[0]
+
+
+def sampled_positions(clip: Clip) -> Floats:
+    """Returns the world positions [F, J, 3] of a clip's joints, about ten times a second."""
+    frames = slice(None, None, max(1, int(clip.rate / RATE)))
+    return world_transforms(clip.skeleton, clip.root_positions[frames], clip.rotations[frames])[0]
+
+
+def standing_axis(positions: Floats, roles: Roles) -> str:
+    """Returns the axis along which a body stands in most frames, "x", "y" or "z", or "" if it stands along none.
+
+    It stands along an axis if its trunk points up it and its legs down it. positions: [F, J, 3] of its joints.
+    """
+    trunk, legs = _trunk_and_legs(positions, roles)
+    along = np.minimum(np.median(trunk, axis=0), np.median(-legs, axis=0))
+    return "xyz"[int(np.argmax(along))] if along.max() > UPRIGHT else ""
+
+
+def check_shape(clip: Clip, roles: Roles, given: bool) -> list[str]:
+    """Returns warnings about a body that does not stand upright along Y.
+
+    A pose counts as upright if knees are below hips, shoulders above the pelvis, and the left shoulder is on the left
+    hip's side. Someone may lie or crawl, so only the bind pose shows whether roles fit.
+
+    Args:
+        clip: The clip, with Y up.
+        roles: The roles of its joints.
+        given: Whether the user or the file named joints. Roles that were only guessed have to fit.
+
+    Raises:
+        RoleError: The roles fit neither the bind pose nor the motion, or the body stands on all fours at rest.
+    """
+    bind, moving = bind_positions(clip), sampled_positions(clip)
+    if not given and _on_all_fours(bind, roles):
+        problem = "this is not a human body: in the bind pose it stands on all fours"
+        raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
+    axis = standing_axis(moving, roles).replace("y", "")
+    problem = _problem(moving, roles) or (f"it stands along {axis.upper()}" if axis else "")
+    if not problem:
+        return []
+    mend = f"If {axis.upper()} is up in the file, give --up {axis}" if axis else ""
+    if given or not _problem(bind, roles):
+        return [f"the body is not upright in most frames: {problem}. {mend or 'If Y is not up in the file, give --up'}"]
+    mend = f"{mend}. If not, name" if mend else "If Y is not up in the file, give --up. If it is, name"
+    raise RoleError(
+        f"the roles do not fit the body, neither in the bind pose nor in the motion: {problem}",
+        mend=f"{mend} the joints in a file and pass it as --roles",
+    )
+
+
+def _problem(positions: Floats, roles: Roles) -> str:
+    """Returns in what a body is not upright along Y in the median frame; "" if it is. positions: [F, J, 3]."""
+    median = np.median(positions - positions[:, :1], axis=0)
+    hips = positions[:, roles.left_hip] - positions[:, roles.right_hip]
+    shoulders = positions[:, roles.left_shoulder] - positions[:, roles.right_shoulder]
+    fits = {
+        "the left knee is above the left hip": median[roles.left_knee, 1] < median[roles.left_hip, 1],
+        "the right knee is above the right hip": median[roles.right_knee, 1] < median[roles.right_hip, 1],
+        "the left shoulder is below the pelvis": median[roles.left_shoulder, 1] > median[roles.pelvis, 1],
+        "the right shoulder is below the pelvis": median[roles.right_shoulder, 1] > median[roles.pelvis, 1],
+        "left and right are crossed between hips and shoulders": np.median(np.sum(hips * shoulders, axis=1)) > 0.0,
+    }
+    return next((problem for problem, fit in fits.items() if not fit), "")
+
+
+def _on_all_fours(bind: Floats, roles: Roles) -> bool:
+    """Returns whether the trunk is level above legs, with the hands down where the feet are, whichever axis is up."""
+    trunk, legs = (vectors[0] for vectors in _trunk_and_legs(bind, roles))
+    hands = _middle(bind, roles.left_wrist, roles.right_wrist)[0]
+    feet, hips = (_middle(bind, *pair)[0] for pair in (_ankles(roles), _hips(roles)))
+    above = float((feet - hands) @ legs)
+    return abs(float(trunk @ legs)) < LEVEL and above < REACH * float(np.linalg.norm(feet - hips))
+
+
+def _trunk_and_legs(positions: Floats, roles: Roles) -> tuple[Floats, Floats]:
+    """Returns the directions [F, 3] from the hips to the shoulders, and from the hips to the ankles."""
+    hips = _middle(positions, *_hips(roles))
+    trunk = _middle(positions, roles.left_shoulder, roles.right_shoulder) - hips
+    legs = _middle(positions, *_ankles(roles)) - hips
+    return _direction(trunk), _direction(legs)
+
+
+def _hips(roles: Roles) -> tuple[int, int]:
+    return roles.left_hip, roles.right_hip
+
+
+def _ankles(roles: Roles) -> tuple[int, int]:
+    return roles.left_ankle, roles.right_ankle
+
+
+def _middle(positions: Floats, left: int, right: int) -> Floats:
+    return np.asarray(0.5 * (positions[:, left] + positions[:, right]))
+
+
+def _direction(vectors: Floats) -> Floats:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(np.where(lengths > 0.0, vectors / np.where(lengths > 0.0, lengths, 1.0), 0.0))

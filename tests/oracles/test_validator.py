@@ -16,7 +16,7 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.bank import Bank
 from tests.oracles.node import needs_node, run
 
-SUFFIXES = (".glb",)  # that are written
+SUFFIXES = (".glb", ".gltf", ".vrma")  # that are written
 
 
 @needs_node
@@ -31,10 +31,9 @@ def test_written_files_are_valid(bank: Bank, tmp_path: Path) -> None:
         "far away": replace(walk, root_positions=walk.root_positions + np.array([9e4, -9e4, 0.0])),
         "from a bank": bank.motion("carry_box"),
     }
-    files = []
-    for suffix in SUFFIXES:
-        for name, clip in clips.items():
-            files.append(str(tmp_path / f"{name}{suffix}"))
-            write_clip(Path(files[-1]), clip, find_roles(clip.skeleton))
+    roles = {name: find_roles(clip.skeleton) for name, clip in clips.items() if clip.skeleton is not bare}
+    files = [tmp_path / f"{name}{suffix}" for name in clips for suffix in SUFFIXES]
+    for file in files:
+        write_clip(file, clips[file.stem], roles.get(file.stem, roles["walk"]))
     found = dict(zip(files, run("validate.mjs", *files), strict=True))
     assert {file: issues for file, issues in found.items() if issues} == {}

@@ -16,7 +16,7 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.bank import Bank
 from tests.oracles.node import needs_node, run
 
-SUFFIXES = (".glb",)  # that are written
+SUFFIXES = (".glb", ".gltf", ".vrma")  # that are written
 
 
 @needs_node

@@ -7,8 +7,6 @@ import pytest
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.formats.character import read_character
-from motionsplice.motion.formats.gltf.vrma import dump_vrma
-from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
@@ -35,13 +33,3 @@ def test_the_mesh_of_a_character_moves_with_its_bones(tmp_path: Path, scale: flo
     positions, turns = world_transforms(clip.skeleton, clip.root_positions[frames], clip.rotations[frames])
     expected = positions[:, joints] + quaternion.rotate(turns[:, joints], vertices - places[joints])
     np.testing.assert_allclose(found, expected, atol=1e-5)
-
-
-@needs_node
-def test_the_validator_finds_nothing_in_written_files(tmp_path: Path) -> None:
-    written = {"x.glb": dump_glb(CURVE), "x.gltf": dump_gltf(CURVE), "x.vrma": dump_vrma(CURVE, ROLES)}
-    one = CURVE.frames(0, 1)
-    written |= {"one.glb": dump_glb(one), "one.vrma": dump_vrma(one, ROLES)}
-    for name, data in written.items():
-        (tmp_path / name).write_bytes(data)
-    assert run("validate.mjs", *(tmp_path / name for name in written)) == [[]] * len(written)

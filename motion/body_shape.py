@@ -38,7 +38,7 @@ def standing_axis(positions: Floats, roles: Roles) -> str:
     return "xyz"[int(np.argmax(along))] if along.max() > UPRIGHT else ""
 
 
-def check_shape(clip: Clip, roles: Roles, given: bool) -> list[str]:
+def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -> list[str]:
     """Returns warnings about a body that does not stand upright along Y.
 
     A pose counts as upright if knees are below hips, shoulders above the pelvis, and the left shoulder is on the left
@@ -48,6 +48,7 @@ def check_shape(clip: Clip, roles: Roles, given: bool) -> list[str]:
         clip: The clip, with Y up.
         roles: The roles of its joints.
         given: Whether the user or the file named joints. Roles that were only guessed have to fit.
+        up_known: Whether Y is certainly up, so that `--up` is not proposed.
 
     Raises:
         RoleError: The roles fit neither the bind pose nor the motion, or the body stands on all fours at rest.
@@ -57,16 +58,17 @@ def check_shape(clip: Clip, roles: Roles, given: bool) -> list[str]:
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
     axis = standing_axis(moving, roles).replace("y", "")
-    problem = _problem(moving, roles) or (f"it stands along {axis.upper()}" if axis else "")
+    problem = _problem(moving, roles) or (f"it lies along {axis.upper()}" if axis else "")
     if not problem:
         return []
-    mend = f"If {axis.upper()} is up in the file, give --up {axis}" if axis else ""
+    is_up = f"{axis.upper()} is up in the file, give --up {axis}" if axis else "Y is not up in the file, give --up"
+    hint = "" if up_known else f"If {is_up}"
     if given or not _problem(bind, roles):
-        return [f"the body is not upright in most frames: {problem}. {mend or 'If Y is not up in the file, give --up'}"]
-    mend = f"{mend}. If not, name" if mend else "If Y is not up in the file, give --up. If it is, name"
+        return [f"the body is not upright in most frames: {problem}" + (f". {hint}" if hint else "")]
+    mend = "ame the joints in a file and pass it as --roles"
     raise RoleError(
         f"the roles do not fit the body, neither in the bind pose nor in the motion: {problem}",
-        mend=f"{mend} the joints in a file and pass it as --roles",
+        mend=f"{hint}. If not, n{mend}" if hint else f"N{mend}",
     )
 
 

@@ -15,7 +15,7 @@ NAMES = {
     "ankle":    ("ankle",        "foot",     "足首"),  # SMPL has both; its "foot" is the ball
     "toe":      ("toebase",      "ball",     "toes",      "toe",      "つま先"),
     "shoulder": ("arm",          "upperarm",              "shldr",    "shldrbend",   "arm1",
-                 "uparm", "uarm", "armupper", "humerus", "shoulder", "腕"),
+                 "uparm", "uarm", "armupper", "bicep", "humerus", "shoulder", "腕"),
     "elbow":    ("forearm",      "lowerarm",                          "forearmbend", "arm2",
                  "lowarm", "loarm", "farm", "armlower", "radius", "ulna", "elbow", "ひじ", "肘"),
     "wrist":    ("wrist",        "hand",                                             "palm", "手首"),
@@ -24,17 +24,24 @@ NAMES = {
 }  # fmt: skip
 PAIRED = ("hip", "knee", "ankle", "toe", "shoulder", "elbow", "wrist")
 OPTIONAL = ("left_toe", "right_toe", "neck", "head")
-KNOWN = {name for names in NAMES.values() for name in names}
 
-NAMESPACE = re.compile(r"^.*[:|]|\[.*\]")  # "mixamorig:", and Skyrim's "NPC L Thigh [LThg]"
+NAMESPACE = re.compile(r"^.*[:|]|\[[^\[\]]*\]")  # "mixamorig:", and Skyrim's "NPC L Thigh [LThg]"
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|左|右|[^\W\d_A-Za-z左右]+")
-SIDES = {"left": "left", "l": "left", "左": "left", "right": "right", "r": "right", "右": "right"}
+LEFT, RIGHT = ("left", "l", "lt", "lft", "左"), ("right", "r", "rt", "rgt", "右")
+SIDES = dict.fromkeys(LEFT, "left") | dict.fromkeys(RIGHT, "right")
 MIDDLE = ("c", "m")  # VRoid's J_Bip_C_Head, Advanced Skeleton's Spine1_M
 LIMBS = ("arm", "leg")  # CAT's LLegAnkle, mGear's arm_L0_hand_jnt
+MOST_WORDS = 20  # in a name; longer ones are no names of joints
 HELPERS = {"ik", "fk", "mch", "ctrl", "pole", "target", "twist", "roll"}  # joints by which others are posed
 
 Affixes = tuple[tuple[str, ...], tuple[str, ...]]  # the words before and after the part of the body
-Part = tuple[str, str]  # side ("left", "right" or "") and one of KNOWN
+Part = tuple[str, str]  # side ("left", "right" or "") and one of NAMES
+
+KNOWN = {name for names in NAMES.values() for name in names}
+PARTS: dict[str, Part] = {  # with names like "lfemur" and "leftupleg", in which no capital parts side and part
+    text: (side, name) for word, side in SIDES.items() for name in KNOWN for text in (word + name, name + word)
+} | {name: ("", name) for name in KNOWN}
+BEGINNINGS = {text[:length] for text in PARTS for length in range(1, len(text) + 1)}
 
 
 def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
@@ -44,12 +51,14 @@ def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
     are those of the words with which most are found. Joints beside the body, such as "ik_foot_l" and "thigh_twist_l",
     have others.
     """
+    matches = [
+        (numbered, joint, affixes, part)
+        for joint, name in enumerate(names)
+        for affixes, part, numbered in parts_in(name)
+    ]
     bodies: dict[Affixes, dict[Part, int]] = {}
-    for numbered in (False, True):  # "thigh.L" goes before "thigh.L.001"
-        for joint, name in enumerate(names):
-            for affixes, part, has_number in parts_in(name):
-                if has_number == numbered:
-                    bodies.setdefault(affixes, {}).setdefault(part, joint)
+    for _, joint, affixes, part in sorted(matches):  # "thigh.L" goes before "thigh.L.001"
+        bodies.setdefault(affixes, {}).setdefault(part, joint)
     found = [(affixes, _roles(parts)) for affixes, parts in bodies.items()]
     return max(found, key=lambda one: _rank(*one), default=(((), ()), {}))[1]
 
@@ -68,23 +77,20 @@ def parts_in(name: str) -> Iterator[tuple[Affixes, Part, bool]]:
     "def", with a number.
     """
     words, side = words_of(name)
+    if len(words) > MOST_WORDS:
+        return
     for start in range(len(words)):
+        text = ""
         for stop in range(start + 1, len(words) + 1):
-            part = _part("".join(words[start:stop]), side)
-            longer = "".join(words[start : stop + 1])  # CAT's "leg1" is not a "leg" with a number
-            if part[1] in KNOWN and not (longer in KNOWN and words[stop : stop + 1] and words[stop].isdecimal()):
-                before = tuple(word for word in words[:start] if not (word.isdecimal() or word in LIMBS))
-                after = tuple(word for word in words[stop:] if not word.isdecimal())
-                yield (before, after), part, len(after) < len(words) - stop
-
-
-def _part(text: str, side: str) -> Part:
-    """Returns the side and the part; in a name without capitals, such as "lfemur" or "leftupleg", they are one word."""
-    if side or text in KNOWN:
-        return side, text
-    glued = [(SIDES[word], text[len(word) :]) for word in SIDES if text.startswith(word)]
-    glued += [(SIDES[word], text[: -len(word)]) for word in SIDES if text.endswith(word)]
-    return next((one for one in glued if one[1] in KNOWN), ("", text))
+            text += words[stop - 1]
+            if text not in BEGINNINGS:
+                break
+            own, part = PARTS.get(text, ("", ""))
+            if not part or (own and side) or (words[stop:] and text + words[stop] in KNOWN):  # CAT's "leg1" is no "leg"
+                continue
+            before = tuple(word for word in words[:start] if not (word.isdecimal() or word in LIMBS))
+            after = tuple(word for word in words[stop:] if not word.isdecimal())
+            yield (before, after), (side or own, part), len(after) < len(words) - stop
 
 
 def _roles(parts: Mapping[Part, int]) -> dict[str, int]:

@@ -324,6 +324,24 @@ RIGS = {
         (".L", ".R"),
         "LegUpper.L,LegLower.L,Foot.L,-,ArmUpper.L,ArmLower.L,Hand.L,Neck,Head",
     ),
+    "a studio with short sides": Rig(
+        "spine_jnt,neck_jnt,head_jnt",
+        "lt_thigh_jnt,lt_shin_jnt,lt_foot_jnt,lt_shoulder_jnt,lt_bicep_jnt,lt_forearm_jnt,lt_hand_jnt,lt_foot_ctrl",
+        ("lt", "rt"),
+        "lt_thigh_jnt,lt_shin_jnt,lt_foot_jnt,-,lt_bicep_jnt,lt_forearm_jnt,lt_hand_jnt,neck_jnt,head_jnt",
+    ),
+    "Quaternius": Rig(
+        "Body,Hips,Abdomen,Torso,Neck,Head,Bone",
+        "UpperLeg.L,LowerLeg.L,Foot.L,Shoulder.L,UpperArm.L,LowerArm.L,Palm1.L,PoleTarget.L",
+        (".L", ".R"),
+        "UpperLeg.L,LowerLeg.L,Foot.L,-,UpperArm.L,LowerArm.L,Palm1.L,Neck,Head",
+    ),
+    "Synty": Rig(
+        "Root,Hips,Spine_01,Spine_02,Spine_03,Neck,Head,Prop_L,Prop_R",
+        "UpperLeg_L,LowerLeg_L,Ankle_L,Ball_L,Toes_L,Clavicle_L,Shoulder_L,Elbow_L,Hand_L,Thumb_01_L",
+        ("_L", "_R"),
+        "UpperLeg_L,LowerLeg_L,Ankle_L,Ball_L,Shoulder_L,Elbow_L,Hand_L,Neck,Head",
+    ),
     "MMD in English": Rig(
         "Hips,Spine,Chest,Neck,Head",
         "Left leg,Left knee,Left ankle,Left toe,Left shoulder,Left arm,Left elbow,Left wrist,Thumb0_L",

@@ -13,7 +13,9 @@ from motionsplice.motion.formats.fbx import reader as fbx_reader
 from motionsplice.motion.formats.gltf import reader as gltf_reader
 from motionsplice.motion.formats.gltf.vrma import dump_vrma
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
+from motionsplice.motion.formats.legs import with_legs_in_place
 from motionsplice.motion.formats.parsed import Parsed
+from motionsplice.motion.formats.rest_pose import with_own_bind
 from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import (
     Roles,
@@ -108,7 +110,7 @@ def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
 
 
 def _parsed(scene: Scene, root: str | None) -> Parsed:
-    nodes, notes = nodes_of(scene, root)
+    nodes, notes = nodes_of(with_own_bind(with_legs_in_place(scene)), root)
     return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes, up="y")
 
 

@@ -13,15 +13,16 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.body_shape import check_shape
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError, did_you_mean
 from motionsplice.motion.formats.files import SCENES, clip_name, parse
 from motionsplice.motion.formats.fold import Folded, Nodes, fold
-from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.units import guess_unit, metres_per_unit
 from motionsplice.motion.formats.upright import check_up, made_upright
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import (
     ENDS,
+    LIMBS,
     NOTHING_GIVEN,
     GivenRole,
     Roles,
@@ -109,39 +110,29 @@ def read_clip(
         ```
     """
     path = Path(path)
+    asked = ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root)
     check_up(up)
     if rate is not None and not 0.0 < rate < math.inf:
         raise SettingsError(f"a rate of {rate:g} frames per second", mend="Give a number above 0")
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
-            parsed = parse(path, animation, root)
-            if rate is not None:
-                parsed = parsed._replace(rate=float(rate))
-            return _read(path, clip_name(path, animation), parsed, skip_frames, unit, up, root, roles)
+            return _read(path, animation, asked, roles)
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
-def _read(
-    path: Path,
-    name: str,
-    parsed: Parsed,
-    skip_frames: int,
-    unit: str | None,
-    up: str | None,
-    root: str | None,
-    given: Mapping[str, GivenRole],
-) -> Reading:
+def _read(path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole]) -> Reading:
+    parsed = parse(path, animation, asked.root)
     nodes, given = parsed.nodes, {**parsed.roles, **given}
-    if not 0 <= skip_frames < len(nodes.rotations):
-        problem = f"cannot skip {skip_frames} of {len(nodes.rotations)} frames"
+    if not 0 <= asked.skip_frames < len(nodes.rotations):
+        problem = f"cannot skip {asked.skip_frames} of {len(nodes.rotations)} frames"
         raise FormatError(problem, mend="Choose a smaller --skip-frames")
-    folded = fold(nodes, root_of(nodes, root, given))
+    folded = fold(nodes, root_of(nodes, asked.root, given))
     roles = find_roles(folded.skeleton, given)
     notes, warnings = [*parsed.notes, *folded.notes], list(parsed.warnings)
     leg = roles.leg_length(folded.skeleton)
-    if unit is not None:
-        metres = metres_per_unit(unit)
+    if asked.unit is not None:
+        metres = metres_per_unit(asked.unit)
     elif parsed.unit is not None and (
         path.suffix.lower() not in SCENES or SHORTEST_LEG <= parsed.unit * leg <= LONGEST_LEG
     ):
@@ -150,10 +141,11 @@ def _read(
         metres, note, warning = guess_unit(leg)
         notes.append(note)
         warnings += [warning] if warning else []
-    clip, turns = made_upright(_clip(name, folded, parsed.rate, metres, skip_frames), roles, up or parsed.up)
-    if skip_frames == 0 and _starts_with_a_pose(clip.rotations):
+    read = _clip(clip_name(path, animation), folded, float(asked.rate or parsed.rate), metres, asked.skip_frames)
+    clip, turns, doubts = made_upright(read, roles, asked.up or parsed.up)
+    if asked.skip_frames == 0 and _starts_with_a_pose(clip.rotations):
         warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1")
-    warnings += check_shape(clip, roles, given=bool(given))
+    warnings += doubts + check_shape(clip, roles, given=bool(given), up_known=asked.up is not None or clip is not read)
     return Reading(clip, roles, metres, (*notes, *turns), tuple(warnings))
 
 
@@ -168,7 +160,8 @@ def root_of(nodes: Nodes, above: str | None, given: Mapping[str, GivenRole]) -> 
     body = subtree(nodes.parents, nodes.names.index(above) if above else 0)
     names = tuple(nodes.names[joint] for joint in body)
     found = {role: body[joint] for role, joint in limbs_by_name(names, given).items()}
-    check_limbs(nodes.names, nodes.parents, found)
+    if set(LIMBS) <= set(found):
+        check_limbs(nodes.names, nodes.parents, found)
     return common_ancestor(nodes.parents, [found[role] for role in ENDS]) if set(ENDS) <= set(found) else body[0]
 
 

@@ -14,19 +14,21 @@ ALIKE = 1e-3  # of the body's size: poses whose joints are nearer are the same
 SYMMETRIC = 0.02  # of the body's size: a pose made to bind a mesh to is symmetric, and a moment of a motion is not
 
 
-def without_frame_as_bind(scene: Scene) -> Scene:
-    """Replaces a bind pose that is a frame of the motion by the pose in which the axes of all joints are parallel.
+def with_own_bind(scene: Scene) -> Scene:
+    """Replaces a pose at rest that is a frame of the motion by the pose in which the axes of all joints are parallel.
 
-    Exporters write the moment of the export as the pose at rest if an animation has no mesh. It differs from file to
-    file, so clips of one rig would have different bind poses. The axes of the joints are those of the rig.
+    If an animation has no mesh, some exporters write the moment of the export as the pose at rest. It differs from file
+    to file, so clips of one rig would have different bind poses. The axes of the joints are the same in all of them.
     """
+    if scene.bound or len(scene.world) < 2:
+        return scene
     found = limbs_by_name(scene.names, NOTHING_GIVEN)
     at = scene.bind[..., 3]
-    if len(scene.world) < 2 or not set(LIMBS) <= set(found) or _symmetric(at[[found[role] for role in LIMBS]]):
-        return scene
     apart = np.abs(scene.world[..., 3] - at).max(axis=(1, 2)).min()
-    if apart > ALIKE * np.ptp(at, axis=0).max():
-        return scene
+    posed = not set(LIMBS) <= set(found) or _symmetric(at[[found[role] for role in LIMBS]])
+    if posed or apart > ALIKE * np.ptp(at, axis=0).max():
+        note = "it states no bind pose; the pose of its nodes at rest is taken"
+        return replace(scene, notes=(*scene.notes, note))
     bind = np.zeros_like(scene.bind)
     bind[..., :3] = np.eye(3)
     for node, parent in enumerate(scene.parents.tolist()):
@@ -35,7 +37,9 @@ def without_frame_as_bind(scene: Scene) -> Scene:
             axes = scene.bind[parent, :, :3]
             turned = axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-12)
             bind[node, :, 3] = bind[parent, :, 3] + turned.T @ (at[node] - at[parent])
-    note = "its pose at rest is a frame of the motion; the axes of its joints are taken as bind pose instead"
+    note = (
+        "it states no bind pose, and rests in a frame of the motion; the pose in which all axes are parallel is taken"
+    )
     return replace(scene, bind=bind, notes=(*scene.notes, note))
 
 

@@ -35,6 +35,7 @@ class Scene:
     bind, world: [N, 3, 4] and [F, N, 3, 4] transforms to the world, in the bind pose and over time. The first three
     columns are the axes, with their scale, and the last is the position.
     roles: names of nodes by role, if the file states them. notes: what was left out or assumed. unit: metres in a unit.
+    bound: whether the file states a bind pose; if not, `bind` is the pose of the nodes at rest.
     """
 
     names: tuple[str, ...]
@@ -46,6 +47,7 @@ class Scene:
     roles: Mapping[str, str]
     notes: tuple[str, ...] = ()
     unit: float = 1.0
+    bound: bool = True
 
 
 def nodes_of(scene: Scene, root: str | None = None) -> tuple[Nodes, tuple[str, ...]]:
@@ -62,7 +64,7 @@ def nodes_of(scene: Scene, root: str | None = None) -> tuple[Nodes, tuple[str, .
     offsets = np.concatenate([np.zeros((1, 3)), rest[1:] - rest[parents[1:]]])
     end_parents = np.array([places[int(scene.parents[node])] for node in ends], np.int64)
     nodes = Nodes(
-        names=unique([scene.names[node] for node in inside]),
+        names=_unique([scene.names[node] for node in inside]),
         parents=parents,
         offsets=offsets,
         end_parents=end_parents,
@@ -111,7 +113,7 @@ def _body(scene: Scene, root: str | None) -> tuple[list[int], list[str], list[st
     for node, parent in enumerate(scene.parents.tolist()):
         above = top[parent] if parent >= 0 else -1
         top[node] = above if above >= 0 or not scene.joints[node] else node
-    sizes, names = np.bincount(top[scene.joints]), unique(scene.names)
+    sizes, names = np.bincount(top[scene.joints]), _unique(scene.names)
     chosen = int(np.argmax(sizes))
     if root is not None:
         if root not in names or top[names.index(root)] < 0:
@@ -165,7 +167,7 @@ def _unit(v: Floats) -> Floats:
     return v / np.where(length > 0.0, length, 1.0)
 
 
-def unique(names: Sequence[str]) -> tuple[str, ...]:
+def _unique(names: Sequence[str]) -> tuple[str, ...]:
     """Numbers names that come twice: exporters allow them."""
     seen: dict[str, int] = {}
     unique = []

@@ -15,11 +15,13 @@ FIRST_LETTER = 9  # a tab; lower codes do not occur in text
 def text_of(data: bytes, mend: str) -> str:
     """Returns the text of a file in UTF-8 or UTF-16, without byte order mark, and without the padding at its end.
 
-    Raises FormatError, with `mend`, if the file is not text.
+    Raises FormatError, with `mend`, if the file is not text or has nothing but padding.
     """
     text = data.decode(_encoding(data), errors="replace")
     if "\0" in text or "\x1a" in text:
         end = len(text.rstrip(PADDING + " \t\r\n"))
+        if end == 0:
+            raise FormatError("the file is empty but for padding", mend=mend)
         text = text[:end] + text[end:].translate(dict.fromkeys(map(ord, PADDING)))
     if "\0" in text:
         raise FormatError("this is a binary file, not text", mend=mend)

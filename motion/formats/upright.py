@@ -26,7 +26,7 @@ def check_up(up: str | None) -> None:
         raise SettingsError(f"{up!r} is not an axis that can be up", mend=f"Use {', '.join(TURNS)}")
 
 
-def made_upright(clip: Clip, roles: Roles, up: str | None) -> tuple[Clip, list[str]]:
+def made_upright(clip: Clip, roles: Roles, up: str | None) -> tuple[Clip, list[str], list[str]]:
     """Turns a clip, as its file has it, so that Y is up and its bind pose stands along Y.
 
     Args:
@@ -37,19 +37,21 @@ def made_upright(clip: Clip, roles: Roles, up: str | None) -> tuple[Clip, list[s
             lie.
 
     Returns:
-        The clip, and notes for the user.
+        The clip, notes and warnings for the user.
     """
     bind = standing_axis(bind_positions(clip), roles) or "y"
     found = up or ("y" if bind == "y" or standing_axis(sampled_positions(clip), roles) == "y" else bind)
     if bind == found == "y":
-        return clip, []
-    notes = []
+        return clip, [], []
+    notes, warnings = list[str](), list[str]()
     if up is None and found != "y":
         notes.append(f"{found.upper()} is up in the file: turned to Y up. If it is not, give --up y")
-    elif bind not in ("y", found):
-        doubt = "" if up else f". If {bind.upper()} is up in the file, give --up {bind}"
-        notes.append(f"the bind pose stands along {bind.upper()}: turned to stand along Y{doubt}")
-    return turned(clip, TURNS[bind], TURNS[found]), notes
+    elif up is None:
+        doubt = f"the bind pose stands along {bind.upper()}, but the motion along Y, so Y is taken to be up"
+        warnings.append(f"{doubt}. If {bind.upper()} is up in the file, give --up {bind}")
+    elif bind not in ("y", up):
+        notes.append(f"the bind pose stands along {bind.upper()}: turned to stand along Y")
+    return turned(clip, TURNS[bind], TURNS[found]), notes, warnings
 
 
 def turned(clip: Clip, bind: Floats, world: Floats) -> Clip:

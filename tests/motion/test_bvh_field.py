@@ -101,6 +101,16 @@ def test_other_lines_after_the_last_frame_are_left_out_with_a_warning(tail: str)
     assert parsed.warnings == (f"left out what follows the last frame, from line 22: {tail.splitlines()[0]!r}",)
 
 
+@pytest.mark.parametrize("declared", [2, 5])
+def test_other_lines_may_follow_other_counts_of_frames(declared: int) -> None:
+    parsed = parse(SMALL.replace("Frames: 3", f"Frames: {declared}") + "}\n")
+    assert_same(parsed)
+    assert [warning.split()[0] for warning in parsed.warnings] == ["left", "the"]
+    for tail in ("nan 1 2 3\n", "-\n", "}\n1 2 3 4\n"):
+        with pytest.raises(FormatError, match="line 22, frame 3: "):
+            parse(SMALL.replace("Frames: 3", "Frames: 5") + tail)
+
+
 @given(st.integers(1, 11), st.booleans())
 def test_frames_may_be_broken_over_lines(width: int, by_frame: bool) -> None:
     values = [row.split() for row in ROWS]

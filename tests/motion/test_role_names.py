@@ -1,9 +1,13 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from motionsplice.motion.role_names import roles_by_name
+from motionsplice.motion.role_names import HELPERS, KNOWN, LIMBS, roles_by_name, words_of
 from tests.rig_names import RIGS
+
+NAMES_IN_WORDS = KNOWN | HELPERS | {*LIMBS}
 
 
 @pytest.mark.parametrize("name", RIGS)
@@ -22,3 +26,26 @@ def test_a_collar_is_not_taken_for_an_arm_whose_name_is_unknown() -> None:
 def test_names_that_say_nothing_give_no_roles() -> None:
     assert roles_by_name(()) == {}
     assert roles_by_name(("Bone", "Bone.001", "Bone.002", "左", "_", "")) == {}
+
+
+@given(st.lists(st.text(max_size=12), max_size=30))
+def test_any_names_are_answered(names: list[str]) -> None:
+    assert all(0 <= joint < len(names) for joint in roles_by_name(tuple(names)).values())
+
+
+@given(
+    st.sampled_from(sorted(RIGS)),
+    st.from_regex(r"([A-Z][a-z]{3,8}|[0-9]{1,3})[_.: -]", fullmatch=True),
+    st.from_regex(r"([_.]([A-Z]?[a-z]{3,8}|[0-9]{1,3}))?", fullmatch=True),
+)
+def test_words_that_all_joints_share_do_not_matter(name: str, before: str, after: str) -> None:
+    names = RIGS[name].names()
+    if NAMES_IN_WORDS.intersection(words_of(before + after)[0]):
+        return
+    worded = tuple(f"{before}{name}{after}" for name in names)
+    assert roles_by_name(worded) == roles_by_name(names)
+
+
+@pytest.mark.parametrize("name", ["arm " * 100_000, "_a" * 100_000, "[" * 100_000, "L" * 100_000])
+def test_a_name_of_any_length_takes_no_time(name: str) -> None:
+    assert roles_by_name((name,)) == {}

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.formats.gltf.container import read_document
+from motionsplice.motion.formats.gltf.reader import read_rest
 from motionsplice.motion.formats.gltf.t_pose import t_pose
 from motionsplice.motion.formats.gltf.vrma import dump_vrma, vrm_bones
 from motionsplice.motion.formats.reading import read_clip
@@ -122,6 +124,15 @@ def test_the_file_is_as_the_specification_says() -> None:
     assert animation["name"] == COUNTING.name
     moved = [document["nodes"][one["target"]["node"]]["name"] for one in animation["channels"]]
     assert sorted(moved) == sorted([*named.values(), "Hips"])
+
+
+@pytest.mark.parametrize(("height", "lowest"), [(0.0, None), (3.0, 0.0)])
+def test_at_rest_the_feet_are_as_high_as_on_the_floor(height: float, lowest: float | None) -> None:
+    """If the clip is not on the floor, its lowest joint is taken to be there."""
+    clip = replace(WALK, root_positions=WALK.root_positions + height * Y)
+    scene, _ = read_rest(dump_vrma(clip, find_roles(clip.skeleton)))
+    expected = joint_positions(WALK)[..., 1].min() if lowest is None else lowest
+    assert abs(scene.world[0, :, 1, 3].min() - expected) < 1e-6
 
 
 def test_turns_of_joints_without_a_bone_are_part_of_the_next_bones(tmp_path: Path) -> None:

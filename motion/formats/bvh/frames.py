@@ -14,6 +14,7 @@ from motionsplice.motion.quaternion import Floats
 
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
 FIELD = re.compile(r"(frames|frame ?time) ?:? ?(\S+)", re.IGNORECASE)
+NUMBER = re.compile(r"\s*([-+.\d]|nan|inf)", re.IGNORECASE)  # the start of a row of numbers, even of bad ones
 
 Row = tuple[int, str]  # the line's number, from 1, and its text
 
@@ -106,11 +107,12 @@ def _read_loosely(rows: list[Row], count: int, width: int) -> Frames:
     warnings: tuple[str, ...] = ()
     sizes = _sizes(rows, commas)
     if len(sizes) < len(rows):
-        if not 0 < count <= len(sizes) or any(size != width for size in sizes[:count]):
+        number, text = rows[len(sizes)]
+        after_all = 0 < count <= len(sizes) or not any(NUMBER.match(text) for _, text in rows[len(sizes) :])
+        if not sizes or not after_all:
             raise _bad_row(rows, len(sizes), width, commas)
-        number, text = rows[count]
         warnings = (f"left out what follows the last frame, from line {number}: {text.strip()[:40]!r}",)
-        rows, sizes = rows[:count], sizes[:count]
+        rows = rows[: len(sizes)]
     frames = count if sum(sizes) == count * width else _frames_of_lines(rows, sizes, count, width)
     values = _table([(0, " ".join(text for _, text in rows))], 1, frames * width, commas)
     if values is None:

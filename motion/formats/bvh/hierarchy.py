@@ -150,6 +150,8 @@ def check_doubles(joints: list[Joint], root: int) -> None:
     """Raises FormatError if two joints of a body have a name that means a role, and neither is below the other."""
     body = [place for place in range(root, joints[root].end) if not joints[place].is_end]
     names = tuple(joints[place].name for place in body)
+    if len(set(names)) == len(names):
+        return
     roles = {joint: role for role, joint in roles_by_name(names).items()}
     first: dict[str, int] = {}
     for number, place in enumerate(body):

@@ -34,12 +34,11 @@ def parse(data: bytes, root: str | None = None) -> Parsed:
     Raises:
         FormatError: The file is malformed; the message names the line.
     """
-    text = text_of(data, mend="Export the motion as BVH")
-    lines = text.splitlines()
+    lines = text_of(data, mend="Export the motion as BVH").splitlines()
     hierarchy = read_hierarchy(lines)
     joints = hierarchy.joints
     header = read_header(lines, hierarchy.line)
-    frames = read_frames(lines, header, _width(joints), cut=not text.endswith(("\n", "\r")))
+    frames = read_frames(lines, header, _width(joints), cut=not data.endswith((b"\n", b"\r")))
     rate = meant_rate(header.step)
     notes = [*hierarchy.notes, *frames.notes]
     if abs(rate * float(header.step) - 1.0) > CLOSE:

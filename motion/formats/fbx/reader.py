@@ -13,9 +13,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
-from motionsplice.motion.formats.fbx.biped import with_legs_on_the_pelvis
 from motionsplice.motion.formats.fold import listed
-from motionsplice.motion.formats.rest_pose import without_frame_as_bind
 from motionsplice.motion.formats.scene import Scene
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
@@ -93,9 +91,7 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
     stated = dict(zip(bound, bind.reshape(-1, 4, 3).transpose(0, 2, 1), strict=True))
     world = _world(_matrices(moved.reshape(frames, count, 10)), parents, {})
     notes = [f"left out, not joints: {listed(answer['left_out'])}"] if answer["left_out"] else []
-    if not bound:
-        notes.append("it states no bind pose; the pose of its nodes at rest is taken")
-    scene = Scene(
+    return Scene(
         names=tuple(name or f"node {place}" for place, name in enumerate(answer["names"])),
         parents=parents,
         joints=np.array(answer["joints"], np.bool_),
@@ -105,9 +101,8 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
         roles={},
         unit=answer["unit"],
         notes=tuple(notes),
+        bound=bool(bound),
     )
-    scene = with_legs_on_the_pelvis(scene)
-    return scene if bound else without_frame_as_bind(scene)
 
 
 def _matrices(local: Floats) -> Floats:

@@ -124,7 +124,8 @@ def _posed(
         joints[[places[node] for node, _ in tracks]] = True
     names = tuple(_text(nodes[node].get("name") or f"node {node}") for node in order)
     named = {role: names[places[node]] for role, node in roles.items()}
-    return Scene(names, parents, joints, bind, world, rate, named)
+    bound = any("inverseBindMatrices" in skin for skin in document.get("skins", ()))
+    return Scene(names, parents, joints, bind, world, rate, named, bound=bound)
 
 
 def _order(nodes: list[dict[str, Any]]) -> tuple[list[int], Integers]:

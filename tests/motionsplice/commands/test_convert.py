@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.console import Console
 from typer.testing import CliRunner
 
 from motionsplice.cli import app
+from motionsplice.commands import convert
 from motionsplice.commands.convert import at_rate
 from motionsplice.commands.outputs import WRITTEN
 from motionsplice.motion.clip import Clip
@@ -29,8 +31,13 @@ from tests.rigs import with_bones_above
 WALK = make("walk", seconds=1.0)
 
 
+@pytest.fixture(autouse=True)
+def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(convert, "console", Console(width=200))
+
+
 def run(*arguments: object) -> str:
-    result = CliRunner().invoke(app, [str(argument) for argument in arguments], env={"COLUMNS": "200"})
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
     assert result.exit_code == 0, result.output

@@ -108,7 +108,7 @@ def _read_batch(result: Connection, kind: str, goods: list[Good], seed: int, fir
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     warnings.simplefilter("error")
     if kind == "fbx":
-        read_fbx_here()
+        _read_fbx_here()
     begun = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     tally = Tally()
     with tempfile.TemporaryDirectory(dir=IN_MEMORY if IN_MEMORY.is_dir() else None) as name:
@@ -132,7 +132,7 @@ def _read_batch(result: Connection, kind: str, goods: list[Good], seed: int, fir
     result.send(tally)
 
 
-def read_fbx_here() -> None:
+def _read_fbx_here() -> None:
     """Has FBX files read by this process, which is a child as that of the reader is, and under a limit of its own."""
 
     def run(command: list[str], input: bytes, **_: Any) -> subprocess.CompletedProcess[bytes]:  # noqa: A002

@@ -83,13 +83,14 @@ def _turns(scene: Scene, inside: list[int], parents: Integers) -> tuple[Floats, 
     unbound = quaternion.conjugate(rotations_of(scene.bind[inside]))[:, None]
     frames = len(scene.world)
     world, local = np.empty((len(inside), frames, 4)), np.empty((frames, len(inside), 4))
-    by_node = scene.world.transpose(1, 0, 2, 3)
+    by_node, above = scene.world.transpose(1, 2, 3, 0), np.maximum(parents, 0)
     step = max(1, BLOCK // frames)
     for block in (slice(first, first + step) for first in range(0, len(inside), step)):
-        world[block] = quaternion.multiply(rotations_of(by_node[inside[block]]), unbound[block])
-        above = np.where(parents[block, None, None] < 0, quaternion.IDENTITY, world[parents[block]])
-        turns = quaternion.multiply(quaternion.conjugate(above), world[block])
+        turned = rotations_of(np.moveaxis(by_node[inside[block]], 3, 1))
+        world[block] = quaternion.multiply(turned, unbound[block])
+        turns = quaternion.multiply(quaternion.conjugate(world[above[block]]), world[block])
         local[:, block] = quaternion.one_hemisphere(turns.swapaxes(0, 1))
+    local[:, 0] = quaternion.one_hemisphere(world[0])  # the root has no parent
     return world, local
 
 

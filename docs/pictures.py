@@ -14,6 +14,8 @@ from bench.generated import Size, generate
 from bench.quality.charts import pair_chart, ratio_grid
 from bench.quality.pair_list import grid_pairs, truth_of
 from bench.quality.scores import Form, score_pair, splice_pair
+from bench.retarget.kinds import KINDS
+from bench.retarget.rigs import on_rig
 from bench.speed import flatness
 from bench.speed.frames import batches
 from bench.speed.speed_charts import speed_chart
@@ -24,6 +26,8 @@ from motionsplice.motion.hand_joints import Side
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.procedural.library import make, truth
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.by_roles import retarget
+from motionsplice.motion.retarget.stance import standing_pose
 from motionsplice.motion.roles import find_roles
 from motionsplice.pictures.correlation_charts import draw_chart
 from motionsplice.pictures.hand_charts import draw_alignment
@@ -51,6 +55,7 @@ def main() -> None:
     (IMAGES / "layers.png").write_bytes(layers_picture(read_contracts(PROJECT / "pyproject.toml")))
     draw_study()
     draw_hands()
+    draw_retargeting()
     draw_speed()
     with tempfile.TemporaryDirectory() as folder:
         demo_command(Path(folder) / "demo")
@@ -132,6 +137,20 @@ def draw_hands() -> None:
     sheet.save(IMAGES / "hands.png")
     draw_alignment(spliced, settings, pair.hands.rate, IMAGES / "hands-alignment.png")
     reduce(IMAGES / "hands.png")
+
+
+def draw_retargeting() -> None:
+    """One motion on other rigs, retargeted from the rig with Unreal's bind pose and proportions."""
+    source = on_rig(make("walk", "wave"), KINDS["Unreal"])
+    roles = find_roles(source.skeleton)
+    rows = [("Unreal, as captured", source, roles)]
+    for name in ("Mixamo", "VRM", "CMU", "LAFAN1"):
+        rig = on_rig(make("walk"), KINDS[name])
+        own = find_roles(rig.skeleton)
+        pose = standing_pose(rig.skeleton, own, rig)
+        rows.append((name, retarget(source, roles, rig.skeleton, own, pose).clip, own))
+    contact_sheet(rows, columns=9, start=1.0, end=3.0).save(IMAGES / "retargeting.png")
+    reduce(IMAGES / "retargeting.png")
 
 
 def draw_speed() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.kinematics import world_transforms
-from motionsplice.motion.quaternion import IDENTITY, Floats
+from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
 RATE = 10.0  # frames per second at which a motion is looked at
@@ -18,8 +18,11 @@ REACH = 0.35  # of the legs' length: hands that are less above the feet reach th
 
 def bind_positions(clip: Clip) -> Floats:
     """Returns the positions [1, J, 3] of a clip's joints in the bind pose, metres from the root."""
-    rotations = np.tile(IDENTITY, (1, clip.skeleton.joint_count, 1))
-    return world_transforms(clip.skeleton, np.zeros((1, 3)), rotations)[0]
+    skeleton = clip.skeleton
+    positions = np.zeros((1, skeleton.joint_count, 3))
+    for joint in range(1, skeleton.joint_count):
+        positions[:, joint] = positions[:, skeleton.parents[joint]] + skeleton.offsets[joint]
+    return positions
 
 
 def sampled_positions(clip: Clip) -> Floats:

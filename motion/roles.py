@@ -119,11 +119,20 @@ def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVE
     spine = given.get("spine", tuple(skeleton.names[joint] for joint in trunk))
     trunk = [_joint("spine", name, skeleton.names) for name in ((spine,) if isinstance(spine, str) else spine)]
     limbs = {role: found.get(role, -1) for role in (*LIMBS, *OPTIONAL)}
+    limbs |= _only_toes(skeleton, found)
     check_limbs(skeleton.names, skeleton.parents, found)
     if pelvis == root or pelvis not in path:
         problem = f"the pelvis {skeleton.names[pelvis]!r} is not between the root and the arms"
         raise RoleError(problem, mend="Name a joint of the trunk, or leave the pelvis out")
     return Roles(root=root, pelvis=pelvis, spine=tuple(trunk), **limbs)
+
+
+def _only_toes(skeleton: Skeleton, found: Mapping[str, int]) -> dict[str, int]:
+    """Returns the toes by role if they have unknown names but are the only joints that hang on the ankles."""
+    if "left_toe" in found or "right_toe" in found:
+        return {}
+    below = {side: skeleton.children[found[f"{side}_ankle"]] for side in ("left", "right")}
+    return {f"{side}_toe": joints[0] for side, joints in below.items()} if {*map(len, below.values())} == {1} else {}
 
 
 def limbs_by_name(names: tuple[str, ...], given: Mapping[str, GivenRole]) -> dict[str, int]:

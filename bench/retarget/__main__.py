@@ -58,7 +58,7 @@ def main(
                 truth = ours if (name, theirs) in built and (other, ours) in built else None
                 table.add_row(name, other, *_row(theirs, ours, truth))
         table.add_section()
-    Console(width=130).print(table)
+    Console(width=150).print(table)
 
 
 def _readings(files: Sequence[Path]) -> Iterator[tuple[str, Reading]]:

@@ -18,6 +18,7 @@ from motionsplice.motion.formats.fold import fold
 from motionsplice.motion.formats.gltf.container import MAGIC, read_document
 from motionsplice.motion.formats.gltf.document import Binary, Document, glb
 from motionsplice.motion.formats.gltf.reader import animation_names, malformed, read_rest
+from motionsplice.motion.formats.legs import with_legs_in_place
 from motionsplice.motion.formats.reading import root_of
 from motionsplice.motion.formats.scene import joints_of, nodes_of, rotations_of
 from motionsplice.motion.kinematics import world_transforms
@@ -38,7 +39,8 @@ class Character:
     its node. roles: of its joints.
     nodes: [J] the number of each joint's node in the file.
     bind: [J, 4] the rotation of each node in the world in the bind pose.
-    inwards: [4, 4] the transform from the world to the parent of the root's node.
+    inwards: by joint, the transform [4, 4] from the world to the parent of its node, for the root and for joints whose
+    nodes hang elsewhere than on the joint that they follow.
     placed: the translations [3] of the nodes that do not rest where the bind pose has them.
     animations: the names of those that the file has.
     """
@@ -49,7 +51,7 @@ class Character:
     roles: Roles
     nodes: list[int]
     bind: Floats
-    inwards: Floats
+    inwards: Mapping[int, Floats]
     placed: Mapping[int, Floats]
     animations: list[str]
 
@@ -62,13 +64,15 @@ class Character:
         document = deepcopy(self.document)
         positions, turns = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
         turns = quaternion.multiply(turns, self.bind)
-        root, turn_inwards = self.nodes[0], rotations_of(self.inwards[:3])
         translations = {node: place[None] for node, place in self.placed.items()}
-        translations[root] = positions[:, 0] @ self.inwards[:3, :3].T + self.inwards[:3, 3]
-        rotations = {root: quaternion.multiply(turn_inwards, turns[:, 0])}
-        for joint, parent in enumerate(self.skeleton.parents.tolist()[1:], 1):
-            local = quaternion.multiply(quaternion.conjugate(turns[:, parent]), turns[:, joint])
-            rotations[self.nodes[joint]] = local
+        rotations = {}
+        for joint, (node, parent) in enumerate(zip(self.nodes, self.skeleton.parents.tolist(), strict=True)):
+            if joint in self.inwards:
+                inwards = self.inwards[joint]
+                translations[node] = positions[:, joint] @ inwards[:3, :3].T + inwards[:3, 3]
+                rotations[node] = quaternion.multiply(rotations_of(inwards[:3]), turns[:, joint])
+            else:
+                rotations[node] = quaternion.multiply(quaternion.conjugate(turns[:, parent]), turns[:, joint])
         for node in rotations:
             _without_matrix(document["nodes"][node])
         binary = Binary(document, self.binary)
@@ -98,16 +102,23 @@ def _read(data: bytes) -> Character:
     document, binary = read_document(data)
     if "uri" in (document.get("buffers") or [{}])[0]:
         raise FormatError("its data are not in the file's binary chunk", mend="Export it as one GLB file")
-    scene, numbers = read_rest(data)
+    loose, numbers = read_rest(data)
+    scene, order = with_legs_in_place(loose)
     inside, *_ = joints_of(scene)
     nodes, _ = nodes_of(scene)
     skeleton = fold(nodes, root_of(nodes, None, scene.roles)).skeleton
     places = [inside[nodes.names.index(name)] for name in skeleton.names]
-    above, rest, bind = scene.parents[places[0]], scene.world[0, places], rotations_of(scene.bind[places])
-    outwards = np.eye(4)
-    if above >= 0:
-        outwards[:3] = scene.world[0, above]
-    numbers = [numbers[place] for place in places]
+    rest, bind = scene.world[0, places], rotations_of(scene.bind[places])
+    own = [int(order[place]) for place in places]  # before the legs were put in place
+    inwards = {}
+    for joint, parent in enumerate(skeleton.parents.tolist()):
+        above = int(loose.parents[own[joint]])
+        if parent < 0 or above not in own:
+            outwards = np.eye(4)
+            if above >= 0:
+                outwards[:3] = loose.world[0, above]
+            inwards[joint] = np.asarray(np.linalg.inv(outwards), np.float64)
+    numbers = [numbers[place] for place in own]
     return Character(
         document,
         binary,
@@ -115,8 +126,8 @@ def _read(data: bytes) -> Character:
         find_roles(skeleton, scene.roles),
         numbers,
         bind,
-        np.asarray(np.linalg.inv(outwards), np.float64),
-        {numbers[joint]: place for joint, place in _displaced(skeleton, bind, rest)},
+        inwards,
+        {numbers[joint]: place for joint, place in _displaced(skeleton, bind, rest) if joint not in inwards},
         animation_names(data),
     )
 

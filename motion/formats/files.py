@@ -110,7 +110,7 @@ def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
 
 
 def _parsed(scene: Scene, root: str | None) -> Parsed:
-    nodes, notes = nodes_of(with_own_bind(with_legs_in_place(scene)), root)
+    nodes, notes = nodes_of(with_own_bind(with_legs_in_place(scene)[0]), root)
     return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes, up="y")
 
 

@@ -16,23 +16,24 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.formats.scene import Scene, rotations_of
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import NOTHING_GIVEN, limbs_by_name
-from motionsplice.motion.skeleton import chain
+from motionsplice.motion.skeleton import Integers, chain
 
 STEADY = 0.01  # of the thigh: a joint that moves less on another joint is fixed to it
 STRETCH = 0.5  # of the thigh: IK may stretch a leg for some frames
 
 
-def with_legs_in_place(scene: Scene) -> Scene:
-    """Hangs hips and feet on the joints that they follow, and notes it."""
+def with_legs_in_place(scene: Scene) -> tuple[Scene, Integers]:
+    """Hangs hips and feet on the joints that they follow, and notes it. Returns also where each node was before [N]."""
+    unchanged = np.arange(len(scene.names))
     joints = np.flatnonzero(scene.joints)
     found = limbs_by_name(tuple(scene.names[joint] for joint in joints), NOTHING_GIVEN)
     legs = {role: int(joints[place]) for role, place in found.items() if role.endswith(("hip", "knee", "ankle"))}
     if not {"left_hip", "right_hip", "left_knee", "right_knee"} <= set(legs):
-        return scene
+        return scene, unchanged
     thigh = float(np.linalg.norm(scene.world[0, legs["left_knee"], :, 3] - scene.world[0, legs["left_hip"], :, 3]))
     moves = _hips(scene, legs, thigh) | _feet(scene, legs, thigh)
     if not moves:
-        return scene
+        return scene, unchanged
     names = [f"{scene.names[joint]!r} on {scene.names[parent]!r}" for joint, parent in moves.items()]
     return _rehung(
         replace(scene, notes=(*scene.notes, f"hung on the joint that it follows: {', '.join(names)}")), moves
@@ -69,14 +70,14 @@ def _on(scene: Scene, joint: int, other: int) -> Floats:
     return quaternion.rotate(quaternion.conjugate(turns), scene.world[:, joint, :, 3] - scene.world[:, other, :, 3])
 
 
-def _rehung(scene: Scene, moves: Mapping[int, int]) -> Scene:
-    """Returns the scene with other parents for some nodes, parent before child again."""
+def _rehung(scene: Scene, moves: Mapping[int, int]) -> tuple[Scene, Integers]:
+    """Returns the scene with other parents for some nodes, parent before child again, and where each was before."""
     parents = scene.parents.copy()
     parents[list(moves)] = list(moves.values())
     depths = [len(chain(parents, node)) for node in range(len(parents))]
     order = np.argsort(depths, kind="stable") if np.any(parents >= np.arange(len(parents))) else np.arange(len(parents))
     places = np.argsort(order)
-    return replace(
+    hung = replace(
         scene,
         names=tuple(scene.names[node] for node in order),
         parents=np.where(parents[order] < 0, -1, places[parents[order]]),
@@ -84,3 +85,4 @@ def _rehung(scene: Scene, moves: Mapping[int, int]) -> Scene:
         bind=scene.bind[order],
         world=scene.world[:, order],
     )
+    return hung, order

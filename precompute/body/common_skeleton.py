@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.formats.fold import listed
@@ -18,6 +19,8 @@ from motionsplice.motion.skeleton import Skeleton
 
 OTHER_LIMB = 10.0  # rig sizes: joints of different limbs are matched only if nothing else is left
 WIDEST_BIND_ANGLE = np.radians(25.0)  # radians between the same bone of two rigs in their bind poses
+SAME_LENGTHS = 1e-3  # rigs whose bones differ less, relative to their length, are one rig, bound in two poses if at all
+WIDEST_OF_ONE_RIG = np.radians(2.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,15 +135,17 @@ def _reach(skeleton: Skeleton) -> Floats:
 
 
 def _check_bind_poses(clip: Clip, match: list[int], skeleton: Skeleton, roles: Roles) -> None:
-    for side in ("left", "right"):
-        for part in ("knee", "ankle", "elbow", "wrist"):
-            joint = getattr(roles, f"{side}_{part}")
-            ours, theirs = skeleton.offsets[joint], clip.skeleton.offsets[match[joint]]
-            apart = np.arccos(np.clip(ours @ theirs / (np.linalg.norm(ours) * np.linalg.norm(theirs)), -1.0, 1.0))
-            if apart > WIDEST_BIND_ANGLE:
-                raise SkeletonError(
-                    f"its bind pose differs from the bank's: the bone to the {side} {part} points "
-                    f"{np.degrees(apart):.0f} degrees away",
-                    place=f"clip {clip.name!r}",
-                    mend="Export the clip with the bind pose of the bank's skeleton, or allow retargeting",
-                )
+    names = [f"{side} {part}" for side in ("left", "right") for part in ("knee", "ankle", "elbow", "wrist")]
+    joints = [getattr(roles, name.replace(" ", "_")) for name in names]
+    ours, theirs = skeleton.offsets[joints], clip.skeleton.offsets[[match[joint] for joint in joints]]
+    apart = quaternion.angle(quaternion.between(theirs, ours), quaternion.IDENTITY)
+    ratios = np.linalg.norm(theirs, axis=1) / np.maximum(np.linalg.norm(ours, axis=1), 1e-12)
+    widest = WIDEST_OF_ONE_RIG if np.ptp(ratios) < SAME_LENGTHS * ratios.max() else WIDEST_BIND_ANGLE
+    if apart.max() > widest:
+        worst = int(np.argmax(apart))
+        raise SkeletonError(
+            f"its bind pose differs from the bank's: the bone to the {names[worst]} points "
+            f"{np.degrees(apart[worst]):.0f} degrees away",
+            place=f"clip {clip.name!r}",
+            mend="Export the clip with the bind pose of the bank's skeleton, or allow retargeting",
+        )

@@ -15,9 +15,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from motionsplice.motion.errors import ClipError, MotionError
+from motionsplice.motion.errors import ClipError, FormatError, MotionError
 from motionsplice.motion.formats.asf_amc import parse_skeleton
-from motionsplice.motion.formats.files import read_bytes
+from motionsplice.motion.formats.files import clips_in, read_bytes
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
@@ -34,6 +34,8 @@ def check(file: Path, bank: Path, settings: Mapping[str, Any]) -> None:
     if file.suffix == ".asf":
         parse_skeleton(read_bytes(file))
         return
+    if len(names := clips_in(file)) > 1:
+        raise FormatError(f"it has {len(names)} animations", mend="Upload a file for each")
     reading, manifest = read_clip(file, **settings), Manifest.read(bank)
     clip = onto_skeleton(reading.clip, reading.roles, manifest.skeleton, manifest.roles).clip
     if clip.duration < SHORTEST_CLIP:

@@ -19,12 +19,13 @@ import orjson
 
 from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings
 from motionsplice.motion.errors import ClipError, did_you_mean
-from motionsplice.motion.formats.files import clip_files
+from motionsplice.motion.formats.files import SUFFIXES, clip_files
 from motionsplice.service.exchange.clip_entries import EntryUpdate, settings_of, written_beside
 from motionsplice.service.problems import RequestError
 
 LOCK, ROOM, SKELETON = ".clips.lock", ".upload-", ".asf"
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_+-]{0,99}\.(bvh|amc|asf)")
+KINDS = (*SUFFIXES, SKELETON)
+NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9_+-]{{0,99}}({'|'.join(map(re.escape, KINDS))})")
 PIECE = 2**20  # bytes written at once
 CHECK_SECONDS = 120.0  # time for reading a clip; a gigabyte of text takes a minute
 ABANDONED = 3600.0  # seconds after which an unfinished upload is deleted
@@ -33,7 +34,7 @@ ABANDONED = 3600.0  # seconds after which an unfinished upload is deleted
 def checked_name(name: str) -> str:
     """Returns a file name if it is valid and has no folder. Raises RequestError."""
     if not NAME.fullmatch(name):
-        mend = "Use letters, digits, _, + and -, and end it in .bvh, .amc or .asf"
+        mend = f"Use letters, digits, _, + and -, and end it in {', '.join(KINDS)}"
         raise RequestError(f"name: {name[:40]!r} is not a valid file name of a clip", mend=mend)
     return name
 

@@ -282,7 +282,7 @@ def test_of_several_roots_the_first_body_is_read_or_the_one_chosen(prefix: str, 
         np.testing.assert_array_equal(second.nodes.rotations, plain.nodes.rotations)
         moved = second.nodes.translations[0] - plain.nodes.translations[0]
         np.testing.assert_allclose(moved, np.broadcast_to([100.0, 0.0, 0.0], moved.shape), atol=1e-5)
-    with pytest.raises(FormatError, match=r"unknown joint 'Hipz'. Did you mean 'Hips'"):
+    with pytest.raises(FormatError, match=r"unknown joint 'Hipz' for --root. Did you mean 'Hips'"):
         bvh.parse(data, root="Hipz")
 
 

@@ -16,6 +16,8 @@ from motionsplice.motion.roles import ENDS, common_ancestor, find_roles, limbs_b
 from motionsplice.motion.skeleton import Skeleton
 from tests.conftest import CLIPS
 
+SKELETON = CLIPS["walk"].skeleton
+
 # Each rig as chains of joints; the first joint of a chain is the parent of the rest.
 RIGS: Mapping[str, tuple[str, ...]] = {
     "CMU (BVH)": (
@@ -254,3 +256,12 @@ def test_a_roles_file_is_checked(tmp_path: Path) -> None:
         file.write_text(text)
         with pytest.raises(SettingsError, match=words):
             read_roles_file(file)
+
+
+def test_the_only_joint_on_an_ankle_is_the_toe_whatever_its_name() -> None:
+    names = tuple(name.replace("ToeBase", "FootThumb1") for name in SKELETON.names)
+    roles = find_roles(replace(SKELETON, names=names))
+    assert names[roles.left_toe] == "LeftFootThumb1"
+    assert names[roles.right_toe] == "RightFootThumb1"
+    one_sided = tuple(name.replace("LeftToeBase", "LeftFootThumb1") for name in SKELETON.names)
+    assert find_roles(replace(SKELETON, names=one_sided)).left_toe == -1

@@ -9,6 +9,7 @@ import threading
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,11 @@ import pytest
 from fastapi.testclient import TestClient
 from pydantic import SecretStr
 
+from bench.retarget.kinds import KINDS
+from bench.retarget.rigs import on_rig
 from motionsplice.motion.clip_settings import ClipSettings, read_clip_settings
 from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.procedural.library import make
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.app import create_app
@@ -25,6 +29,7 @@ from motionsplice.service.exchange.pending import Folder
 from motionsplice.service.exchange.uploads import checked_name
 from motionsplice.service.problems import RequestError
 from motionsplice.service.settings import Settings
+from tests.glb_files import with_animation
 from tests.service.running import Running, eventually, running
 
 TOKEN = "open sesame"
@@ -85,14 +90,27 @@ def test_an_uploaded_clip_is_added_to_the_bank_and_served(service: Running, fold
     assert not unfinished(folder)
 
 
+def test_a_clip_of_another_rig_and_format_is_retargeted_to_the_bank(service: Running, folder: Path) -> None:
+    old = service.config.front.shared.serving.bank
+    jog = dump_glb(on_rig(make("run", seed=20, seconds=3.0), KINDS["Unreal"]))
+    assert ask(service, "clips?name=jog.glb", jog)[0] == 202
+    eventually(lambda: service.config.front.shared.serving.bank.digest != old.digest)
+    new = service.config.front.shared.serving.bank
+    assert new.skeleton.names == old.skeleton.names
+    assert "retargeted by roles" in " ".join(new.clip("jog").notes)
+
+
 def test_a_file_that_is_not_a_motion_is_refused_and_leaves_nothing(service: Running, folder: Path) -> None:
     before = visible(folder)
+    jog = make("run", seed=20, seconds=1.0)
+    two_animations = with_animation(dump_glb(jog), replace(jog, name="again"))
     for name, body, status, kind, words in (
         ("jump.bvh", b"HIERARCHY\nROOT Hips", 422, "clip", "jump.bvh"),
         ("jump.bvh", b"\x00\xff" * 50, 422, "clip", "jump.bvh"),
         ("jump.bvh", b"x" * 3_000_001, 413, "too-large", "more than 3000000 bytes"),
         ("walk.amc", b"x", 422, "request", "the folder already has a clip walk.bvh"),
         ("..%2Fjump.bvh", b"x", 422, "request", "not a valid file name of a clip"),
+        ("jump.glb", two_animations, 422, "clip", "it has 2 animations. Upload a file for each"),
         ("jump.txt", b"x", 422, "request", "not a valid file name of a clip"),
     ):
         found, answer = ask(service, f"clips?name={name}", body)

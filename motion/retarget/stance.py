@@ -10,9 +10,10 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.retarget.segments import SIDES, segments_of
+from motionsplice.motion.retarget.segments import segments_of
 from motionsplice.motion.roles import Roles, common_ancestor
 from motionsplice.motion.skeleton import Skeleton
 

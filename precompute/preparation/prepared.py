@@ -14,13 +14,13 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
-from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, Baseline, align
+from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, Baseline
 from motionsplice.precompute.alignment.gait import mean_gait
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.preparation.root_path import root_path
-from motionsplice.precompute.preparation.seam import add_seam
+from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
@@ -99,8 +99,8 @@ def prepare(
     """
     fitted = onto_skeleton(clip, roles, skeleton, skeleton_roles, pose=pose, retargeting=retargeting)
     ours = fitted.clip
-    alignment = align(ours, skeleton_roles, baseline)
-    seamed = add_seam(ours, alignment.phase, skeleton_roles)
+    looped = loop(ours, skeleton_roles, baseline)
+    alignment, seamed, rows = looped.alignment, looped.seamed, looped.rows
     torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     large: dict[str, NDArray[Any]] = {
@@ -117,8 +117,8 @@ def prepare(
         alignment=alignment,
         phase=seamed.phase,
         posture=torso.upright[:count, -2:].mean(axis=0),
-        path=root_path(seamed.clip, seamed.phase, seamed.strides, skeleton_roles, has_gait(alignment)),
-        contacts=foot_contacts(seamed.clip, skeleton_roles),
+        path=root_path(*looped.played, seamed.strides, skeleton_roles, has_gait(alignment))[rows],
+        contacts=foot_contacts(looped.played[0], skeleton_roles)[rows],
         gait=mean_gait(ours, alignment.phase, skeleton_roles),
         stride=MeanStride.of(torso.upright[:count], alignment.phase),
         fetch=large.__getitem__,

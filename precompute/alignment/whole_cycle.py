@@ -1,0 +1,102 @@
+"""Clips that are one whole cycle, as game engines loop them: how to find them, and to play them on and on.
+
+Such a clip ends with the pose that it begins with, and its period is F - 1 frames. Or it ends one frame before that
+pose, and its period is F frames.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.kinematics import heading
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.facing import facing, facing_joints
+from motionsplice.precompute.body.joint_paths import joint_paths
+
+STRIDES = (0.5, 1.8)  # seconds: the shortest and the longest stride
+MOST_GAP = 0.5  # of the mean motion in a frame
+LEAST_MOTION = 0.25  # of the mean motion in a frame: a jump or a punch begins and ends at rest, a cycle moves on
+LAPS = (-1, 0, 1, 2)  # that are played on: the clip's own lap and its seam then have a stride on both sides
+
+
+def find_period(clip: Clip, roles: Roles) -> int | None:
+    """Returns the number of frames of the cycle that a clip is, F - 1 or F; None if it is not a whole cycle.
+
+    In a cycle the last frame leads to the first: either both are alike, or legs and joints move from the last to the
+    first as they do from frame to frame before and after.
+    """
+    count = clip.frame_count
+    if count < 5 or not (STRIDES[0] <= count / clip.rate and clip.duration <= STRIDES[1]):
+        return None
+    legs = facing(joint_paths(clip, facing_joints(roles))).reshape(count, -1)
+    leg_steps, leg_gap = np.diff(legs, axis=0), legs[0] - legs[-1]
+    joint_steps = _turns(clip.rotations[:-1, 1:], clip.rotations[1:, 1:])
+    joint_gap = _turns(clip.rotations[-1, 1:], clip.rotations[0, 1:])
+    if min(_size(leg_steps), _size(joint_steps)) == 0.0:
+        return None
+    if _size(_between(leg_steps)) < LEAST_MOTION * _size(leg_steps):
+        return None
+    parts = ((leg_steps, leg_gap), (joint_steps, joint_gap))
+    gaps = [max(_size(gap - moved * _between(steps)) / _size(steps) for steps, gap in parts) for moved in (0.0, 1.0)]
+    return count - 1 + int(np.argmin(gaps)) if min(gaps) <= MOST_GAP else None
+
+
+def played_on(clip: Clip, period: int, roles: Roles) -> Clip:
+    """Returns the LAPS of a whole cycle as one clip; the clip's own begins at frame `period`.
+
+    Root motion goes on from lap to lap, in the direction of the last frame.
+    """
+    turn, shift = _moved_on(clip, period, roles)
+    positions, rotations = [], []
+    cycle, start = clip.root_positions[:period], clip.root_positions[0]
+    place = start - quaternion.rotate(_about_y(-turn), shift)
+    for lap in LAPS:
+        about = _about_y(lap * turn)
+        positions.append(quaternion.rotate(about, cycle - start) + place)
+        rotations.append(clip.rotations[:period].copy())
+        rotations[-1][:, 0] = quaternion.multiply(about, rotations[-1][:, 0])
+        place = place + quaternion.rotate(about, shift)
+    return replace(clip, root_positions=np.concatenate(positions), rotations=np.concatenate(rotations))
+
+
+def _moved_on(clip: Clip, period: int, roles: Roles) -> tuple[float, Floats]:
+    """Returns how far the root turns about Y and moves [3] in one cycle, radians and metres.
+
+    What is within one step of zero is zero, so that a cycle in place stays there, and a straight one straight.
+    """
+    hips = joint_paths(clip, (roles.left_hip, roles.right_hip))
+    facings = np.unwrap(heading(hips[:, 0] - hips[:, 1]))
+    turns = np.diff(facings)
+    steps = quaternion.rotate(_about_y(-facings[:-1]), np.diff(clip.root_positions, axis=0))
+    turn, shift = facings[-1] - facings[0], clip.root_positions[-1] - clip.root_positions[0]
+    if period == clip.frame_count:
+        turn, shift = turn + _between(turns), shift + quaternion.rotate(_about_y(facings[-1]), _between(steps))
+    if np.hypot(shift[0], shift[2]) <= np.hypot(steps[:, 0], steps[:, 2]).max():
+        shift = shift * [0.0, 1.0, 0.0]
+    if abs(shift[1]) <= np.abs(steps[:, 1]).max():
+        shift = shift * [1.0, 0.0, 1.0]
+    return 0.0 if abs(turn) <= np.abs(turns).max() else float(turn), shift
+
+
+def _between(steps: Floats) -> Floats:
+    """Returns the step [...] from the last frame to the first, by a cubic through the two steps on either side."""
+    return np.asarray((4.0 * (steps[-1] + steps[0]) - (steps[-2] + steps[1])) / 6.0)
+
+
+def _turns(before: Floats, after: Floats) -> Floats:
+    """Returns the rotation vectors [..., J, 3] from one pose [..., J, 4] to another, radians."""
+    return quaternion.log(quaternion.multiply(quaternion.conjugate(before), after))
+
+
+def _size(steps: Floats) -> float:
+    """Returns the root-mean-square length of steps, over all frames and all numbers."""
+    return float(np.sqrt(np.mean(steps**2)))
+
+
+def _about_y(radians: Floats | float) -> Floats:
+    return quaternion.about([0.0, 1.0, 0.0], radians)

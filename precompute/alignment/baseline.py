@@ -82,6 +82,11 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
     excludes standing still, and two strides at once. A clip that is one whole cycle is a stride itself. Raises
     BaselineError if the clip has no stride.
     """
+    return _whole_cycle(clip, roles) or _best_stride(clip, roles)
+
+
+def _best_stride(clip: Clip, roles: Roles) -> Baseline:
+    """Returns the stride within a clip whose ends match best. Raises BaselineError if none match."""
     windows = windowed(_at_working_rate(clip, roles.lower_cloud), LOOP_WINDOW)
     leg = roles.leg_length(clip.skeleton)
     best = (np.inf, 0, 0)
@@ -97,7 +102,7 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
         best = min(best, (float(loop[frame]), frame + LOOP_WINDOW // 2, length))
     loop_distance, first, length = best
     if loop_distance > WORST_LOOP:
-        return _whole_cycle(clip, roles)
+        raise no_stride(clip.name)
     step = clip.duration / (len(windows) + LOOP_WINDOW - 2)
     start, end = first * step, (first + length) * step
     strike = left_strike(clip, roles, start, end)
@@ -106,20 +111,22 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
     return Baseline(clip.name, start, end, loop_distance, leg, zero, ring)
 
 
-def _whole_cycle(clip: Clip, roles: Roles) -> Baseline:
-    """Returns the stride that a clip is. Raises BaselineError if it is not one whole cycle of a gait."""
+def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
+    """Returns the stride that a clip itself is; None if it is not one whole cycle of a gait, but several, or none."""
     period = find_period(clip, roles)
     if period is None:
-        raise no_stride(clip.name)
+        return None
     played, leg = played_on(clip, period, roles), roles.leg_length(clip.skeleton)
     ring = _ring(played.frames(period, 2 * period + 1), roles, slice(None))
     windows = windowed(_at_working_rate(played, roles.lower_cloud), LOOP_WINDOW)
-    swing = planar_lag_distances(windows, [len(ring) // 2])[len(ring) // 2].mean()
-    if swing <= LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2:
-        raise no_stride(clip.name)
+    cells, moving = len(ring), LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
+    parts = planar_lag_distances(windows, {round(cells / 2), round(cells / 3)})  # alike if it is two or three strides
+    swings = [float(part.mean()) for part in parts.values()]
+    if min(swings) <= max(moving, WORST_LOOP * max(swings)):
+        return None
     seconds = period / clip.rate
     strike = left_strike(played, roles, seconds, 2.0 * seconds)
-    zero = 0.0 if strike is None else (strike / seconds - 1.0) * len(ring)
+    zero = 0.0 if strike is None else (strike / seconds - 1.0) * cells
     return Baseline(clip.name, 0.0, seconds, 0.0, leg, zero, ring)
 
 

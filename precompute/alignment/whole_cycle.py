@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
@@ -19,8 +20,9 @@ from motionsplice.precompute.body.facing import facing, facing_joints
 from motionsplice.precompute.body.joint_paths import joint_paths
 
 STRIDES = (0.5, 1.8)  # seconds: the shortest and the longest stride
-MOST_GAP = 0.5  # of the mean motion in a frame
-LEAST_MOTION = 0.25  # of the mean motion in a frame: a jump or a punch begins and ends at rest, a cycle moves on
+ALIKE = 0.25  # steps: closer first and last frames show the same moment
+MOST_GAP = 0.9  # steps by which the first frame misses its place at most; a heel strike at 24 frames per second: 0.87
+LEAST_MOTION = 0.25  # of the mean step: a jump or a punch begins and ends at rest, a cycle moves on
 LAPS = (-1, 0, 1, 2)  # that are played on: the clip's own lap and its seam then have a stride on both sides
 
 
@@ -33,17 +35,24 @@ def find_period(clip: Clip, roles: Roles) -> int | None:
     count = clip.frame_count
     if count < 5 or not (STRIDES[0] <= count / clip.rate and clip.duration <= STRIDES[1]):
         return None
-    legs = facing(joint_paths(clip, facing_joints(roles))).reshape(count, -1)
-    leg_steps, leg_gap = np.diff(legs, axis=0), legs[0] - legs[-1]
-    joint_steps = _turns(clip.rotations[:-1, 1:], clip.rotations[1:, 1:])
-    joint_gap = _turns(clip.rotations[-1, 1:], clip.rotations[0, 1:])
-    if min(_size(leg_steps), _size(joint_steps)) == 0.0:
+    clouds = facing(joint_paths(clip, facing_joints(roles)))
+    legs = (clouds[:, 1:] - clouds[:, :1]).reshape(count, -1)
+    bends = [_turns(clip.rotations[:-1, 1:], clip.rotations[1:, 1:]), _turns(*clip.rotations[[-1, 0], 1:])]
+    motions = ((np.diff(legs, axis=0), legs[0] - legs[-1]), bends)  # steps from frame to frame, and from last to first
+    if min(_size(steps) for steps, _ in motions) == 0.0:
         return None
-    if _size(_between(leg_steps)) < LEAST_MOTION * _size(leg_steps):
+    if max(_size(_between(steps)) / _size(steps) for steps, _ in motions) < LEAST_MOTION:
         return None
-    parts = ((leg_steps, leg_gap), (joint_steps, joint_gap))
-    gaps = [max(_size(gap - moved * _between(steps)) / _size(steps) for steps, gap in parts) for moved in (0.0, 1.0)]
-    return count - 1 + int(np.argmin(gaps)) if min(gaps) <= MOST_GAP else None
+    same, next_ = (_size([_gap(*motion, moved) for motion in motions]) for moved in (0.0, 1.0))
+    if same > ALIKE and next_ <= MOST_GAP:
+        return count
+    return count - 1 if same <= MOST_GAP else None
+
+
+def _gap(steps: Floats, across: Floats, moved: float) -> float:
+    """Returns how far the step `across` from last to first is from `moved` steps, in steps as large as those around."""
+    unit = max(_size(steps), _size(steps[0]), _size(steps[-1]))
+    return _size(across - moved * _between(steps)) / unit
 
 
 def played_on(clip: Clip, period: int, roles: Roles) -> Clip:
@@ -93,9 +102,9 @@ def _turns(before: Floats, after: Floats) -> Floats:
     return quaternion.log(quaternion.multiply(quaternion.conjugate(before), after))
 
 
-def _size(steps: Floats) -> float:
-    """Returns the root-mean-square length of steps, over all frames and all numbers."""
-    return float(np.sqrt(np.mean(steps**2)))
+def _size(numbers: ArrayLike) -> float:
+    """Returns the root mean square."""
+    return float(np.sqrt(np.mean(np.square(numbers))))
 
 
 def _about_y(radians: Floats | float) -> Floats:

@@ -22,6 +22,7 @@ from motionsplice.precompute.body.joint_paths import joint_paths
 STRIDES = (0.5, 1.8)  # seconds: the shortest and the longest stride
 ALIKE = 0.25  # steps: closer first and last frames show the same moment
 MOST_GAP = 0.9  # steps by which the first frame misses its place at most; a heel strike at 24 frames per second: 0.87
+LONGEST_LEAP = 1.5  # of a joint's longest step: the most by which a single joint of the first frame misses its place
 LEAST_MOTION = 0.25  # of the mean step: a jump or a punch begins and ends at rest, a cycle moves on
 LAPS = (-1, 0, 1, 2)  # that are played on: the clip's own lap and its seam then have a stride on both sides
 
@@ -37,16 +38,17 @@ def find_period(clip: Clip, roles: Roles) -> int | None:
         return None
     clouds = facing(joint_paths(clip, facing_joints(roles)))
     legs = (clouds[:, 1:] - clouds[:, :1]).reshape(count, -1)
-    bends = [_turns(clip.rotations[:-1, 1:], clip.rotations[1:, 1:]), _turns(*clip.rotations[[-1, 0], 1:])]
-    motions = ((np.diff(legs, axis=0), legs[0] - legs[-1]), bends)  # steps from frame to frame, and from last to first
+    turns, back = _turns(clip.rotations[:-1, 1:], clip.rotations[1:, 1:]), _turns(*clip.rotations[[-1, 0], 1:])
+    motions = ((np.diff(legs, axis=0), legs[0] - legs[-1]), (turns, back))  # from frame to frame, from last to first
     if min(_size(steps) for steps, _ in motions) == 0.0:
         return None
     if max(_size(_between(steps)) / _size(steps) for steps, _ in motions) < LEAST_MOTION:
         return None
-    same, next_ = (_size([_gap(*motion, moved) for motion in motions]) for moved in (0.0, 1.0))
-    if same > ALIKE and next_ <= MOST_GAP:
-        return count
-    return count - 1 if same <= MOST_GAP else None
+    gaps = [_size([_gap(*motion, moved) for motion in motions]) for moved in (0.0, 1.0)]
+    moved = int(gaps[0] > ALIKE and gaps[1] <= MOST_GAP)
+    longest = np.maximum(quaternion.length(turns).max(axis=0), _size(turns))
+    leaps = quaternion.length(back - moved * _between(turns)) / longest
+    return count - 1 + moved if gaps[moved] <= MOST_GAP and leaps.max() <= LONGEST_LEAP else None
 
 
 def _gap(steps: Floats, across: Floats, moved: float) -> float:

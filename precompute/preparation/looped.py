@@ -20,14 +20,19 @@ UNEVEN = 0.1  # cycles by which the phases of a whole cycle may miss whole numbe
 class Looped:
     """A clip aligned to the baseline, with its seam.
 
-    played: the motion that its path and its contacts are measured in, and the phase of each frame. rows: the frames of
-    `played` that are the clip's own and its seam's.
+    played: the motion that its path and its contacts are measured in, and the phase of each frame. period: frames of
+    the whole cycle that the clip is, 0 if it is none; with this frame of `played` the clip begins.
     """
 
     alignment: Alignment
     seamed: Seamed
     played: tuple[Clip, Floats]
-    rows: slice
+    period: int
+
+    @property
+    def rows(self) -> slice:
+        """The frames of `played` that are the clip's own and its seam's."""
+        return slice(self.period, self.period + self.seamed.clip.frame_count)
 
 
 def loop(clip: Clip, roles: Roles, baseline: Baseline) -> Looped:
@@ -38,7 +43,7 @@ def loop(clip: Clip, roles: Roles, baseline: Baseline) -> Looped:
         return whole
     alignment = align(clip, roles, baseline)
     seamed = add_seam(clip, alignment.phase, roles)
-    return Looped(alignment, seamed, (seamed.clip, seamed.phase), slice(None))
+    return Looped(alignment, seamed, (seamed.clip, seamed.phase), 0)
 
 
 def _with_itself(clip: Clip, period: int, roles: Roles, baseline: Baseline) -> Looped | None:
@@ -55,7 +60,7 @@ def _with_itself(clip: Clip, period: int, roles: Roles, baseline: Baseline) -> L
     phase = even[frames % period] + strides * (frames // period - 1)
     rows = slice(period, period + count + max(2, round(SEAM * clip.rate)))
     seamed = Seamed(_joined(clip, played.frames(period + count - 1, rows.stop)), phase[rows], strides)
-    return Looped(replace(alignment, phase=phase[rows][:count]), seamed, (played, phase), rows)
+    return Looped(replace(alignment, phase=phase[rows][:count]), seamed, (played, phase), period)
 
 
 def _joined(clip: Clip, again: Clip) -> Clip:

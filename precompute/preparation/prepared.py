@@ -32,7 +32,7 @@ class PreparedClip:
     """A clip as a bank holds it, except for its torso offsets, which depend on another clip.
 
     Its rows are its own `frame_count` frames at `rate` frames per second, then the seam, which leads back by `strides`
-    strides (0: no seam).
+    strides (0: no seam). `period` is the number of frames of the whole cycle that the clip is, 0 if it is none.
 
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
@@ -45,6 +45,7 @@ class PreparedClip:
     rate: float
     frame_count: int
     strides: int
+    period: int
     alignment: Alignment
     phase: Floats
     posture: Floats
@@ -114,6 +115,7 @@ def prepare(
         rate=float(clip.rate),
         frame_count=count,
         strides=seamed.strides,
+        period=looped.period,
         alignment=alignment,
         phase=seamed.phase,
         posture=torso.upright[:count, -2:].mean(axis=0),

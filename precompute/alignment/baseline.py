@@ -112,7 +112,7 @@ def _best_stride(clip: Clip, roles: Roles) -> Baseline:
 
 
 def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
-    """Returns the stride that a clip itself is; None if it is not one whole cycle of a gait, but several, or none."""
+    """Returns a clip that is one whole cycle of a gait as a stride; None if it is no cycle, or several."""
     period = find_period(clip, roles)
     if period is None:
         return None
@@ -120,8 +120,8 @@ def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
     ring = _ring(played.frames(period, 2 * period + 1), roles, slice(None))
     windows = windowed(_at_working_rate(played, roles.lower_cloud), LOOP_WINDOW)
     cells, moving = len(ring), LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
-    parts = planar_lag_distances(windows, {round(cells / 2), round(cells / 3)})  # alike if it is two or three strides
-    swings = [float(part.mean()) for part in parts.values()]
+    apart = planar_lag_distances(windows, (round(cells / 2), round(cells / 3)))  # small in two or three strides
+    swings = [float(distances.mean()) for distances in apart.values()]
     if min(swings) <= max(moving, WORST_LOOP * max(swings)):
         return None
     seconds = period / clip.rate

@@ -1,7 +1,7 @@
-"""Clips that are one whole cycle, as game engines loop them: how to find them, and to play them on and on.
+"""Clips that are one whole cycle, as games loop them: how to recognise them and how to play them on.
 
-Such a clip ends with the pose that it begins with, and its period is F - 1 frames. Or it ends one frame before that
-pose, and its period is F frames.
+A cycle of F frames ends with the pose that it begins with, so that its period is F - 1 frames, or it ends one frame
+before that pose, so that its period is F frames.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from motionsplice.precompute.body.facing import facing, facing_joints
 from motionsplice.precompute.body.joint_paths import joint_paths
 
 STRIDES = (0.5, 1.8)  # seconds: the shortest and the longest stride
-ALIKE = 0.25  # steps: closer first and last frames show the same moment
-MOST_GAP = 0.9  # steps by which the first frame misses its place at most; a heel strike at 24 frames per second: 0.87
-LONGEST_LEAP = 1.5  # of a joint's longest step: the most by which a single joint of the first frame misses its place
-LEAST_MOTION = 0.25  # of the mean step: a jump or a punch begins and ends at rest, a cycle moves on
-LAPS = (-1, 0, 1, 2)  # that are played on: the clip's own lap and its seam then have a stride on both sides
+ALIKE = 0.25  # steps from frame to frame: the largest distance of two frames that show the same moment
+MOST_GAP = 0.9  # steps: how far the first frame may be from where the last leads; 0.87 measured, at a heel strike
+LONGEST_LEAP = 1.5  # of a joint's longest step: how far a single joint may be from where the last frame leads
+LEAST_MOTION = 0.25  # of the mean step: a cycle is in motion at its ends, a jump or a punch at rest
+LAPS = (-1, 0, 1, 2)  # give the clip's own lap, 0, and its seam a stride on both sides
 
 
 def find_period(clip: Clip, roles: Roles) -> int | None:
-    """Returns the number of frames of the cycle that a clip is, F - 1 or F; None if it is not a whole cycle.
+    """Returns the period of a clip of F frames that is a whole cycle: F - 1 or F frames. None if it is no cycle.
 
-    In a cycle the last frame leads to the first: either both are alike, or legs and joints move from the last to the
-    first as they do from frame to frame before and after.
+    In a cycle the last frame is like the first, or legs and joints move from the last frame to the first as they do
+    from frame to frame on both sides.
     """
     count = clip.frame_count
     if count < 5 or not (STRIDES[0] <= count / clip.rate and clip.duration <= STRIDES[1]):
@@ -44,7 +44,7 @@ def find_period(clip: Clip, roles: Roles) -> int | None:
         return None
     if max(_size(_between(steps)) / _size(steps) for steps, _ in motions) < LEAST_MOTION:
         return None
-    gaps = [_size([_gap(*motion, moved) for motion in motions]) for moved in (0.0, 1.0)]
+    gaps = [_size([_gap(steps, across, moved) for steps, across in motions]) for moved in (0.0, 1.0)]
     moved = int(gaps[0] > ALIKE and gaps[1] <= MOST_GAP)
     longest = np.maximum(quaternion.length(turns).max(axis=0), _size(turns))
     leaps = quaternion.length(back - moved * _between(turns)) / longest
@@ -52,13 +52,13 @@ def find_period(clip: Clip, roles: Roles) -> int | None:
 
 
 def _gap(steps: Floats, across: Floats, moved: float) -> float:
-    """Returns how far the step `across` from last to first is from `moved` steps, in steps as large as those around."""
+    """Returns the distance of `across`, the step from last to first, from `moved` times the expected step, in steps."""
     unit = max(_size(steps), _size(steps[0]), _size(steps[-1]))
     return _size(across - moved * _between(steps)) / unit
 
 
 def played_on(clip: Clip, period: int, roles: Roles) -> Clip:
-    """Returns the LAPS of a whole cycle as one clip; the clip's own begins at frame `period`.
+    """Returns the LAPS of a whole cycle as one clip, in which the clip itself begins at frame `period`.
 
     Root motion goes on from lap to lap, in the direction of the last frame.
     """
@@ -76,9 +76,9 @@ def played_on(clip: Clip, period: int, roles: Roles) -> Clip:
 
 
 def _moved_on(clip: Clip, period: int, roles: Roles) -> tuple[float, Floats]:
-    """Returns how far the root turns about Y and moves [3] in one cycle, radians and metres.
+    """Returns how far the root turns about Y, radians, and moves [3], metres, in one cycle.
 
-    What is within one step of zero is zero, so that a cycle in place stays there, and a straight one straight.
+    Less than one step counts as zero, so that a cycle in place stays in place and a straight one stays straight.
     """
     hips = joint_paths(clip, (roles.left_hip, roles.right_hip))
     facings = np.unwrap(heading(hips[:, 0] - hips[:, 1]))
@@ -95,7 +95,7 @@ def _moved_on(clip: Clip, period: int, roles: Roles) -> tuple[float, Floats]:
 
 
 def _between(steps: Floats) -> Floats:
-    """Returns the step [...] from the last frame to the first, by a cubic through the two steps on either side."""
+    """Returns the expected step [...] from last frame to first: on a cubic through the two steps on either side."""
     return np.asarray((4.0 * (steps[-1] + steps[0]) - (steps[-2] + steps[1])) / 6.0)
 
 

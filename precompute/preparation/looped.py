@@ -1,4 +1,4 @@
-"""How a clip goes on after its end: a whole cycle with itself, any other clip by a seam to an earlier stride."""
+"""How a clip goes on after its end: a whole cycle with its own start, any other clip by a seam to an earlier stride."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from motionsplice.precompute.alignment.baseline import Alignment, Baseline, alig
 from motionsplice.precompute.alignment.whole_cycle import find_period, played_on
 from motionsplice.precompute.preparation.seam import SEAM, Seamed, add_seam, bent_onto, settled
 
-UNEVEN = 0.1  # cycles by which the phases of a whole cycle may miss whole numbers
+UNEVEN = 0.1  # strides: how far a cycle may be from a whole number of strides
 
 
 @dataclass(frozen=True, eq=False)
 class Looped:
     """A clip aligned to the baseline, with its seam.
 
-    played: the motion that its path and its contacts are measured in, and the phase of each frame. period: frames of
-    the whole cycle that the clip is, 0 if it is none; with this frame of `played` the clip begins.
+    played: the motion in which its path and contacts are measured, and the phase of each frame. period: frames of the
+    clip's cycle, 0 if it is no whole cycle; `played` has as many frames before the clip.
     """
 
     alignment: Alignment
@@ -31,7 +31,7 @@ class Looped:
 
     @property
     def rows(self) -> slice:
-        """The frames of `played` that are the clip's own and its seam's."""
+        """The frames of `played` that belong to the clip and its seam."""
         return slice(self.period, self.period + self.seamed.clip.frame_count)
 
 
@@ -47,7 +47,7 @@ def loop(clip: Clip, roles: Roles, baseline: Baseline) -> Looped:
 
 
 def _with_itself(clip: Clip, period: int, roles: Roles, baseline: Baseline) -> Looped | None:
-    """Loops a whole cycle: its seam repeats its first frames. Returns None if it does not take whole strides."""
+    """Aligns a whole cycle, whose seam repeats its first frames. Returns None if it takes a fraction of a stride."""
     played, count = played_on(clip, period, roles), clip.frame_count
     alignment = align(played, roles, baseline)
     lap = alignment.phase[period : 2 * period + 1]
@@ -64,7 +64,7 @@ def _with_itself(clip: Clip, period: int, roles: Roles, baseline: Baseline) -> L
 
 
 def _joined(clip: Clip, again: Clip) -> Clip:
-    """Returns a clip and frames that repeat it. What their first differs from the clip's last fades out within them."""
+    """Returns a clip and its repetition. `again` begins at the clip's last frame; their difference fades out."""
     last, count = clip.frames(clip.frame_count - 1, clip.frame_count), again.frame_count - 1
     shift = settled(np.tile(last.root_positions - again.root_positions[0], (2, 1)), count)
     rotations = bent_onto(np.tile(last.rotations, (2, 1, 1)), again.rotations[[0, *range(count + 1)]])

@@ -19,8 +19,8 @@ from motionsplice.precompute.alignment.gait import mean_gait
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
-from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.looped import loop
+from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
@@ -32,7 +32,7 @@ class PreparedClip:
     """A clip as a bank holds it, except for its torso offsets, which depend on another clip.
 
     Its rows are its own `frame_count` frames at `rate` frames per second, then the seam, which leads back by `strides`
-    strides (0: no seam). `period` is the number of frames of the whole cycle that the clip is, 0 if it is none.
+    strides (0: no seam). period: frames of its cycle, 0 if it is no whole cycle.
 
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by

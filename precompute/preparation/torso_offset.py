@@ -48,8 +48,8 @@ def torso_offsets(clouds: Floats, phase: Floats, rate: float, neutral: MeanStrid
     """Returns the rotations [F, 4], in the posture frame, from the neutral's torso at the same phase to the clip's own.
 
     clouds: [F, P, 3] the clip's torso clouds in the posture frame, metres. phase: [F] cycles, aligned to the same
-    baseline as the neutral. rate: frames per second. period: frames of the whole cycle that the clouds repeat, 0 if
-    they repeat none. Successive rotations lie in one hemisphere.
+    baseline as the neutral. rate: frames per second. period: frames of a whole cycle, which the clouds repeat;
+    0 for other clips. Successive rotations lie in one hemisphere.
     """
     turns = quaternion.one_hemisphere(best_rotations(clouds, neutral.at(phase)))
     if period:

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,7 +111,7 @@ def test_the_seam_of_a_cycle_is_its_first_frames_again(name: str) -> None:
 def test_a_cycle_that_takes_no_whole_strides_loops_like_any_clip() -> None:
     """A leg that swings twice a second takes 0.4 strides of a walk in 0.5 s."""
     bend = 0.5 * np.sin(np.linspace(0.0, 2.0 * np.pi, 16))
-    still = CYCLES["closed"].frames(0, 1)
+    still = cut("walk").frames(0, 1)
     rotations = np.repeat(still.rotations, len(bend), axis=0)
     turns = quaternion.about([1.0, 0.0, 0.0], bend)
     rotations[:, ROLES.left_hip] = quaternion.multiply(rotations[:, ROLES.left_hip], turns)
@@ -155,7 +154,8 @@ def test_root_motion_goes_on_at_the_speed_of_the_walk(cycles: Bank) -> None:
         steps = np.linalg.norm(np.diff(moved, axis=0), axis=1) * 60.0
         assert np.linalg.norm(moved[-1] - moved[0]) / (len(moved) - 1) * 60.0 == pytest.approx(speed, rel=0.03)
         own = np.linalg.norm(np.diff(whole.root_positions[:, [0, 2]], axis=0), axis=1) * whole.rate
-        assert 0.9 * own.min() < steps.min() and steps.max() < 1.1 * own.max()
+        assert 0.9 * own.min() < steps.min()
+        assert steps.max() < 1.1 * own.max()
 
 
 def test_a_cycle_in_place_does_not_wander(cycles: Bank) -> None:

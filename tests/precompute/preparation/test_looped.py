@@ -32,7 +32,7 @@ CYCLES = {
     "closed": cut("walk", rate=30.0, start=0.4),
     "open": cut("walk", rate=24.0, start=0.7, open_end=True),
     "run": cut("run", rate=24.0, start=0.1),
-    "run_in_place": cut("run", rate=30.0, start=0.6, open_end=True, in_place=True),
+    "run_in_place": cut("run", rate=30.0, start=0.125, open_end=True, in_place=True),
     "curve": cut("curve", rate=60.0, start=0.2, open_end=True),
     "stairs": cut("stairs_up", rate=30.0, start=0.5),
     "box": cut("walk", "carry_box", rate=30.0, start=0.3),
@@ -108,17 +108,18 @@ def test_the_seam_of_a_cycle_is_its_first_frames_again(name: str) -> None:
     np.testing.assert_array_equal(looped.seamed.clip.root_positions[: clip.frame_count], clip.root_positions)
 
 
-def test_a_cycle_that_takes_no_whole_strides_loops_like_any_clip() -> None:
-    """A leg that swings twice a second takes 0.4 strides of a walk in 0.5 s."""
-    bend = 0.5 * np.sin(np.linspace(0.0, 2.0 * np.pi, 16))
+@pytest.mark.parametrize("period", [15, 20])
+def test_a_cycle_that_takes_no_whole_strides_loops_like_any_clip(period: int) -> None:
+    """A leg that swings once in 0.5 or 0.67 s takes 0.4 or 0.8 strides of a walk."""
+    bend = 0.5 * np.sin(np.linspace(0.0, 2.0 * np.pi, period + 1))
     still = cut("walk").frames(0, 1)
     rotations = np.repeat(still.rotations, len(bend), axis=0)
     turns = quaternion.about([1.0, 0.0, 0.0], bend)
     rotations[:, ROLES.left_hip] = quaternion.multiply(rotations[:, ROLES.left_hip], turns)
     clip = replace(still, root_positions=np.repeat(still.root_positions, len(bend), axis=0), rotations=rotations)
-    assert find_period(clip, ROLES) == 15
+    assert find_period(clip, ROLES) == period
     looped = loop(clip, ROLES, RING)
-    assert (looped.period, looped.seamed.strides, looped.rows) == (0, 0, slice(0, 16))
+    assert (looped.period, looped.seamed.strides, looped.rows) == (0, 0, slice(0, period + 1))
 
 
 def jolts(clip: Clip, joints: list[int]) -> float:
@@ -134,6 +135,13 @@ def test_a_cycle_plays_on_without_a_jump(cycles: Bank, name: str) -> None:
     assert (entry.loop, entry.gait, entry.warnings) == (1, True, ())
     long, joints = motion_of(*SOURCES[name]).resampled(entry.rate), list(range(cycles.skeleton.joint_count))
     assert jolts(played(cycles, name, rate=entry.rate), joints) < 1.2 * jolts(long, joints)
+
+
+@pytest.mark.parametrize("name", CYCLES)
+def test_feet_stand_in_the_seam_of_a_cycle_as_at_its_start(cycles: Bank, name: str) -> None:
+    entry, period = cycles.clip(name), round(seconds_of(SOURCES[name][0]) * CYCLES[name].rate)
+    standing = cycles.tables["contacts"][entry.first_row : entry.first_row + entry.row_count]
+    np.testing.assert_array_equal(standing[period:], standing[: len(standing) - period])
 
 
 @pytest.mark.parametrize("posture", ["relative", "absolute"])

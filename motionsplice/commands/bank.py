@@ -67,7 +67,7 @@ def precompute_command(
     """Align clips to a baseline locomotion, and write a bank.
 
     A clips.toml beside the clips may set the kind ("locomotion" or "action"), neutral, tags, skip_frames, unit, up,
-    rate and root of each clip. A hands.toml lists which hands are laid on which bodies, and how. If a clip fails, its
+    rate, root and roles file of each clip. A hands.toml lists which hands are laid on which bodies, and how. If a clip fails, its
     reason is printed, the others finish, and the exit status is 1.
     """
     from motionsplice.precompute.hands.settings import HandsOnBody

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +18,7 @@ from motionsplice.motion.errors import BankError, BaselineError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.procedural.library import make
-from motionsplice.motion.roles import find_roles
+from motionsplice.motion.roles import LIMBS, find_roles
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
@@ -118,3 +120,24 @@ def test_a_skeleton_that_cannot_be_used_is_an_error(clips: Path, tmp_path: Path)
         build_bank([clips], tmp_path / "bank", baseline="walk", skeleton=clips)
     with pytest.raises(BaselineError, match="the baseline does not fit the skeleton"):
         build_bank([clips], tmp_path / "bank", baseline="walk", skeleton=clips / "box.glb", retarget=False)
+
+
+def test_a_rig_of_unknown_names_has_a_roles_file_of_its_own(clips: Path, tmp_path: Path) -> None:
+    odd = on("Mixamo", RUN)
+    numbered = {name: f"bone{joint}" for joint, name in enumerate(odd.skeleton.names)}
+    skeleton = replace(odd.skeleton, names=tuple(numbered.values()))
+    folder = tmp_path / "clips"
+    shutil.copytree(clips, folder)
+    (folder / "odd.bvh").write_bytes(dump_bvh(replace(odd, skeleton=skeleton)))
+    (folder / "clips.toml").write_text('[odd]\nroles = "odd.toml"\n')
+    known = find_roles(odd.skeleton)
+    lines = [f'{role} = "{skeleton.names[getattr(known, role)]}"' for role in LIMBS]
+    (folder / "odd.toml").write_text("\n".join(("[roles]", *lines)))
+    assert not build_bank([folder], tmp_path / "bank", baseline="walk").failed
+    bank = Bank.open(tmp_path / "bank")
+    assert bank.clip("odd").duration == pytest.approx(RUN.duration)
+    assert "retargeted" not in " ".join(bank.clip("odd").notes)  # its tree is that of the other Mixamo clips
+    (folder / "clips.toml").unlink()
+    outcome = build_bank([folder], tmp_path / "bank", baseline="walk")
+    assert set(outcome.failed) == {"odd"}
+    assert "as `roles` of this clip in clips.toml" in str(outcome.failed["odd"])

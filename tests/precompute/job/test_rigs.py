@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,8 @@ from bench.retarget.rigs import on_rig
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BankError, BaselineError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.gltf.writer import dump_glb
+from motionsplice.motion.formats.files import clips_in
+from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import LIMBS, find_roles
 from motionsplice.precompute.job.job import build_bank
@@ -113,6 +115,18 @@ def test_a_baseline_whose_bind_pose_does_not_stand_shows_how_it_stands(clips: Pa
     want = Posed.of(on("LAFAN1", WALK), bank.roles)
     rolled = measures.turn_errors(got, want, ("thigh", "shin", "arm"))
     assert rolled < 0.5
+
+
+def test_a_file_with_several_animations_gives_its_skeleton(clips: Path, tmp_path: Path) -> None:
+    idle = replace(on("Unreal", WALK), name="idle")
+    moves = tmp_path / "moves.gltf"
+    moves.write_bytes(dump_gltf(idle))
+    document = json.loads(moves.read_bytes())
+    document["animations"].append(document["animations"][0] | {"name": "run"})
+    moves.write_text(json.dumps(document))
+    assert len(clips_in(moves)) == 2
+    build_bank([clips / "walk.bvh"], tmp_path / "bank", skeleton=moves)
+    assert Bank.open(tmp_path / "bank").skeleton.names == idle.skeleton.names
 
 
 def test_a_skeleton_that_cannot_be_used_is_an_error(clips: Path, tmp_path: Path) -> None:

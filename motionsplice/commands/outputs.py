@@ -45,6 +45,9 @@ def check_out(out: Path, character: Path | None, *, option: str = "--out") -> No
     """Raises SettingsError unless a motion can be written to the file, or into a copy of the character's file."""
     if character is None:
         check_suffix(out, *WRITTEN, option=option)
+    elif character.suffix.lower() not in (".glb", ".vrm"):
+        mend = "Export the character as .glb or .vrm"
+        raise SettingsError("this is not a GLB file", file=f"--character {character}", mend=mend)
     else:
         suffixes = (".glb", ".vrm") if character.suffix.lower() == ".vrm" else (".glb",)
         check_suffix(out, *suffixes, option=option, what=f" with the character {character}")

@@ -90,6 +90,8 @@ def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
     suffix = path.suffix.lower()
     if path.is_dir():
         raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
+    if suffix == ".asf":
+        raise FormatError("this is a skeleton without a motion", mend="Give the .amc beside it")
     if suffix not in SUFFIXES:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)

@@ -144,7 +144,7 @@ def _read(path: Path, animation: str | None, asked: ClipSettings, given: Mapping
     read = _clip(clip_name(path, animation), folded, float(asked.rate or parsed.rate), metres, asked.skip_frames)
     clip, turns, doubts = made_upright(read, roles, asked.up or parsed.up)
     if asked.skip_frames == 0 and _starts_with_a_pose(clip.rotations):
-        warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1")
+        warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1, or in clips.toml")
     warnings += doubts + check_shape(clip, roles, given=bool(given), up_known=asked.up is not None or clip is not read)
     return Reading(clip, roles, metres, (*notes, *turns), tuple(warnings))
 

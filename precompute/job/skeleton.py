@@ -8,7 +8,7 @@ from pathlib import Path
 
 from motionsplice.motion.errors import BaselineError, SkeletonError
 from motionsplice.motion.formats.character import SUFFIXES, read_character
-from motionsplice.motion.formats.files import read_bytes
+from motionsplice.motion.formats.files import clips_in, read_bytes
 from motionsplice.motion.formats.gltf.reader import animation_names
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.precompute.alignment.baseline import find_baseline
@@ -28,7 +28,8 @@ def rig_of(path: Path, roles: Mapping[str, str | Sequence[str]]) -> Rig:
     if path.suffix.lower() in SUFFIXES and len(animation_names(read_bytes(path))) != 1:
         character = read_character(path)
         return Rig(character.skeleton, character.roles)
-    reading = read_clip(path, roles=roles)
+    animation, *_ = clips_in(path).values()  # all are of one rig
+    reading = read_clip(path, animation=animation, roles=roles)
     return Rig.of(reading.clip, reading.roles)
 
 

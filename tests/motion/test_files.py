@@ -128,6 +128,7 @@ def test_the_motion_is_kept_when_joints_are_reordered(tmp_path: Path) -> None:
         ("absent.amc", None, "absent.amc: no such file"),
         ("empty.bvh", b"", "empty.bvh: the file is empty"),
         ("blank.amc", b" \n\n", "blank.amc: the file is empty"),
+        ("16.asf", b":version 1.10", "this is a skeleton without a motion. Give the .amc beside it"),
         ("walk.c3d", b"\x02P", r"unsupported file type '\.c3d'\. Convert it to \.amc or \.bvh"),
         ("lone_01.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton lone.asf"),
         ("alone.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton alone.asf"),

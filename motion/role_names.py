@@ -43,7 +43,10 @@ Part = tuple[str, str]  # side ("left", "right" or "") and one of NAMES
 KNOWN = {name for names in NAMES.values() for name in names}
 PARTS: dict[str, Part] = {  # with names like "lfemur" and "leftupleg", in which no capital parts side and part;
     # of "lf" and "arm" or "l" and "farm", the latter
-    text: (side, name) for word, side in SIDES.items() for name in KNOWN for text in (word + name, name + word)
+    text: (side, name)
+    for word, side in SIDES.items()
+    for name in KNOWN
+    for text in (word + name, name + word)
 } | {name: ("", name) for name in KNOWN}
 BEGINNINGS = {text[:length] for text in PARTS for length in range(1, len(text) + 1)}
 

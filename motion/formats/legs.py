@@ -52,7 +52,7 @@ def _hips(scene: Scene, legs: Mapping[str, int], thigh: float) -> dict[int, int]
 
 
 def _feet(scene: Scene, legs: Mapping[str, int], thigh: float) -> dict[int, int]:
-    """Returns the knee as new parent of each foot that hangs elsewhere and is near the end of the shin in most frames."""
+    """Returns the knee as new parent of each foot that hangs elsewhere and is mostly near the end of the shin."""
     found = {}
     for side in ("left", "right"):
         knee, ankle = legs[f"{side}_knee"], legs.get(f"{side}_ankle", -1)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip_settings import AXES
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
-AXES = ("x", "y", "z", "-x", "-y", "-z")  # those that may be up
 RATE = 10.0  # frames per second at which a motion is looked at
 UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
 LEVEL = 0.5  # cosine: a trunk within 30 degrees of the ground

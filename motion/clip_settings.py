@@ -20,11 +20,11 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from motionsplice.motion.body_shape import AXES
 from motionsplice.motion.errors import SettingsError, did_you_mean
 
 FILE_NAME = "clips.toml"
 KINDS = ("locomotion", "action")
+AXES = ("x", "y", "z", "-x", "-y", "-z")  # those that may be up
 VALUES = {
     "kind": '"locomotion" or "action"',
     "neutral": "the name of a clip, in quotes",

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip_settings import AXES
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
-AXES = ("x", "y", "z", "-x", "-y", "-z")  # those that may be up
 RATE = 10.0  # frames per second at which a motion is looked at
 UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
 LEVEL = 0.5  # cosine: a trunk within 30 degrees of the ground
@@ -56,21 +56,27 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
         up_known: Whether Y is certainly up, so that `--up` is not proposed.
 
     Raises:
-        RoleError: The roles fit neither the bind pose nor the motion, or the body stands on all fours at rest.
+        RoleError: The roles fit neither the bind pose nor the motion, the body stands on all fours at rest, or it is
+            unclear whether it lies: the bind pose stands along no axis, and the motion along another one than Y.
     """
     bind, moving = bind_positions(clip), sampled_positions(clip)
     if not given and _on_all_fours(bind, roles):
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
-    axis = standing_axis(moving, roles)
-    axis = "" if axis == "y" else axis
+    stands = standing_axis(moving, roles)
+    axis = "" if stands == "y" else stands
     problem = _problem(moving, roles) or (f"it lies along {axis.upper()}" if axis else "")
     if not problem:
         return []
     is_up = f"{axis.upper()} is up in the file, give --up {axis}" if axis else "Y is not up in the file, give --up"
     hint = "" if up_known else f"If {is_up}"
-    if given or not _problem(bind, roles):
+    shows_up = bool(standing_axis(bind, roles))  # LAFAN1's bind pose, along one axis, does not
+    lies = not shows_up and stands != "y"
+    if given or not _problem(bind, roles) or (lies and (up_known or not axis)):
         return [f"the body is not upright in most frames: {problem}" + (f". {hint}" if hint else "")]
+    if lies:
+        problem = f"it is unclear which axis is up: the body stands along {axis.upper()}, and the bind pose along none"
+        raise RoleError(problem, mend=f"{hint}. If the body lies, give --up y")
     mend = "ame the joints in a file and pass it as --roles"
     raise RoleError(
         f"the roles do not fit the body, neither in the bind pose nor in the motion: {problem}",

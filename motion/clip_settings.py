@@ -21,12 +21,12 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from motionsplice.motion.body_shape import AXES
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.roles import GivenRole, read_roles_file
 
 FILE_NAME = "clips.toml"
 KINDS = ("locomotion", "action")
+AXES = ("x", "y", "z", "-x", "-y", "-z")  # those that may be up
 VALUES = {
     "kind": '"locomotion" or "action"',
     "neutral": "the name of a clip, in quotes",

@@ -16,7 +16,7 @@ FIRST_LETTER = 9  # a tab; lower codes do not occur in text
 def text_of(data: bytes, mend: str) -> str:
     """Returns the text of a file, without byte order mark, and without the padding at its end.
 
-    It is in UTF-8 or UTF-16, or else in the encoding of OLDER in which it has the encoding's word, or else in Latin-1.
+    The encoding is UTF-8 or UTF-16, else the first of OLDER in which a name has left or right, else Windows-1252.
     Raises FormatError, with `mend`, if the file is not text or has nothing but padding.
     """
     text = _decoded(data)
@@ -31,14 +31,15 @@ def text_of(data: bytes, mend: str) -> str:
 
 
 def _decoded(data: bytes) -> str:
-    for encoding in (_encoding(data), *OLDER):
+    encoding = _encoding(data)
+    for candidate in (encoding, *OLDER):
         try:
-            text = data.decode(encoding)
+            text = data.decode(candidate)
         except UnicodeDecodeError:
             continue
-        if encoding not in OLDER or any(side in text for side in "左右"):
+        if candidate == encoding or any(side in text for side in "左右"):
             return text
-    return data.decode(_encoding(data), errors="replace") if b"\0" in data else data.decode("latin-1")
+    return data.decode("cp1252" if encoding == "utf-8-sig" else encoding, errors="replace")
 
 
 def _encoding(data: bytes) -> str:

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.body_shape import AXES, bind_positions, sampled_positions, standing_axis
+from motionsplice.motion.body_shape import bind_positions, sampled_positions, standing_axis
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip_settings import AXES
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles

@@ -13,7 +13,7 @@ CHINESE = SMALL.replace("Hips", "骨盆").replace("Chest", "右大腿")
 
 @pytest.mark.parametrize(
     ("text", "encoding"),
-    [(JAPANESE, "cp932"), (CHINESE, "gb18030"), (JAPANESE, "utf-16"), (SMALL.replace("Hips", "Hüfte"), "latin-1")],
+    [(JAPANESE, "cp932"), (CHINESE, "gb18030"), (JAPANESE, "utf-16"), (SMALL.replace("Hips", "Hüfte…"), "cp1252")],
 )
 def test_names_keep_their_letters_in_older_encodings(text: str, encoding: str) -> None:
     parsed = parse(text.encode(encoding))
@@ -21,7 +21,7 @@ def test_names_keep_their_letters_in_older_encodings(text: str, encoding: str) -
     assert parsed.rate == parse(text).rate
 
 
-@pytest.mark.parametrize("comment", ["/* take 3\n by hand */", "% MATLAB", "-- ROOT", "REM {"])
+@pytest.mark.parametrize("comment", ["/* take 3\n by hand */", "% MATLAB", "-- ROOT", "REM take 3"])
 def test_what_precedes_the_first_word_is_left_out_with_a_note(comment: str) -> None:
     parsed = parse(f"{comment}\n{SMALL}")
     assert_same(parsed)

@@ -107,7 +107,10 @@ def test_a_rate_that_is_given_replaces_that_of_the_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("root", "left"), [(None, 0.0), ("Hips", 0.0), ("Reference", 0.0), ("B_Hips", 1.5)])
 def test_of_two_bodies_the_one_below_the_given_root_is_read(tmp_path: Path, root: str | None, left: float) -> None:
-    clip = read_clip(written(tmp_path, two_bodies(WALK, apart=1.5)), unit="m", root=root).clip
+    reading = read_clip(written(tmp_path, two_bodies(WALK, apart=1.5)), unit="m", root=root)
+    other = "read the skeleton 'Hips'; choose another with --root: B_Hips"
+    assert (other in reading.notes) == (root is None)
+    clip = reading.clip
     names = ["B_" * (left > 0.0) + name for name in WALK.skeleton.names]
     order = [clip.skeleton.index(name) for name in names]
     assert clip.skeleton.names[0] == names[0]

@@ -8,6 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bench.retarget.kinds import KINDS
+from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
 from motionsplice.motion.body_shape import bind_positions, check_shape, standing_axis
 from motionsplice.motion.clip import Clip
@@ -173,6 +175,18 @@ def test_a_body_on_its_head_is_refused_with_all_that_may_help() -> None:
     over = quaternion.about([0.0, 0.0, 1.0], np.pi)
     with pytest.raises(RoleError, match=r"knee is above .* give --up -y\. If not, name the joints in a file"):
         check_shape(turned(WALK, over, over), ROLES, given=False)
+
+
+@pytest.mark.parametrize("angle", [1.5, 2.35])
+def test_a_bind_pose_along_one_axis_does_not_contradict_a_body_that_lies(tmp_path: Path, angle: float) -> None:
+    """As LAFAN1's, in which people crawl and lie on the ground."""
+    clip = leaning(on_rig(WALK, KINDS["LAFAN1"]), angle)
+    if angle == 1.5:  # or Z is up
+        with pytest.raises(RoleError, match=r"unclear which axis is up: .* along Z, .* give --up z\. .* give --up y"):
+            read(tmp_path, clip)
+    reading = read(tmp_path, clip, up="y" if angle == 1.5 else None)
+    same_motion(reading.clip, clip)
+    assert reading.warnings[0].startswith("the body is not upright in most frames")
 
 
 def on_all_fours(clip: Clip) -> Clip:

@@ -10,6 +10,7 @@ from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
+AXES = ("x", "y", "z", "-x", "-y", "-z")  # those that may be up
 RATE = 10.0  # frames per second at which a motion is looked at
 UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
 LEVEL = 0.5  # cosine: a trunk within 30 degrees of the ground
@@ -32,13 +33,14 @@ def sampled_positions(clip: Clip) -> Floats:
 
 
 def standing_axis(positions: Floats, roles: Roles) -> str:
-    """Returns the axis along which a body stands in most frames, "x", "y" or "z", or "" if it stands along none.
+    """Returns the one of AXES along which a body stands in most frames, or "" if it stands along none.
 
     It stands along an axis if its trunk points up it and its legs down it. positions: [F, J, 3] of its joints.
     """
     trunk, legs = _trunk_and_legs(positions, roles)
-    along = np.minimum(np.median(trunk, axis=0), np.median(-legs, axis=0))
-    return "xyz"[int(np.argmax(along))] if along.max() > UPRIGHT else ""
+    upwards, downwards = np.median(trunk, axis=0), np.median(legs, axis=0)
+    along = np.minimum([*upwards, *-upwards], [*-downwards, *downwards])
+    return AXES[int(np.argmax(along))] if along.max() > UPRIGHT else ""
 
 
 def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -> list[str]:
@@ -60,7 +62,8 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
     if not given and _on_all_fours(bind, roles):
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
-    axis = standing_axis(moving, roles).replace("y", "")
+    axis = standing_axis(moving, roles)
+    axis = "" if axis == "y" else axis
     problem = _problem(moving, roles) or (f"it lies along {axis.upper()}" if axis else "")
     if not problem:
         return []

@@ -27,6 +27,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
+from motionsplice.motion.body_shape import AXES
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.roles import GivenRole, read_roles_file
 
@@ -38,7 +39,7 @@ VALUES = {
     "tags": 'a list of strings, such as ["carry"]',
     "skip_frames": "a whole number, 0 or more",
     "unit": 'a string, such as "cm"',
-    "up": '"x", "y" or "z"',
+    "up": '"x", "y", "z", "-x", "-y" or "-z"',
     "rate": "a number above 0",
     "root": "the name of a joint, in quotes",
     "roles": "the name of a roles file beside clips.toml, in quotes",
@@ -131,7 +132,7 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
             "tags": isinstance(tags, list) and all(isinstance(tag, str) for tag in settings.tags),
             "skip_frames": type(settings.skip_frames) is int and settings.skip_frames >= 0,
             "unit": isinstance(settings.unit, str | None),
-            "up": settings.up in (None, "x", "y", "z"),
+            "up": settings.up in (None, *AXES),
             "rate": settings.rate is None or (type(settings.rate) in (int, float) and 0.0 < settings.rate < math.inf),
             "root": isinstance(settings.root, str | None),
             "roles": isinstance(roles, str | None),

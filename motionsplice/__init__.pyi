@@ -16,6 +16,8 @@ from .motion.formats.gltf.writer import dump_glb as dump_glb
 from .motion.formats.gltf.writer import dump_gltf as dump_gltf
 from .motion.formats.reading import Reading as Reading
 from .motion.formats.reading import read_clip as read_clip
+from .motion.retarget.by_roles import Retargeted as Retargeted
+from .motion.retarget.by_roles import retarget as retarget
 from .motion.roles import Roles as Roles
 from .motion.roles import find_roles as find_roles
 from .motion.samples import write_sample_clips as write_sample_clips

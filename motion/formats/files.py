@@ -30,22 +30,22 @@ WRITERS: Mapping[str, Callable[[Clip, Roles], bytes]] = {
     ".vrma": dump_vrma,
 }
 SUFFIXES = (".amc", ".bvh", *SCENES)
+LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 OTHERS = re.compile(  # motion files of other programs
-    r"\.(abc|anim|bip|blend|c3d|dae|fbx|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
+    r"\.(abc|anim|bip|blend|c3d|dae|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
     r"|vmd|vpd)",
     re.IGNORECASE,
 )
 
 
 def clip_files(folder: Path) -> list[Path]:
-    """Returns the motion files in a folder, in order of name."""
-    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+    """Returns the motion files in a folder, in order of name, without hidden files, such as macOS' `._walk.bvh`."""
+    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES and file.name[0] != ".")
 
 
 def other_files(folder: Path) -> list[Path]:
     """Returns the motion files in a folder that cannot be read, in order of name."""
-    readable = set(clip_files(folder))
-    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file not in readable)
+    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file.name[0] != ".")
 
 
 def clips_in(path: Path) -> dict[str, str | None]:
@@ -138,6 +138,9 @@ def read_bytes(path: Path) -> bytes:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None
     if not data or data.isspace():
         raise FormatError("the file is empty", file=str(path), mend="Export it again")
+    if data.startswith(LFS_POINTER):
+        problem = "this is a pointer of Git LFS, not the file itself"
+        raise FormatError(problem, file=str(path), mend="Run `git lfs pull`")
     return data
 
 

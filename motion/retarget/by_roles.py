@@ -24,7 +24,12 @@ STILL = np.radians(1.0)  # a joint that turns less on its parent over the whole 
 
 @dataclass(frozen=True, eq=False)
 class Retargeted:
-    """A clip on another rig, and the names of its moving joints that have no counterpart there."""
+    """A clip that was carried over to another rig.
+
+    Attributes:
+        clip: The clip on that rig.
+        left_out: The names of its joints that move and have no counterpart there.
+    """
 
     clip: Clip
     left_out: tuple[str, ...]
@@ -47,8 +52,22 @@ def retarget(
         skeleton_roles: The roles of that rig's joints.
         pose: [J, 4] that rig's `standing_pose`; None to find it from the bind pose alone.
 
+    Returns:
+        The clip on the rig, and what it does not show.
+
     Raises:
         SkeletonError: The legs of the clip's rig have no length.
+
+    Example:
+        ```python
+        from motionsplice import find_roles, retarget
+        from motionsplice.motion.procedural.hand_rig import FINGERED
+        from motionsplice.motion.procedural.library import make
+
+        walk = make("walk")
+        moved = retarget(walk, find_roles(walk.skeleton), FINGERED, find_roles(FINGERED))
+        print(moved.clip.skeleton.joint_count, moved.left_out)
+        ```
     """
     their_leg = roles.leg_length(clip.skeleton)
     if their_leg <= 0.0:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, common_ancestor
 from motionsplice.motion.skeleton import Skeleton
 
-SIDES = ("left", "right")
 LIMBS = ("thigh", "shin", "upper_arm", "forearm")  # segments whose direction matters, left and right
 
 

@@ -198,7 +198,7 @@ def test_a_moving_inner_joint_is_fixed_and_noted() -> None:
     ("text", "words"),
     [
         ("", "ends inside the hierarchy"),
-        ("hello world", "line 1: expected HIERARCHY, the first word of a BVH file, found 'hello'"),
+        ("hello world", "line 1: expected HIERARCHY, the first word of a BVH file, found 'hello world'"),
         (b"\x00\x01\x02", "binary"),
         (bytes(1000), "empty but for padding"),
         (SMALL[: SMALL.index("  CHANNELS 6")], "ends inside the hierarchy.*cut short"),

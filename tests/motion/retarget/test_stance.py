@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from bench.retarget.kinds import KINDS
+from bench.retarget.kinds import FOOT, KINDS
 from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.library import make
@@ -32,6 +34,19 @@ def test_a_bind_pose_along_one_axis_stands_as_its_motion_shows() -> None:
     for joint, name in enumerate(clip.skeleton.names):
         truth = quaternion.conjugate(kind.bind(name))
         assert quaternion.angle(pose[joint], truth) < np.radians(9.5 if "Foot" in name or "Toe" in name else 0.1), name
+
+
+def test_feet_that_are_bound_pointing_down_stand_as_their_motion_shows() -> None:
+    down = quaternion.about([1.0, 0.0, 0.0], np.radians(75.0))
+    kind = replace(KINDS["built-in"], bind=lambda name: down if FOOT.search(name) else quaternion.IDENTITY)
+    clip = on_rig(WALK, kind)
+    roles = find_roles(clip.skeleton)
+    assert stands(clip.skeleton, roles)
+    pose = standing_pose(clip.skeleton, roles, clip)
+    for joint, name in enumerate(clip.skeleton.names):
+        truth = quaternion.conjugate(kind.bind(name))
+        assert quaternion.angle(pose[joint], truth) < np.radians(9.5 if FOOT.search(name) else 1e-3), name
+    assert np.all(standing_pose(clip.skeleton, roles) == pose[0])
 
 
 def test_without_a_motion_such_a_bind_pose_is_only_turned_upright() -> None:

@@ -10,6 +10,12 @@ up = "z"                 # the axis that is up in the file, where it is not foun
 rate = 120               # frames per second, if the file says it wrongly
 root = "Hips2"           # a joint of the body to read, in a file with several
 roles = "odd.toml"       # a roles file beside this one, for a rig whose joint names are not known
+
+[moves]                  # all animations of moves.glb
+unit = "cm"
+
+["moves:run"]            # one of them; it has the keys of [moves] too
+kind = "action"
 """
 
 from __future__ import annotations
@@ -83,7 +89,7 @@ def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
         file: The file, which must exist.
 
     Returns:
-        Settings by clip name.
+        Settings by the name of a clip, or of a file with several; `settings_for` finds those of a clip.
 
     Raises:
         SettingsError: The file is not TOML, or a key or value is invalid. The message names the clip and the key.
@@ -93,7 +99,17 @@ def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         mend = 'Write a name with a colon in quotes, as ["moves:run"]' if "table declaration" in str(error) else ""
         raise SettingsError(f"the file is not TOML: {error}", file=str(file), mend=mend) from None
-    return {name: _settings(name, entry, file) for name, entry in entries.items()}
+    return {name: _settings(name, _with_those_of_file(name, entries), file) for name in entries}
+
+
+def settings_for(clip: str, settings: Mapping[str, ClipSettings], default: ClipSettings) -> ClipSettings:
+    """Returns a clip's own settings, else those of its file, else `default`."""
+    return settings.get(clip) or settings.get(clip.partition(":")[0], default)
+
+
+def _with_those_of_file(name: str, entries: Mapping[str, Any]) -> Any:
+    own, shared = entries[name], entries.get(name.partition(":")[0])
+    return {**shared, **own} if isinstance(own, Mapping) and isinstance(shared, Mapping) else own
 
 
 def _settings(name: str, entry: Any, file: Path) -> ClipSettings:

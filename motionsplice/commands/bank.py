@@ -99,6 +99,8 @@ def precompute_command(
         print_retargeted(built, skeleton)
     print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed")
     if outcome.failed:
+        if roles is not None:
+            console.print("--roles applies to all clips. For a few, set `roles` in clips.toml", soft_wrap=True)
         raise typer.Exit(1)
 
 

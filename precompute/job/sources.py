@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
+from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings, settings_for
 from motionsplice.motion.errors import ClipError, FormatError, SettingsError, did_you_mean
 from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in, other_files
 from motionsplice.motion.formats.fold import listed
@@ -53,7 +53,7 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
     for folder in sorted({file.parent for file, _ in found.values()}):
         if (folder / FILE_NAME).is_file():
             settings |= _settings_of(folder)
-    sources = [Source(name, *found[name], settings.get(name, default)) for name in sorted(found)]
+    sources = [Source(name, *found[name], settings_for(name, settings, default)) for name in sorted(found)]
     return [replace(one, settings=replace(one.settings, roles=one.settings.roles or roles)) for one in sources]
 
 
@@ -68,9 +68,14 @@ def _clips_in(file: Path) -> dict[str, str | None]:
 def _settings_of(folder: Path) -> dict[str, ClipSettings]:
     """Reads a folder's `clips.toml`. Raises SettingsError if it is bad, or lists a clip that is not in the folder."""
     settings = read_clip_settings(folder / FILE_NAME)
-    names = [name for file in clip_files(folder) for name in _clips_in(file)]
+    names, unread = list[str](), set[str]()
+    for file in clip_files(folder):
+        try:
+            names += [file.stem, *clips_in(file)]
+        except FormatError:  # the clip fails, not the job
+            unread.add(file.stem)
     for name in settings:
-        if name not in names:
+        if name not in names and name.partition(":")[0] not in unread:
             problem = f"clip {name!r} not found in its folder"
             raise SettingsError(problem, file=str(folder / FILE_NAME), mend=did_you_mean(name, names))
     return settings

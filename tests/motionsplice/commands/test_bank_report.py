@@ -50,6 +50,16 @@ def test_clips_that_fail_alike_are_listed_once(clips: Path) -> None:
     assert "b, c failed: the rigs have different topologies" in output
 
 
+def test_a_roles_file_that_does_not_fit_all_clips_leads_to_clips_toml(clips: Path) -> None:
+    (clips / "odd.toml").write_text('[roles]\nhead = "mixamorig:Head"\n')
+    build = ["precompute", clips, "--out", clips / "bank", "--baseline", "a", "--roles", clips / "odd.toml"]
+    output = printed(*build, status=1)
+    assert "unknown joint 'mixamorig:Head' for role head" in output
+    assert "For a few, set `roles` in clips.toml" in output
+    (clips / "clips.toml").write_text('[a]\nroles = "odd.toml"\n')
+    printed(*build[:-2])
+
+
 def test_a_bank_without_actions_has_no_columns_for_them(clips: Path, bank: Bank) -> None:
     printed("precompute", clips, "--out", clips / "bank", "--jobs", 1)
     for folder, expected in ((clips / "bank", False), (bank.path, True)):

@@ -338,8 +338,21 @@ def test_each_animation_of_a_file_is_a_clip(tmp_path: Path) -> None:
     assert build_bank([clips], tmp_path / "bank", baseline="moves:walk").unchanged
 
 
+def test_the_settings_of_a_file_are_those_of_its_animations(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", wave=CLIPS["wave"])
+    (clips / "moves.glb").write_bytes(with_animation(dump_glb(CLIPS["walk"]), CLIPS["run"]))
+    (clips / "clips.toml").write_text('[moves]\ntags = ["all"]\nrate = 30\n["moves:run"]\ntags = ["fast"]\n')
+    build_bank([clips], tmp_path / "bank", baseline="wave")
+    bank = Bank.open(tmp_path / "bank")
+    assert [(one.name, one.tags, one.rate) for one in bank.clips if one.name != "wave"] == [
+        ("moves:run", ("fast",), 30.0),
+        ("moves:walk", ("all",), 30.0),
+    ]
+
+
 def test_a_damaged_glb_fails_alone(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    (clips / "clips.toml").write_text('["broken:run"]\ntags = ["fast"]\n')
     (clips / "broken.glb").write_bytes(dump_glb(CLIPS["run"])[:1000])
     outcome = build_bank([clips], tmp_path / "bank")
     assert outcome.clips == ("walk",)

@@ -223,7 +223,7 @@ def test_files_of_other_programs_alone_are_named_in_the_error(tmp_path: Path) ->
         ("[walk]\nkind = 'dance'", 'invalid value kind = \'dance\'.*Use "locomotion" or "action"'),
         ("[walk]\nskip_frames = -1", "skip_frames = -1"),
         ("[walk]\nskip_frames = true", "skip_frames = True"),
-        ("[walk]\nup = 'w'", 'up = \'w\'.*Use "x", "y" or "z"'),
+        ("[walk]\nup = 'w'", 'up = \'w\'.*Use "x", "y", "z", "-x"'),
         ("[walk]\nrate = 0", "rate = 0.*Use a number above 0"),
         ("[walk]\nrate = true", "rate = True"),
         ("[walk]\nroot = 3", "root = 3"),

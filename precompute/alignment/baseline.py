@@ -25,6 +25,7 @@ STIFFNESS = 1.0  # of the phase curve, against changes of its slope
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
+OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
 MOST_CANDIDATES = 16  # strides that are compared with all others
 SHORTEST_CLIP = 0.3  # seconds: shorter clips have too few frames to align
 
@@ -142,8 +143,8 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
     """Returns the stride nearest to all `strides`, among the MOST_CANDIDATES whose ends match best.
 
     Two laps of each stride are wound round each candidate's ring, so the cost is linear in the number of strides. The
-    sum is over distances, not their squares: with squares, one run among walks would favour a stride halfway between
-    walk and run, which is like neither.
+    sum is over distances, not their squares, and each counts at most OTHER_GAIT. Otherwise one run among walks would
+    favour a stride halfway between walk and run, which is like neither, and jumps and dances would count most.
     """
 
     twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
@@ -154,7 +155,7 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
         total = 0.0
         for distances in np.split(planar_distances(all_strides, ring), ends[:-1]):
             wound = wind(distances) % len(ring)
-            total += float(np.sqrt(distances[np.arange(len(wound)), wound].mean()))
+            total += min(float(np.sqrt(distances[np.arange(len(wound)), wound].mean())), OTHER_GAIT)
         return total
 
     candidates = sorted(strides, key=lambda stride: (stride.loop, stride.name))[:MOST_CANDIDATES]

@@ -76,7 +76,7 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
         return [f"the body is not upright in most frames: {problem}" + (f". {hint}" if hint else "")]
     if lies:
         problem = f"it is unclear which axis is up: the body stands along {axis.upper()}, and the bind pose along none"
-        raise RoleError(problem, mend=f"{hint}. If the body lies, give --up y")
+        raise RoleError(problem, mend=f"{hint}. If Y is, give --up y")
     mend = "ame the joints in a file and pass it as --roles"
     raise RoleError(
         f"the roles do not fit the body, neither in the bind pose nor in the motion: {problem}",

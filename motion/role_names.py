@@ -107,7 +107,11 @@ def _numbered(parts: Mapping[Part, int]) -> dict[Part, int]:
         for side, limb, own, other in product(("left", "right"), ("arm", "leg"), "12", "12")
         if own != other and (side, f"{limb}{other}") not in parts
     }
-    return {alone.get(part, part): joint for part, joint in parts.items()}
+    found = {part: joint for part, joint in parts.items() if part not in alone}
+    for part, plain in alone.items():
+        if part in parts:
+            found.setdefault(plain, parts[part])
+    return found
 
 
 def _roles(parts: Mapping[Part, int]) -> dict[str, int]:

@@ -167,7 +167,8 @@ def root_of(nodes: Nodes, above: str | None, given: Mapping[str, GivenRole]) -> 
 
 def _other_body(nodes: Nodes, read: tuple[str, ...]) -> list[str]:
     """Returns a note if the joints that are not read have legs and arms too."""
-    names = tuple(name for name in nodes.names if name not in read)
+    inside = set(read)
+    names = tuple(name for name in nodes.names if name not in inside)
     found = limbs_by_name(names, NOTHING_GIVEN)
     if not set(ENDS) <= set(found):
         return []

@@ -10,6 +10,7 @@ GUESSED = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "cmu": 0.
 UNITS = GUESSED | {"ft": 0.3048}
 LEG = 0.85  # metres from hip over knee to ankle of an adult
 GROWN = (0.65, 1.05)  # metres: legs of grown people
+MOST = 9  # the largest power of ten that is proposed as a unit
 POSSIBLE = (0.3, 1.2)  # metres: legs of children too
 
 
@@ -53,7 +54,8 @@ def check_stated_unit(metres: float, leg: float) -> list[str]:
 
 def _other_units(metres: float, leg: float) -> str:
     """Returns the options for units other than `metres` in which a leg may be a person's."""
-    power = f"{10.0 ** round(math.log10(LEG / leg)):.0e}"  # of ten, if no unit with a name fits
+    exponent = round(math.log10(LEG) - math.log10(leg))
+    power = f"{10.0 ** min(max(exponent, -MOST), MOST):.0e}"  # of ten, if no unit with a name fits
     for units in (UNITS, {power: float(power)}):
         possible = {name: unit * leg for name, unit in units.items() if POSSIBLE[0] <= unit * leg <= POSSIBLE[1]}
         if others := [name for name in possible if units[name] != metres]:

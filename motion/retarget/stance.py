@@ -49,9 +49,9 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
 
     These are the bind pose's, turned upright and to +Z. If its legs do not point down then, they are found from
     `motion`, a clip of this skeleton, if there is one. Limbs are turned to a T-pose by the axes about which knees and
-    elbows bend, and feet as they are where they stand. Other joints keep their bind rotation to their parent, except
-    joints of trunk, neck, collars and hands that are usually far from it: these have their mean. If only feet point
-    down in the bind pose, they alone are found from the motion.
+    elbows bend; if they do not bend, they have their mean. Feet are as where they stand. Other joints keep their bind
+    rotation to their parent, except joints of trunk, neck, collars and hands that are usually far from it: these have
+    their mean. If only feet point down in the bind pose, they alone are found from the motion.
     """
     pose = np.tile(_upright(skeleton, roles), (skeleton.joint_count, 1))
     if motion is None:
@@ -60,7 +60,7 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
         for joint, turn in _feet(skeleton, roles, motion, pose[0], _steep_feet(skeleton, roles, pose[0])).items():
             pose[joint] = turn
         return pose
-    found = _limbs(skeleton, roles, motion) | _feet(skeleton, roles, motion, pose[0], SIDES)
+    found = _limbs(skeleton, roles, motion, pose[0]) | _feet(skeleton, roles, motion, pose[0], SIDES)
     segments = segments_of(skeleton, roles)
     free = {joint for name in segments if name.endswith(FREE) for joint in segments[name].joints}
     for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
@@ -101,13 +101,15 @@ def _feet(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats, sides: S
         height = positions[:, ankle, 1]
         flat = height <= np.percentile(height, LOWEST)
         for joint in skeleton.subtree(ankle):
-            on_root = quaternion.multiply(quaternion.conjugate(world[flat, 0]), world[flat, joint])
-            found[joint] = quaternion.multiply(body, _mean(on_root))
+            found[joint] = quaternion.multiply(body, _mean_on_root(world[flat], joint))
     return found
 
 
-def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip) -> dict[int, Floats]:
-    """Returns the rotations [4] in the standing pose of hips and shoulders whose limbs bend."""
+def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats) -> dict[int, Floats]:
+    """Returns the rotations [4] of hips and shoulders in the standing pose, and of knees and elbows that do not bend.
+
+    body: [4] the rotation of the root in the standing pose.
+    """
     positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
     rest, found = bind_positions(skeleton), {}
     for side in SIDES:
@@ -124,6 +126,8 @@ def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip) -> dict[int, Floats]:
             bone = rest[middle] - rest[upper]
             if np.linalg.norm(np.cross(bone, axis)) > LEAST_BEND * np.linalg.norm(bone):
                 found[upper] = quaternion.multiply(frame(along, hinge), quaternion.conjugate(frame(bone, axis)))
+            else:
+                found |= {joint: quaternion.multiply(body, _mean_on_root(world, joint)) for joint in (upper, middle)}
     return found
 
 
@@ -160,6 +164,11 @@ def _upright(skeleton: Skeleton, roles: Roles) -> Floats:
     left = left / width
     turn = quaternion.from_matrices(np.stack([left, up, np.cross(left, up)]))
     return turn if quaternion.angle(turn, quaternion.IDENTITY) > LEAST_TURN else quaternion.IDENTITY
+
+
+def _mean_on_root(world: Floats, joint: int) -> Floats:
+    """Returns the mean rotation [4] of a joint as seen from the root, of world rotations [F, J, 4]."""
+    return _mean(quaternion.multiply(quaternion.conjugate(world[:, 0]), world[:, joint]))
 
 
 def _mean(rotations: Floats) -> Floats:

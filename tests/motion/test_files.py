@@ -80,6 +80,7 @@ def test_a_stated_unit_in_which_legs_are_no_persons_is_warned_about(tmp_path: Pa
         r"legs of 1\.\d+ m, by the unit that the file states \(1 m\), are no person's", reading.warnings[0]
     )
     assert not check_stated_unit(1.0, 0.4)
+    assert "another --unit" in guess_unit(1e-310)[2]
     assert "Give --unit cm for legs of 0.87 m, or --unit 0.0254 if" in check_stated_unit(0.0254, 87.4)[0]
 
 

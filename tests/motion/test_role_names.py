@@ -31,6 +31,8 @@ def test_numbers_of_all_joints_are_not_those_of_limbs() -> None:
     assert found["left_knee"] == "LeftLeg_02"
     assert found["left_shoulder"] == "LeftArm_01"
     assert found["right_knee"] == "RightLeg_4"
+    names = ("LeftUpLeg", "LeftLeg", "LeftLeg1", "LeftArm2", "LeftArm", "LeftForeArm")
+    assert roles_by_name(names) == {"left_hip": 0, "left_knee": 1, "left_shoulder": 4, "left_elbow": 5}
 
 
 def test_names_that_say_nothing_give_no_roles() -> None:

@@ -106,9 +106,10 @@ def _read_loosely(rows: list[Row], count: int, width: int) -> Frames:
     values = _table(rows, len(rows), width, commas)
     if values is not None:
         return Frames(values, (COMMAS,) * commas)
-    values = _table([(number, text.replace(",", " ")) for number, text in rows], len(rows), width)
-    if values is not None:  # commas between the numbers
-        return Frames(values)
+    if any("," in text for _, text in rows):  # perhaps between the numbers
+        values = _table([(number, text.replace(",", " ")) for number, text in rows], len(rows), width)
+        if values is not None:
+            return Frames(values)
     warnings: tuple[str, ...] = ()
     sizes = _sizes(rows, commas)
     if len(sizes) < len(rows):

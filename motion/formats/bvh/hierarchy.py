@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from motionsplice.motion.errors import FormatError
+from motionsplice.motion.formats.decimals import is_finite
 from motionsplice.motion.formats.text import COMMAS, with_points
 from motionsplice.motion.role_names import roles_by_name
 
@@ -113,16 +113,9 @@ def _give_channels(joint: Joint, channels: list[str], place: str) -> None:
 
 def _offset(text: str, place: str) -> list[float]:
     for words in (with_points(text).split(), text.replace(",", " ").split()):  # commas may separate the numbers
-        if len(words) == 3 and all(map(_is_number, words)):
+        if len(words) == 3 and all(map(is_finite, words)):
             return [float(word) for word in words]
     raise FormatError(f"OFFSET needs three finite numbers, found {text[:40]!r}", place=place)
-
-
-def _is_number(word: str) -> bool:
-    try:
-        return math.isfinite(float(word))
-    except ValueError:
-        return False
 
 
 def _channels(words: list[str], place: str) -> list[str]:

@@ -9,6 +9,7 @@ from bench.retarget.kinds import FOOT, KINDS
 from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.stance import bind_positions, standing_pose, stands
 from motionsplice.motion.roles import find_roles
 
@@ -47,6 +48,29 @@ def test_feet_that_are_bound_pointing_down_stand_as_their_motion_shows() -> None
         truth = quaternion.conjugate(kind.bind(name))
         assert quaternion.angle(pose[joint], truth) < np.radians(9.5 if FOOT.search(name) else 1e-3), name
     assert np.all(standing_pose(clip.skeleton, roles) == pose[0])
+
+
+def test_limbs_that_do_not_bend_stand_as_in_the_motion() -> None:
+    """As of a skeleton file with one frame in a T-pose, whose bones all point up in the bind pose."""
+    up = {"LeftArm": 90.0, "RightArm": -90.0, "LeftUpLeg": 180.0, "RightUpLeg": 180.0}
+    turns = {name: quaternion.about([0.0, 0.0, 1.0], np.radians(angle)) for name, angle in up.items()}
+    limbs = {"Hand": "Arm", "ForeArm": "Arm", "Foot": "UpLeg", "ToeBase": "UpLeg", "Leg": "UpLeg"}
+
+    def bind(name: str) -> Floats:
+        side = "Left" if name.startswith("Left") else "Right"
+        part = name.removeprefix(side).split("Hand")[0] or "Hand"
+        return turns.get(side + limbs.get(part, part), quaternion.IDENTITY)
+
+    rotations = np.tile(quaternion.IDENTITY, (1, WALK.skeleton.joint_count, 1))
+    clip = on_rig(
+        replace(WALK, rotations=rotations, root_positions=WALK.root_positions[:1]),
+        replace(KINDS["built-in"], bind=bind),
+    )
+    roles = find_roles(clip.skeleton)
+    assert not stands(clip.skeleton, roles)
+    pose = standing_pose(clip.skeleton, roles, clip)
+    for joint, name in enumerate(clip.skeleton.names):
+        assert quaternion.angle(pose[joint], quaternion.conjugate(bind(name))) < 1e-3, name
 
 
 def test_without_a_motion_such_a_bind_pose_is_only_turned_upright() -> None:

@@ -82,10 +82,10 @@ def _animations(path: Path) -> list[str]:
     return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
-def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
+def parse(path: Path, animation: str | None, root: str | None = None, *, still: bool = False) -> Parsed:
     """Returns what a file says: of several skeletons the one with the joint `root`, else the largest.
 
-    Raises FormatError.
+    If `still`, a scene without animations gives one frame at rest. Raises FormatError.
     """
     suffix = path.suffix.lower()
     if path.is_dir():
@@ -96,9 +96,10 @@ def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)
     if suffix in GLTF:
-        return _parsed(gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation), root)
+        scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation, still=still)
+        return _parsed(scene, root)
     if suffix == ".fbx":
-        return _parsed(fbx_reader.read_scene(data, animation), root)
+        return _parsed(fbx_reader.read_scene(data, animation, still=still), root)
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":

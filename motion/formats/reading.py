@@ -15,8 +15,9 @@ from motionsplice.motion.body_shape import check_shape
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError, did_you_mean
-from motionsplice.motion.formats.files import clip_name, parse
+from motionsplice.motion.formats.files import clip_name, clips_in, parse
 from motionsplice.motion.formats.fold import Folded, Nodes, fold
+from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.units import check_stated_unit, guess_unit, metres_per_unit
 from motionsplice.motion.formats.upright import check_up, made_upright
 from motionsplice.motion.quaternion import Floats
@@ -114,15 +115,31 @@ def read_clip(
     check_up(up)
     if rate is not None and not 0.0 < rate < math.inf:
         raise SettingsError(f"a rate of {rate:g} frames per second", mend="Give a number above 0")
+    return _read(path, animation, asked, roles, still=False)
+
+
+def read_rig(path: Path, roles: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Reading:
+    """Reads a file for its rig: a motion file, or a character without a motion, which gives one frame at rest.
+
+    Raises as `read_clip` does.
+    """
+    animation, *_ = clips_in(path).values()  # all are of one rig
+    return _read(path, animation, ClipSettings(), roles, still=True)
+
+
+def _read(
+    path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], *, still: bool
+) -> Reading:
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
-            return _read(path, animation, asked, roles)
+            return _understood(path, animation, asked, given, parse(path, animation, asked.root, still=still))
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
-def _read(path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole]) -> Reading:
-    parsed = parse(path, animation, asked.root)
+def _understood(
+    path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], parsed: Parsed
+) -> Reading:
     nodes, given = parsed.nodes, {**parsed.roles, **given}
     if not 0 <= asked.skip_frames < len(nodes.rotations):
         problem = f"cannot skip {asked.skip_frames} of {len(nodes.rotations)} frames"

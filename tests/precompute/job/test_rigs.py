@@ -15,16 +15,20 @@ from bench.retarget.kinds import KINDS
 from bench.retarget.measures import Posed
 from bench.retarget.rigs import on_rig
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import BankError, BaselineError
+from motionsplice.motion.errors import BankError, BaselineError, FormatError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import clips_in
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import LIMBS, find_roles
 from motionsplice.precompute.job.job import build_bank
+from motionsplice.precompute.job.skeleton import rig_of
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
+from tests.fbx_files import dump_fbx
+from tests.glb_files import edited
 from tests.precompute.job.test_job import files_of
 
 WALK, RUN, BOX = make("walk", seconds=4.0), make("run", seconds=3.0), make("walk", "carry_box", seconds=4.0)
@@ -155,3 +159,18 @@ def test_a_rig_of_unknown_names_has_a_roles_file_of_its_own(clips: Path, tmp_pat
     outcome = build_bank([folder], tmp_path / "bank", baseline="walk")
     assert set(outcome.failed) == {"odd"}
     assert "as `roles` of this clip in clips.toml" in str(outcome.failed["odd"])
+
+
+@pytest.mark.parametrize("kind", ["glb", "fbx"])
+def test_a_character_without_a_motion_gives_its_rig(kind: str, tmp_path: Path) -> None:
+    clip = on("Unreal", WALK)
+    file = tmp_path / f"hero.{kind}"
+    still = (
+        dump_fbx([clip.frames(0, 1)]).replace(b"AnimationStack: ", b"Nothing: ") if kind == "fbx" else dump_glb(clip)
+    )
+    file.write_bytes(still if kind == "fbx" else edited(still, lambda document: document.pop("animations")))
+    with pytest.raises(FormatError, match="no animation"):
+        read_clip(file)
+    rig = rig_of(file, {})
+    assert rig.skeleton.names == clip.skeleton.names
+    np.testing.assert_allclose(rig.skeleton.offsets[1:], clip.skeleton.offsets[1:], atol=1e-5)

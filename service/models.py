@@ -18,6 +18,8 @@ from motionsplice.service.wire.messages import PROTOCOL
 
 LIMITS = tuple(name for name in Settings.model_fields if name.startswith("max_") or name.endswith("_seconds"))
 
+DIGITS = 7  # of offsets after the point: finer than float32
+
 
 class AxesInfo(BaseModel):
     """Axes and unit of an engine: component i is glTF's component `order[i]` times `signs[i]`, in `unit`."""
@@ -129,7 +131,7 @@ class SkeletonInfo(BaseModel):
             axes=AxesInfo.of(axes),
             joints=list(skeleton.names),
             parents=skeleton.parents.tolist(),
-            offsets=axes.positions(skeleton.offsets).tolist(),
+            offsets=axes.positions(skeleton.offsets).round(DIGITS).tolist(),
             roles={role: _named(skeleton.names, joint) for role, joint in vars(bank.roles).items()},
         )
 

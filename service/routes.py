@@ -14,6 +14,7 @@ from motionsplice.service.problems import MEDIA_TYPE, NotReadyError, RequestErro
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.axes import AXES
 
+AxesName = Literal["gltf", "unity", "unreal", "godot", "blender"]
 Responses = dict[int | str, dict[str, Any]]
 OCTETS = {"type": "string", "format": "binary"}
 
@@ -55,7 +56,7 @@ def bank_routes(shared: Shared) -> APIRouter:
 
     @router.get("/skeleton", summary="The skeleton", responses=REFUSED)
     async def get_skeleton(
-        axes: Annotated[Literal["gltf", "unity", "unreal", "godot"], Query(description="Axes of the offsets")] = "gltf",
+        axes: Annotated[AxesName, Query(description="Axes of the offsets")] = "gltf",
     ) -> SkeletonInfo:
         """Joints in the order of all rotations, their parents and offsets, and the joint of each role."""
         return SkeletonInfo.of(serving.bank, AXES[axes])

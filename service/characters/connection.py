@@ -16,12 +16,12 @@ from starlette.types import Receive, Send
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.service.characters.commands import Command, checked, parse, ref_of
+from motionsplice.service.characters.frame_format import FrameFormat
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import URN, kind_of
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
-from motionsplice.service.wire.encoding import Encoding
 
 logger = logging.getLogger(__name__)
 
@@ -39,8 +39,8 @@ class Transport(Protocol):
     def is_free(self) -> bool:
         """Whether the send buffer is empty."""
 
-    def send_at_once(self, message: bytes) -> bool:
-        """Sends a binary message if the send buffer is empty. Returns whether it did."""
+    def send_at_once(self, message: bytes, *, text: bool) -> bool:
+        """Sends a message, text or binary, if the send buffer is empty. Returns whether it did."""
 
     async def nothing_waits(self) -> None:
         """Waits until the send buffer is empty. Raises OSError if the client has disconnected."""
@@ -107,17 +107,18 @@ class Connection:
         sent: What the last message began with if it holds frames that are not due yet, else None. A command goes back
             into it.
         refused: The newer edition that this connection cannot move to and that its client knows of, or None.
+        format: The format of the frames.
     """
 
     def __init__(
-        self, play: Play, encoding: Encoding, settings: Settings, metrics: Metrics, transport: Transport | None
+        self, play: Play, form: FrameFormat, settings: Settings, metrics: Metrics, transport: Transport | None
     ) -> None:
         self.state = State.READY
         self.play = play
         self.wanted = play.due
         self.sent: Play | None = None
         self.refused: Edition | None = None
-        self.encoding = encoding
+        self.format = form
         self.settings = settings
         self.metrics = metrics
         self._transport = transport
@@ -164,7 +165,7 @@ class Connection:
         if not self.is_open:
             return 0
         nothing_before = self._message is None and not self._events and not self._wake.is_set()
-        if nothing_before and self._transport is not None and self._transport.send_at_once(message):
+        if nothing_before and self._send_at_once(message):
             return count
         self._enter(State.HOLDING)
         self._message = count, message
@@ -239,9 +240,13 @@ class Connection:
         (count, message), self._message = self._message, None
         if self.state is State.HOLDING:
             self._enter(State.READY)
-        if self._transport is None or not self._transport.send_at_once(message):
-            await send({"type": "websocket.send", "bytes": message})
+        if not self._send_at_once(message):
+            content = {"text": message.decode()} if self.format.is_text else {"bytes": message}
+            await send({"type": "websocket.send", **content})
         self.metrics.frames_sent.inc(count)
+
+    def _send_at_once(self, message: bytes) -> bool:
+        return self._transport is not None and self._transport.send_at_once(message, text=self.format.is_text)
 
     def rewound(self, now: float) -> Play:
         """Returns a copy of the play at the first frame that is not due yet, which may have been sent already."""
@@ -282,7 +287,7 @@ class Connection:
         try:
             listed = parse(text)
             ref = ref_of(listed)
-            commands = checked(listed)
+            commands = checked(listed, self.format.encoding.axes)
             do(self, commands)
         except MotionError as error:
             self.queue_event("refused", ref=ref, type=URN + kind_of(error)[1], detail=str(error))

@@ -28,3 +28,16 @@ def arrays(message: dict[str, Any], joints: int, *leading: int, short: bool = Fa
             numbers = np.frombuffer(message[name], kind).reshape(*leading, *inner)
             found[name] = np.maximum(numbers / 32767.0, -1.0) if kind == "<i2" else numbers
     return found
+
+
+def blob_offsets(message: bytes) -> dict[str, int]:
+    """Returns where each blob of a MessagePack map begins, in bytes from the start of the message."""
+    unpacker = msgpack.Unpacker(max_buffer_size=len(message))
+    unpacker.feed(message)
+    found = {}
+    for _ in range(unpacker.read_map_header()):
+        name, value = unpacker.unpack(), unpacker.unpack()
+        if isinstance(value, bytes):
+            found[name] = unpacker.tell() - len(value)
+    assert unpacker.tell() == len(message)
+    return found

@@ -44,6 +44,7 @@ def test_a_rotation_has_the_same_effect_in_any_axes(axes: Axes, seed: int) -> No
         ("godot", [0, 1, 0], [0, 0, 1], [1, 0, 0], False, 1.0),
         ("unity", [0, 1, 0], [0, 0, 1], [-1, 0, 0], True, 1.0),
         ("unreal", [0, 0, 1], [1, 0, 0], [0, -1, 0], True, 100.0),
+        ("blender", [0, 0, 1], [0, -1, 0], [1, 0, 0], False, 1.0),
     ],
 )
 def test_axes_are_those_of_the_engines(

@@ -30,6 +30,7 @@ BURST = 10_000.0  # commands that are done at once before further ones wait
 COPIED = 100.0  # copying this many characters costs about as much as one command; every message copies the scene
 MOST_EVENTS = 1000  # unsent events of one client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
+REFUSED = 4000  # and the status of the problem: close codes of WebSockets that are refused
 
 
 class Transport(Protocol):
@@ -44,6 +45,11 @@ class Transport(Protocol):
 
     async def nothing_waits(self) -> None:
         """Waits until the send buffer is empty. Raises OSError if the client has disconnected."""
+
+
+def event_message(event: str, **values: Any) -> bytes:
+    """Returns an event as a text message."""
+    return orjson.dumps({"event": event, **values})
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +156,7 @@ class Connection:
         if len(self._events) >= MOST_EVENTS:
             self.close(TOO_SLOW, f"more than {MOST_EVENTS} events were left unread")
             return
-        self._events.append(orjson.dumps({"event": event, **values}))
+        self._events.append(event_message(event, **values))
         self._wake.set()
 
     def defer(self) -> None:

@@ -56,9 +56,7 @@ class Hub:
         connection = Connection(play, form, self._shared.settings, self._shared.metrics, transport)
         self._check(connection, play)
         with self._shared.admitted(), self._shared.metrics.connection("characters"):
-            await receive()
-            offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
-            await send({"type": "websocket.accept", "subprotocol": offered})
+            await accept(scope, receive, send)
             connection.queue_event("welcome", **self._welcome(play, form))
             self.connections.add(connection)
             self._changed.set()
@@ -229,6 +227,13 @@ class Hub:
             "ahead": play.ahead,
             "max_characters": self._shared.settings.max_characters // form.cost,
         }
+
+
+async def accept(scope: Scope, receive: Receive, send: Send) -> None:
+    """Accepts a handshake."""
+    await receive()
+    offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
+    await send({"type": "websocket.accept", "subprotocol": offered})
 
 
 def _next_tick(now: float, rate: float) -> float:

@@ -40,7 +40,7 @@ def packed(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
     start, first = starts[len(values) % 4]
     parts: list[Any] = [start, values, first]
     for array, next_head in zip(arrays.values(), heads, strict=True):
-        parts += (array.nbytes.to_bytes(LENGTH, "big"), array.data, next_head)
+        parts += (array.nbytes.to_bytes(LENGTH, "big"), array, next_head)
     return b"".join(parts)
 
 

@@ -22,7 +22,13 @@ def unpacked(stream: bytes) -> list[dict[str, Any]]:
 def arrays(message: dict[str, Any], joints: int, *leading: int, short: bool = False) -> dict[str, Any]:
     """Returns a message's blobs as arrays with leading dimensions; int16 is converted to -1 to 1."""
     found = {}
-    for name, inner in (("root_positions", (3,)), ("rotations", (joints, 4)), ("world_positions", (joints, 3))):
+    for name, inner in (
+        ("root_positions", (3,)),
+        ("root_steps", (3,)),
+        ("root_turns", ()),
+        ("rotations", (joints, 4)),
+        ("world_positions", (joints, 3)),
+    ):
         if name in message:
             kind = "<i2" if short and name == "rotations" else "<f4"
             numbers = np.frombuffer(message[name], kind).reshape(*leading, *inner)

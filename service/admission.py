@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import re
 
 from starlette.types import Scope
 
@@ -12,6 +13,9 @@ from motionsplice.service.settings import Settings
 OPEN = frozenset({"/healthz", "/readyz", "/", "/docs", "/redoc", "/openapi.json"})
 ASSETS = "/static-offline-docs/"
 SUBPROTOCOL, BEARER = "motionsplice", "bearer."
+LOOPBACK = rb"(?:localhost|127\.0\.0\.1|\[::1\])(?::\d{1,5})?"
+LOOPBACK_HOST, LOOPBACK_PAGE = re.compile(LOOPBACK), re.compile(rb"https?://" + LOOPBACK)
+LOOPBACK_ADDRESSES = frozenset({"localhost", "127.0.0.1", "::1"})  # what the service may listen on
 
 
 class Admission:
@@ -20,9 +24,10 @@ class Admission:
     def __init__(self, settings: Settings) -> None:
         self._token = settings.token.get_secret_value().encode() if settings.token else None
         self._origins = frozenset(origin.encode() for origin in settings.origins)
+        self._is_local = settings.host in LOOPBACK_ADDRESSES
 
-    def check(self, scope: Scope) -> bytes | None:
-        """Returns the request's Origin header, or None. Raises OriginError or TokenError if it is not allowed."""
+    def check(self, scope: Scope) -> None:
+        """Raises OriginError or TokenError if a request is not allowed."""
         origin = host = authorization = None
         for name, value in scope["headers"]:
             if name == b"origin":
@@ -41,12 +46,21 @@ class Admission:
             if not hmac.compare_digest(found, self._token):
                 mend = "Send the header `Authorization: Bearer TOKEN`"
                 raise TokenError("the token is missing or wrong", mend=mend)
-        return origin
 
     def _is_allowed(self, origin: bytes, host: bytes | None) -> bool:
+        """Returns whether pages of an origin may send requests: those of `origins`, the service's own, and local ones.
+
+        A foreign name can be made to resolve to 127.0.0.1 (DNS rebinding). Its pages would pass for the service's own,
+        so a service that listens on loopback, and has no token, must be addressed by a loopback name.
+        """
         if b"*" in self._origins or origin in self._origins:
             return True
-        return host is not None and origin.partition(b"://")[2] == host  # the service's own pages
+        if host is None:
+            return False
+        is_own = origin.partition(b"://")[2] == host
+        if self._is_local and LOOPBACK_HOST.fullmatch(host):
+            return is_own or LOOPBACK_PAGE.fullmatch(origin) is not None
+        return is_own and (not self._is_local or self._token is not None)
 
     def _is_open(self, scope: Scope) -> bool:
         path: str = scope["path"]
@@ -61,3 +75,8 @@ class Admission:
             if offered.startswith(BEARER):
                 return str(offered[len(BEARER) :]).encode()
         return b""
+
+
+def origin_of(scope: Scope) -> bytes | None:
+    """Returns the Origin header, which browsers send for web pages, or None."""
+    return next((value for name, value in scope["headers"] if name == b"origin"), None)

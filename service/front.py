@@ -13,15 +13,16 @@ from fastapi import FastAPI
 from starlette.types import Message, Receive, Scope, Send
 
 from motionsplice.motion.errors import MotionError
-from motionsplice.service.admission import Admission
+from motionsplice.service.admission import Admission, origin_of
 from motionsplice.service.answers.answer import Answer, Headers
 from motionsplice.service.answers.pose import PoseAnswers
 from motionsplice.service.answers.poses import poses
 from motionsplice.service.answers.splice import splice
 from motionsplice.service.answers.stream import stream
-from motionsplice.service.characters.hub import Hub
+from motionsplice.service.characters.connection import REFUSED, event_message
+from motionsplice.service.characters.hub import Hub, accept
 from motionsplice.service.logs import request_id, request_ids
-from motionsplice.service.problems import MEDIA_TYPE, UnknownBankError, kind_of, problem
+from motionsplice.service.problems import MEDIA_TYPE, URN, UnknownBankError, kind_of, problem
 from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)
@@ -78,11 +79,11 @@ class Front:
     def answer_at_once(self, query: bytes, headers: Headers) -> tuple[Answer, str] | None:
         """Returns the answer to GET /v1/pose and the request's id, for a server that answers without a task.
 
-        Returns None for a request that must take the usual route: one that is refused, or comes from a web page.
+        Returns None for a request that is refused, which must take the usual route. The server passes no requests of
+        web pages.
         """
         try:
-            if self._admission.check({"headers": headers, "path": POSE}) is not None:
-                return None
+            self._admission.check({"headers": headers, "path": POSE})
             answer = self._poses.answer(self.shared.serving.edition, query)
         except MotionError:
             return None
@@ -95,14 +96,15 @@ class Front:
         method = scope["method"]
         headers: Headers = [(b"x-request-id", identity.encode())]
         path, status = scope["path"], 500
+        origin = origin_of(scope)
+        if origin is not None:  # refusals too, so that a page can read them
+            headers += [(b"access-control-allow-origin", origin), (b"vary", b"origin")]
         try:
-            origin = self._admission.check(scope)
-            if origin is not None:
-                headers += [(b"access-control-allow-origin", origin), (b"vary", b"origin")]
-                if method == "OPTIONS":
-                    status = 204
-                    await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
-                    return
+            self._admission.check(scope)
+            if origin is not None and method == "OPTIONS":
+                status = 204
+                await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
+                return
             path, immutable = self._without_digest(path)
             cacheable = path in CACHED or path.startswith(CACHED_BELOW) or (immutable and path == POSE)
             if method in ("GET", "HEAD") and cacheable:
@@ -169,13 +171,16 @@ class Front:
         request_id.set(identity)
         try:
             self._admission.check(scope)
-            if scope["path"] != CHARACTERS:
-                await _refuse_handshake(send, 404, "http", f"no WebSocket here. Connect to {CHARACTERS}.", identity)
+            if scope["path"] == CHARACTERS:
+                await self.hub.serve(scope, receive, send)
                 return
-            await self.hub.serve(scope, receive, send)
+            status, kind, detail = 404, "http", f"no WebSocket here. Connect to {CHARACTERS}."
         except MotionError as error:
-            status, kind = kind_of(error)
-            await _refuse_handshake(send, status, kind, str(error), identity)
+            (status, kind), detail = kind_of(error), str(error)
+        if origin_of(scope) is None:
+            await _refuse_handshake(send, status, kind, detail, identity)
+        else:
+            await _refuse_page(scope, receive, send, status, kind, detail)
 
 
 async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
@@ -205,6 +210,14 @@ async def _refuse(send: Send, status: int, kind: str, detail: str, headers: Head
     body = problem(status, kind, detail, request_id.get())
     more = [*headers, (b"www-authenticate", b"Bearer")] if status == 401 else headers
     await Answer(body, MEDIA_TYPE.encode(), status).send(send, more)
+
+
+async def _refuse_page(scope: Scope, receive: Receive, send: Send, status: int, kind: str, detail: str) -> None:
+    """Accepts the WebSocket of a web page to refuse it: a page cannot read why a handshake failed."""
+    await accept(scope, receive, send)
+    event = event_message("refused", ref=None, type=URN + kind, detail=detail)
+    await send({"type": "websocket.send", "text": event.decode()})
+    await send({"type": "websocket.close", "code": REFUSED + status, "reason": kind})
 
 
 async def _refuse_handshake(send: Send, status: int, kind: str, detail: str, identity: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from fastapi.responses import FileResponse
@@ -12,7 +12,7 @@ from motionsplice.motion.errors import did_you_mean
 from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
 from motionsplice.service.problems import MEDIA_TYPE, NotReadyError, RequestError, UnknownBankError
 from motionsplice.service.shared import Shared
-from motionsplice.service.wire.axes import AXES
+from motionsplice.service.wire.axes import AXES, AxesName
 
 Responses = dict[int | str, dict[str, Any]]
 OCTETS = {"type": "string", "format": "binary"}
@@ -55,7 +55,7 @@ def bank_routes(shared: Shared) -> APIRouter:
 
     @router.get("/skeleton", summary="The skeleton", responses=REFUSED)
     async def get_skeleton(
-        axes: Annotated[Literal["gltf", "unity", "unreal", "godot"], Query(description="Axes of the offsets")] = "gltf",
+        axes: Annotated[AxesName, Query(description="Axes of the offsets")] = "gltf",
     ) -> SkeletonInfo:
         """Joints in the order of all rotations, their parents and offsets, and the joint of each role."""
         return SkeletonInfo.of(serving.bank, AXES[axes])

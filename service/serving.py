@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from motionsplice.runtime.bank import Bank
@@ -13,7 +14,9 @@ from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 from motionsplice.service.problems import NotReadyError
+from motionsplice.service.wire.axes import Axes
 from motionsplice.service.wire.encoding import warm as warm_encoding
+from motionsplice.service.wire.rig import rig_fields
 
 logger = logging.getLogger(__name__)
 
@@ -26,11 +29,14 @@ class Edition:
     evaluator: Evaluator
     stage: Stage
 
-    @property
-    def rig(self) -> dict[str, Any]:
-        """What clients need to decode frames: the bank's digest, the joints and their parents."""
-        skeleton = self.bank.skeleton
-        return {"bank": self.bank.digest, "joints": list(skeleton.names), "parents": skeleton.parents.tolist()}
+    def rig(self, axes: Axes) -> dict[str, Any]:
+        """What clients need to pose a rig: the bank's digest, its joints, their parents, offsets and roles."""
+        return {"bank": self.bank.digest, **rig_fields(self.bank, axes)}
+
+    @cached_property
+    def clips(self) -> dict[str, dict[str, float]]:
+        """Rate and duration of each clip, by its name."""
+        return {clip.name: {"rate": clip.rate, "duration": clip.duration} for clip in self.bank.clips}
 
     @classmethod
     def warm(cls, bank: Bank) -> Edition:

@@ -121,7 +121,7 @@ def _alone(bank: Path, clips: list[str], columns: dict[str, NDArray[Any]], numbe
         began = time.perf_counter()
         poses = evaluator.poses(BATCH)
         evaluator.evaluate(requests, poses)
-        packed({"bank": opened.digest}, how.arrays(evaluator, poses))
+        packed(opened.digest, {}, how.arrays(evaluator, poses))
         spent.append(time.perf_counter() - began)
     return 1e6 * float(np.median(spent))
 

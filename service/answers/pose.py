@@ -58,7 +58,7 @@ class PoseAnswers:
         ready.requests.time[0] = time
         edition.evaluator.evaluate(ready.requests, ready.poses)
         arrays = ready.encoding.arrays(edition.evaluator, ready.poses)
-        body = ready.form.write({"bank": edition.bank.digest}, {name: one[0] for name, one in arrays.items()})
+        body = ready.form.write(edition.bank.digest, {}, {name: one[0] for name, one in arrays.items()})
         return Answer(body, ready.form.media_type)
 
 

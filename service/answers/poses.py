@@ -11,12 +11,11 @@ from motionsplice.service.answers.batch import Batch
 from motionsplice.service.answers.body import header, whole_body
 from motionsplice.service.problems import LimitError, MediaTypeError
 from motionsplice.service.shared import Shared
-from motionsplice.service.wire.messages import FORMS, JSON, MSGPACK
+from motionsplice.service.wire.messages import FORMS, JSON, JSON_SHARE, MSGPACK
 from motionsplice.service.wire.parameters import HOW, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
 POSES = Query(*HOW, format_parameter("json", "msgpack"))
-JSON_SHARE = 16  # parsed JSON is about this many times larger and slower than blobs, so its limits are lower
 
 
 async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
@@ -40,4 +39,4 @@ async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     shared.metrics.evaluation.observe(perf_counter() - began)
     arrays = encoding(values).arrays(edition.evaluator, out)
     answer_type, write = FORMS[form]
-    return Answer(write({"bank": edition.bank.digest}, arrays), answer_type)
+    return Answer(write(edition.bank.digest, {}, arrays), answer_type)

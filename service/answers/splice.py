@@ -56,7 +56,7 @@ async def splice(shared: Shared, query: bytes) -> Answer:
 
 
 def _fields(frames: Frames) -> dict[str, Any]:
-    return frame_fields(frames.edition.bank.digest, frames.first, frames.count, frames.rate)
+    return frame_fields(frames.first, frames.count, frames.rate)
 
 
 def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:
@@ -64,7 +64,8 @@ def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:
     for _, poses in frames.blocks(BLOCK):
         blocks.append(how.arrays(frames.evaluator, poses))
         yield b""
-    yield packed(_fields(frames), {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]})
+    arrays = {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
+    yield packed(frames.edition.bank.digest, _fields(frames), arrays)
 
 
 def _json(frames: Frames, how: Encoding) -> Iterator[bytes]:
@@ -73,7 +74,7 @@ def _json(frames: Frames, how: Encoding) -> Iterator[bytes]:
     for _, poses in frames.blocks(JSON_BLOCK):
         blocks.append(how.arrays(frames.evaluator, poses))
         yield b""
-    yield json(_fields(frames), {})[:-1]
+    yield json(frames.edition.bank.digest, _fields(frames), {})[:-1]
     for name in blocks[0]:
         yield b"," + orjson.dumps(name) + b":["
         for number, block in enumerate(blocks):

@@ -15,7 +15,7 @@ from motionsplice.service.answers.frames import WHICH, Frames
 from motionsplice.service.problems import at_most
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Encoding
-from motionsplice.service.wire.messages import PROTOCOL, frame_fields, length_delimited, packed
+from motionsplice.service.wire.messages import PROTOCOL, frame_fields, length_delimited, packed, packed_map
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding
 from motionsplice.service.wire.query import Query, choice, integer
 
@@ -81,7 +81,7 @@ async def messages(
     Unless `pace` is `realtime`, several messages are joined. In real time each message has its own due time, so that
     delays do not add up.
     """
-    yield 0, length_delimited(packed(_header(frames, how), {}))
+    yield 0, length_delimited(packed_map(_header(frames, how)))
     began, bank, paced = clock.now(), frames.edition.bank.digest, pace == "realtime"
     for first, poses in frames.blocks(ahead * max(1, BLOCK // ahead)):
         arrays, count = how.arrays(frames.evaluator, poses), len(poses.flat)
@@ -89,7 +89,7 @@ async def messages(
         for row in range(0, count, ahead):
             some = {name: one[row : row + ahead] for name, one in arrays.items()}
             few = min(ahead, count - row)
-            message = length_delimited(packed(frame_fields(bank, first + row, few, frames.rate), some))
+            message = length_delimited(packed(bank, frame_fields(first + row, few, frames.rate), some))
             if paced:
                 await clock.sleep(max(0.0, began + (first + row - frames.first) / frames.rate - clock.now()))
                 yield few, message
@@ -109,7 +109,7 @@ async def _disconnected(receive: Receive) -> None:
 def _header(frames: Frames, how: Encoding) -> dict[str, Any]:
     return {
         "stream": PROTOCOL,
-        **frames.edition.rig,
+        **frames.edition.rig(how.axes),
         **how.fields,
         "locomotion": frames.splice.locomotion,
         "action": frames.splice.action,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, get_args
 
 import orjson
@@ -13,6 +13,7 @@ from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
 from motionsplice.runtime.requests import Posture
 from motionsplice.service.problems import RequestError
+from motionsplice.service.wire.axes import Axes
 
 LARGEST_ID = 2**32 - 1
 FASTEST = 8.0  # times a clip's own speed
@@ -132,16 +133,30 @@ def ref_of(listed: list[Any]) -> int | float | str | None:
     return ref if type(ref) in REF_TYPES else None
 
 
-def checked(listed: list[Any]) -> list[Command]:
-    """Returns the commands of a message. Raises RequestError about the first one that is wrong."""
+def checked(listed: list[Any], axes: Axes) -> list[Command]:
+    """Returns the commands of a message, with places in our axes. Raises RequestError about the first that is wrong.
+
+    Args:
+        listed: The commands, as `parse` returns them.
+        axes: The axes of their positions and headings.
+    """
     commands = []
     for number, fields in enumerate(listed):
         try:
-            commands.append(_command(fields))
+            command = _command(fields)
+            commands.append(command if axes.ours else replace(command, values=_in_our_axes(command.values, axes)))
         except RequestError as error:
             place = f"command {number}" if len(listed) > 1 else ""
             raise RequestError(error.problem, place=place, mend=error.mend) from None
     return commands
+
+
+def _in_our_axes(values: Mapping[str, Any], axes: Axes) -> Mapping[str, Any]:
+    converters: Mapping[str, Callable[[Any], Any]] = {
+        "position": axes.metres,
+        "heading": lambda heading: axes.turn * heading,
+    }
+    return {key: converters[key](value) if key in converters else value for key, value in values.items()}
 
 
 def _command(fields: object) -> Command:

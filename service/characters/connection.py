@@ -7,7 +7,7 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from typing import Any, Protocol
 
@@ -16,12 +16,12 @@ from starlette.types import Receive, Send
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.service.characters.commands import Command, checked, parse, ref_of
-from motionsplice.service.characters.scene import Scene
+from motionsplice.service.characters.frame_format import FrameFormat
+from motionsplice.service.characters.play import Play
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import URN, kind_of
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
-from motionsplice.service.wire.encoding import Encoding
 
 logger = logging.getLogger(__name__)
 
@@ -30,6 +30,7 @@ BURST = 10_000.0  # commands that are done at once before further ones wait
 COPIED = 100.0  # copying this many characters costs about as much as one command; every message copies the scene
 MOST_EVENTS = 1000  # unsent events of one client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
+REFUSED = 4000  # and the status of the problem: close codes of WebSockets that are refused
 
 
 class Transport(Protocol):
@@ -39,39 +40,16 @@ class Transport(Protocol):
     def is_free(self) -> bool:
         """Whether the send buffer is empty."""
 
-    def send_at_once(self, message: bytes) -> bool:
-        """Sends a binary message if the send buffer is empty. Returns whether it did."""
+    def send_at_once(self, message: bytes, *, text: bool) -> bool:
+        """Sends a message, text or binary, if the send buffer is empty. Returns whether it did."""
 
     async def nothing_waits(self) -> None:
         """Waits until the send buffer is empty. Raises OSError if the client has disconnected."""
 
 
-@dataclass(frozen=True, eq=False)
-class Play:
-    """A scene at one frame.
-
-    Attributes:
-        scene: The characters, as they are at this frame.
-        frame: Number of the frame.
-        due: When the frame is due, in seconds of the event loop's clock.
-        rate: Frames per second.
-        ahead: Frames in a message.
-    """
-
-    scene: Scene
-    frame: int
-    due: float
-    rate: float
-    ahead: int
-
-    def after(self, count: int) -> Play:
-        """Returns the play `count` frames later. The caller has advanced the scene by as many frames."""
-        return Play(self.scene, self.frame + count, self.due + count / self.rate, self.rate, self.ahead)
-
-    @property
-    def load(self) -> float:
-        """Characters evaluated per second."""
-        return len(self.scene) * self.rate
+def event_message(event: str, **values: Any) -> bytes:
+    """Returns an event as a text message."""
+    return orjson.dumps({"event": event, **values})
 
 
 class State(Enum):
@@ -107,17 +85,18 @@ class Connection:
         sent: What the last message began with if it holds frames that are not due yet, else None. A command goes back
             into it.
         refused: The newer edition that this connection cannot move to and that its client knows of, or None.
+        format: The format of the frames.
     """
 
     def __init__(
-        self, play: Play, encoding: Encoding, settings: Settings, metrics: Metrics, transport: Transport | None
+        self, play: Play, form: FrameFormat, settings: Settings, metrics: Metrics, transport: Transport | None
     ) -> None:
         self.state = State.READY
         self.play = play
         self.wanted = play.due
         self.sent: Play | None = None
         self.refused: Edition | None = None
-        self.encoding = encoding
+        self.format = form
         self.settings = settings
         self.metrics = metrics
         self._transport = transport
@@ -149,7 +128,7 @@ class Connection:
         if len(self._events) >= MOST_EVENTS:
             self.close(TOO_SLOW, f"more than {MOST_EVENTS} events were left unread")
             return
-        self._events.append(orjson.dumps({"event": event, **values}))
+        self._events.append(event_message(event, **values))
         self._wake.set()
 
     def defer(self) -> None:
@@ -164,7 +143,7 @@ class Connection:
         if not self.is_open:
             return 0
         nothing_before = self._message is None and not self._events and not self._wake.is_set()
-        if nothing_before and self._transport is not None and self._transport.send_at_once(message):
+        if nothing_before and self._send_at_once(message):
             return count
         self._enter(State.HOLDING)
         self._message = count, message
@@ -239,9 +218,13 @@ class Connection:
         (count, message), self._message = self._message, None
         if self.state is State.HOLDING:
             self._enter(State.READY)
-        if self._transport is None or not self._transport.send_at_once(message):
-            await send({"type": "websocket.send", "bytes": message})
+        if not self._send_at_once(message):
+            content = {"text": message.decode()} if self.format.is_text else {"bytes": message}
+            await send({"type": "websocket.send", **content})
         self.metrics.frames_sent.inc(count)
+
+    def _send_at_once(self, message: bytes) -> bool:
+        return self._transport is not None and self._transport.send_at_once(message, text=self.format.is_text)
 
     def rewound(self, now: float) -> Play:
         """Returns a copy of the play at the first frame that is not due yet, which may have been sent already."""
@@ -282,7 +265,7 @@ class Connection:
         try:
             listed = parse(text)
             ref = ref_of(listed)
-            commands = checked(listed)
+            commands = checked(listed, self.format.encoding.axes)
             do(self, commands)
         except MotionError as error:
             self.queue_event("refused", ref=ref, type=URN + kind_of(error)[1], detail=str(error))

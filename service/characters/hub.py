@@ -15,14 +15,15 @@ from starlette.types import Receive, Scope, Send
 from motionsplice.runtime.requests import Poses
 from motionsplice.service.admission import SUBPROTOCOL
 from motionsplice.service.characters.commands import Command
-from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play, State
+from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
+from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
+from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.problems import BusyError, LimitError, at_most
 from motionsplice.service.serving import Edition
 from motionsplice.service.shared import Shared
-from motionsplice.service.wire.encoding import Arrays, Encoding
-from motionsplice.service.wire.messages import PROTOCOL, frame_fields, packed
-from motionsplice.service.wire.parameters import HOW, encoding
+from motionsplice.service.wire.encoding import Arrays
+from motionsplice.service.wire.messages import PROTOCOL
 from motionsplice.service.wire.query import Query, integer, number
 
 logger = logging.getLogger(__name__)
@@ -30,7 +31,7 @@ logger = logging.getLogger(__name__)
 CHARACTERS = Query(
     number("rate", "frames per second", 60.0, least=1.0, most=1000.0),
     integer("ahead", "frames in a message", 1, least=1, most=1000),
-    *HOW,
+    *PARAMETERS,
 )
 LEFT_OUT = 1.0  # seconds by which characters move on at most when frames are left out
 BEHIND = 0.1  # seconds by which the clock may be late before frames are left out
@@ -49,17 +50,15 @@ class Hub:
     async def serve(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serves one WebSocket from its handshake to its end. Raises MotionError before the handshake is accepted."""
         values, loop = CHARACTERS.read(scope["query_string"]), asyncio.get_running_loop()
-        edition, how, rate = self._shared.serving.edition, encoding(values), values["rate"]
+        edition, form, rate = self._shared.serving.edition, frame_format(values), values["rate"]
         scene = Scene(edition, rate, self._shared.settings.max_characters)
         play = Play(scene, 0, _next_tick(loop.time(), rate), rate, values["ahead"])
-        self._check(play, 0.0)
         transport = scope.get("extensions", {}).get(TRANSPORT)
-        connection = Connection(play, how, self._shared.settings, self._shared.metrics, transport)
+        connection = Connection(play, form, self._shared.settings, self._shared.metrics, transport)
+        self._check(connection, play)
         with self._shared.admitted(), self._shared.metrics.connection("characters"):
-            await receive()
-            offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
-            await send({"type": "websocket.accept", "subprotocol": offered})
-            connection.queue_event("welcome", **self._welcome(play, how))
+            await accept(scope, receive, send)
+            connection.queue_event("welcome", **self._welcome(play, form))
             self.connections.add(connection)
             self._changed.set()
             sending = asyncio.create_task(connection.send(send, self._changed.set))
@@ -101,7 +100,7 @@ class Hub:
                 alarm.cancel()
 
     def _tick(self, now: float) -> None:
-        groups: dict[tuple[Edition, float, int, Encoding], list[Connection]] = {}
+        groups: dict[tuple[Edition, float, int, FrameFormat], list[Connection]] = {}
         first, missed = now, 0
         for one in self.connections:
             if one.wanted > now + EARLY:
@@ -113,15 +112,15 @@ class Hub:
             missed += _catch_up(one, now)
             play = one.play
             if len(play.scene):
-                groups.setdefault((play.scene.edition, play.rate, play.ahead, one.encoding), []).append(one)
+                groups.setdefault((play.scene.edition, play.rate, play.ahead, one.format), []).append(one)
             else:
                 one.sent = None
                 one.go_on(play.after(play.ahead))
         self._shared.metrics.tick_lateness.observe(now - first)
         self._shared.metrics.frames_skipped.inc(missed)
-        for (edition, rate, ahead, how), group in groups.items():
+        for (edition, rate, ahead, form), group in groups.items():
             try:
-                self._make(edition, rate, ahead, how, group)
+                self._make(edition, rate, ahead, form, group)
             except Exception:
                 logger.exception("making frames failed")
                 for one in group:
@@ -131,7 +130,7 @@ class Hub:
             if one.play.scene.edition is not newest and not one.play.scene.missing(newest):
                 self._move(one, newest)
 
-    def _make(self, edition: Edition, rate: float, ahead: int, how: Encoding, group: list[Connection]) -> None:
+    def _make(self, edition: Edition, rate: float, ahead: int, form: FrameFormat, group: list[Connection]) -> None:
         """Makes a message of `ahead` frames for each connection of a group, and advances the scenes."""
         scenes = [one.play.scene for one in group]
         if ahead > 1:
@@ -140,21 +139,21 @@ class Hub:
         ends = np.cumsum([len(scene) for scene in scenes]).tolist()
         frames: list[Arrays] = []
         for later in range(ahead):
-            frames.append(self._evaluate(edition, scenes, how))
+            frames.append(self._evaluate(edition, scenes, form))
             for one in group:
                 for event in one.play.scene.advance():
                     one.queue_event(frame=one.play.frame + later + 1, **event)
         wall, loop = time.time(), asyncio.get_running_loop().time()
         sent = 0
         for one, first, end in zip(group, [0, *ends], ends, strict=False):
-            play = one.play
-            fields = {**frame_fields(edition.bank.digest, play.frame, ahead, rate), "time": wall + play.due - loop}
-            arrays = {name: _stacked([frame[name][first:end] for frame in frames]) for name in frames[0]}
-            sent += one.send_frames(ahead, packed(fields, {"ids": play.scene.ids, **arrays}))
+            play, time_due = one.play, wall + one.play.due - loop
+            own = [{name: array[first:end] for name, array in frame.items()} for frame in frames]
+            message = form.message(edition.bank.digest, play.frame, rate, time_due, play.scene.ids, own)
+            sent += one.send_frames(ahead, message)
             one.go_on(play.after(ahead))
         self._shared.metrics.frames_sent.inc(sent)
 
-    def _evaluate(self, edition: Edition, scenes: list[Scene], how: Encoding) -> Arrays:
+    def _evaluate(self, edition: Edition, scenes: list[Scene], form: FrameFormat) -> Arrays:
         """Evaluates all characters of some scenes. Returns arrays [n, ...]."""
         began = time.perf_counter()
         poses, first = edition.evaluator.poses(sum(len(scene) for scene in scenes)), 0
@@ -162,7 +161,8 @@ class Hub:
             rows = slice(first, first + len(scene))
             scene.evaluate(Poses(poses.root_positions[rows], poses.rotations[rows]))
             first += len(scene)
-        arrays = how.arrays(edition.evaluator, poses)
+        motion = form.motion(np.concatenate([scene.characters.deltas for scene in scenes])) if form.deltas else {}
+        arrays = {**motion, **form.encoding.arrays(edition.evaluator, poses)}
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
         return arrays
 
@@ -180,20 +180,21 @@ class Hub:
                     play.scene.subscribe(command.values["events"])
             else:
                 play.scene.do(command)
-        self._check(play, connection.play.load)
+        self._check(connection, play)
         connection.change(play, now)
         self._changed.set()
 
-    def _check(self, play: Play, load: float) -> None:
-        """Checks a play against the limits of a message and a client (LimitError), and of all clients (BusyError)."""
-        settings = self._shared.settings
+    def _check(self, connection: Connection, play: Play) -> None:
+        """Checks what a connection is to play. Raises LimitError for limits of a message or client, else BusyError."""
+        settings, cost = self._shared.settings, connection.format.cost
         at_most("rate", play.rate, settings.max_rate)
         at_most("ahead", play.ahead, settings.max_ahead)
-        if play.ahead * len(play.scene) > settings.max_characters:
+        if play.ahead * len(play.scene) > (most := settings.max_characters // cost):
             problem = f"{len(play.scene)} characters times {play.ahead} frames are too many for one message"
-            raise LimitError(problem, mend=f"Ask for at most {settings.max_characters} characters times frames")
-        total = sum(one.play.load for one in self.connections) - load + play.load
-        if play.load > load and total > settings.max_load:
+            raise LimitError(problem, mend=f"Ask for at most {most} characters times frames")
+        load = cost * play.load
+        others = sum(one.format.cost * one.play.load for one in self.connections if one is not connection)
+        if load > cost * connection.play.load and others + load > settings.max_load:
             problem = f"this process evaluates at most {settings.max_load} characters per second"
             raise BusyError(problem, mend="Ask for fewer characters or a lower rate, or ask another process")
 
@@ -212,18 +213,28 @@ class Hub:
             return
         play.scene.move(edition)
         connection.change(play, now)
-        connection.queue_event("bank", frame=play.frame, **edition.rig)
+        axes = connection.format.encoding.axes
+        connection.queue_event("bank", frame=play.frame, **edition.rig(axes), clips=edition.clips)
         self._changed.set()
 
-    def _welcome(self, play: Play, how: Encoding) -> dict[str, Any]:
+    def _welcome(self, play: Play, form: FrameFormat) -> dict[str, Any]:
+        edition = play.scene.edition
         return {
             "protocol": PROTOCOL,
-            **play.scene.edition.rig,
-            **how.fields,
+            **edition.rig(form.encoding.axes),
+            "clips": edition.clips,
+            **form.fields,
             "rate": play.rate,
             "ahead": play.ahead,
-            "max_characters": self._shared.settings.max_characters,
+            "max_characters": self._shared.settings.max_characters // form.cost,
         }
+
+
+async def accept(scope: Scope, receive: Receive, send: Send) -> None:
+    """Accepts a handshake."""
+    await receive()
+    offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
+    await send({"type": "websocket.accept", "subprotocol": offered})
 
 
 def _next_tick(now: float, rate: float) -> float:
@@ -239,7 +250,3 @@ def _catch_up(connection: Connection, now: float) -> int:
         play.scene.leave_out(min(missed, math.ceil(LEFT_OUT * play.rate)))
         connection.play = play.after(missed)
     return missed
-
-
-def _stacked(frames: list[Any]) -> Any:
-    return frames[0] if len(frames) == 1 else np.stack(frames)

@@ -73,14 +73,17 @@ class Scene:
         """Advances by frames that are not sent.
 
         Many frames are advanced in longer steps without evaluation, so that a late clock does not fall further behind.
+        Their root motion is added to that of the next frame.
         """
-        if frames * len(self) <= FEW:
-            for _ in range(frames):
+        few = frames * len(self) <= FEW
+        step = 1 if few else math.ceil(LONGEST_STEP * self.characters.rate)
+        for first in range(0, frames, step):
+            before = self.characters.deltas.copy()
+            if few:
                 self.pass_frame()
-        else:
-            step = math.ceil(LONGEST_STEP * self.characters.rate)
-            for first in range(0, frames, step):
+            else:
                 self.characters.advance(min(step, frames - first))
+            self.characters.deltas[:] = composed(before, self.characters.deltas)
 
     def evaluate(self, out: Poses) -> None:
         self.characters.evaluate(out)
@@ -145,6 +148,13 @@ class Scene:
         if missing:
             raise RequestError(f"id: character {missing[0]} not found", mend="Create it first")
         return rows
+
+
+def composed(first: NDArray[np.float64], then: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns two steps of root motion [n, 4] as one, relative to the place and heading before the first."""
+    left, up, ahead, turn = then.T
+    sin, cos = np.sin(first[:, 3]), np.cos(first[:, 3])
+    return first + np.column_stack((cos * left + sin * ahead, up, cos * ahead - sin * left, turn))
 
 
 def _action(action: str, own_clock: bool | list[float] = False, **values: Any) -> Action:

@@ -22,7 +22,7 @@ from motionsplice.service.edge.stall import StallGuard
 MOST_UNSENT = 32 * 1024  # bytes that the kernel buffers for a slow client; more would be out of date when read
 MOST_FRAGMENTS = 1024  # fragments of one message; even empty ones take memory
 TOO_LARGE = 1009
-WHOLE_BINARY = 0x82  # first byte of a binary message in one frame
+WHOLE_TEXT, WHOLE_BINARY = 0x81, 0x82  # first byte of a message in one frame
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):
@@ -92,17 +92,17 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         """Whether the send buffer is empty."""
         return self.writable.is_set()
 
-    def send_at_once(self, message: bytes) -> bool:
-        """Sends a binary message without a task or a copy if the send buffer is empty. Returns whether it did."""
+    def send_at_once(self, message: bytes, *, text: bool) -> bool:
+        """Sends a message without a task or a copy if the send buffer is empty. Returns whether it did."""
         if not self.writable.is_set() or self.close_sent or self.transport.is_closing():
             return False
-        size = len(message)
+        kind, size = WHOLE_TEXT if text else WHOLE_BINARY, len(message)
         if size < 126:
-            head = struct.pack("!BB", WHOLE_BINARY, size)
+            head = struct.pack("!BB", kind, size)
         elif size < 1 << 16:
-            head = struct.pack("!BBH", WHOLE_BINARY, 126, size)
+            head = struct.pack("!BBH", kind, 126, size)
         else:
-            head = struct.pack("!BBQ", WHOLE_BINARY, 127, size)
+            head = struct.pack("!BBQ", kind, 127, size)
         self.transport.writelines((head, message))
         return True
 

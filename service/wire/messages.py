@@ -11,11 +11,11 @@ import numpy as np
 import orjson
 
 from motionsplice.service.wire.encoding import Arrays
+from motionsplice.service.wire.layout import LENGTH, layout
 
 PROTOCOL = 3  # version of docs/protocol.md
 JSON, MSGPACK = "application/json", "application/msgpack"
-FIXMAP, MOST_KEYS, BIN32 = 0x80, 15, b"\xc6"  # MessagePack's format of small maps and of blobs
-LENGTH = 4  # bytes of the length before a message of a stream, or before a blob
+JSON_SHARE = 16  # JSON is about this many times larger and slower than blobs, so its limits are lower
 
 
 @cache
@@ -24,43 +24,45 @@ def _packer() -> msgpack.Packer:
     return msgpack.Packer()
 
 
-@cache
-def _blob_key(name: str) -> bytes:
-    return bytes(_packer().pack(name)) + BIN32
+def packed_map(fields: Mapping[str, Any]) -> bytes:
+    """Returns a map without arrays as MessagePack."""
+    return bytes(_packer().pack(fields))
 
 
-def packed(fields: Mapping[str, Any], arrays: Arrays) -> bytes:
-    """Returns a map as MessagePack. Arrays become blobs of little-endian numbers in C order; they must be contiguous.
+def packed(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
+    """Returns a message of frames as MessagePack: some fields, arrays, and `bank`, the bank's digest.
 
-    The blobs are joined here rather than by msgpack, which would copy them twice more.
+    Arrays become blobs of little-endian numbers in C order; they must be contiguous. Each begins at a multiple of 4
+    bytes (`layout`). The blobs are joined here rather than by msgpack, which would copy them twice more.
     """
-    count = len(fields) + len(arrays)
-    assert count <= MOST_KEYS
-    parts: list[Any] = [bytes((FIXMAP | count,)), _packer().pack(fields)[1:]]
-    for name, array in arrays.items():
-        parts += (_blob_key(name), array.nbytes.to_bytes(LENGTH, "big"), array.data)
+    values = _packer().pack(fields)[1:]
+    starts, heads = layout(bank, tuple(arrays), len(fields))
+    start, first = starts[len(values) % 4]
+    parts: list[Any] = [start, values, first]
+    for array, next_head in zip(arrays.values(), heads, strict=True):
+        parts += (array.nbytes.to_bytes(LENGTH, "big"), array, next_head)
     return b"".join(parts)
 
 
-def json(fields: Mapping[str, Any], arrays: Arrays) -> bytes:
-    """Returns a map as JSON. Arrays become nested lists."""
+def json(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
+    """Returns a message of frames as JSON. Arrays become nested lists."""
     contiguous = {name: np.ascontiguousarray(one) for name, one in arrays.items()}
-    return orjson.dumps({**fields, **contiguous}, option=orjson.OPT_SERIALIZE_NUMPY)
+    return orjson.dumps({**fields, "bank": bank, **contiguous}, option=orjson.OPT_SERIALIZE_NUMPY)
 
 
 class Form(NamedTuple):
     """A form of messages that clients can request."""
 
     media_type: bytes
-    write: Callable[[Mapping[str, Any], Arrays], bytes]
+    write: Callable[[str, Mapping[str, Any], Arrays], bytes]
 
 
 FORMS = {"json": Form(JSON.encode(), json), "msgpack": Form(MSGPACK.encode(), packed)}
 
 
-def frame_fields(bank: str, first: int, count: int, rate: float) -> dict[str, Any]:
-    """Returns the fields of a message of frames: the bank's digest, number of the first frame, their count and rate."""
-    return {"bank": bank, "frame": first, "count": count, "rate": rate}
+def frame_fields(first: int, count: int, rate: float) -> dict[str, Any]:
+    """Returns the fields of a message of frames: number of the first frame, count of frames, and rate."""
+    return {"frame": first, "count": count, "rate": rate}
 
 
 def length_delimited(message: bytes) -> bytes:

@@ -42,6 +42,17 @@ def choice(name: str, description: str, among: Sequence[str], default: str) -> P
     return Parameter(name, read, default, description, {"type": "string", "enum": list(among), "default": default})
 
 
+def flag(name: str, description: str) -> Parameter:
+    values = {"true": True, "false": False}
+
+    def read(value: str) -> bool:
+        if value not in values:
+            raise ValueError(f"expected true or false, found {value[:40]!r}")
+        return values[value]
+
+    return Parameter(name, read, False, description, {"type": "boolean", "default": False})
+
+
 def number(
     name: str, description: str, default: Any = None, *, least: float = 0.0, most: float | None = None
 ) -> Parameter:

@@ -11,7 +11,7 @@ import msgpack
 import numpy as np
 from websockets.sync.client import connect
 
-from tests.service.messages import arrays
+from tests.service.messages import arrays, blob_offsets
 from tests.service.running import PATIENCE, Running
 
 
@@ -37,20 +37,17 @@ class Player:
     def take(self) -> None:
         """Receives the next message."""
         message = self.socket.recv(timeout=PATIENCE)
-        if isinstance(message, str):
-            self.events.append(json.loads(message))
-        else:
+        if isinstance(message, bytes):
             frame = msgpack.unpackb(message)
+            assert not any(offset % 4 for offset in blob_offsets(message).values())
             ids = np.frombuffer(frame["ids"], "<u4")
-            leading = (frame["count"], len(ids))
-            joints = len(self.welcome["joints"])
-            self.frames.append(
-                {
-                    **frame,
-                    **arrays(frame, joints, *leading, short=self.welcome["encoding"] == "int16"),
-                    "ids": ids.tolist(),
-                }
-            )
+            short = self.welcome["encoding"] == "int16"
+            decoded = arrays(frame, len(self.welcome["joints"]), frame["count"], len(ids), short=short)
+            self.frames.append({**frame, **decoded, "ids": ids.tolist()})
+        elif (event := json.loads(message))["event"] == "frames":
+            self.frames.append({key: _array(value) for key, value in event.items()})
+        else:
+            self.events.append(event)
 
     def event(self, *kinds: str) -> dict[str, Any]:
         """Returns the next event of these kinds, and drops others before it."""
@@ -79,3 +76,8 @@ class Player:
         while taken[-1]["frame"] + taken[-1]["count"] <= number:
             taken.append(self.frame())
         return taken
+
+
+def _array(value: Any) -> Any:
+    """Returns nested lists as an array."""
+    return np.array(value) if isinstance(value, list) and isinstance(value[0], list) else value

@@ -13,7 +13,9 @@ import pytest
 from starlette.types import Message
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.service.characters.connection import MOST_EVENTS, TOO_SLOW, Connection, Play, State
+from motionsplice.service.characters.connection import MOST_EVENTS, TOO_SLOW, Connection, State
+from motionsplice.service.characters.frame_format import FrameFormat
+from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition
@@ -37,7 +39,7 @@ class Buffer:
     def is_free(self) -> bool:
         return self.emptied.is_set()
 
-    def send_at_once(self, message: bytes) -> bool:
+    def send_at_once(self, message: bytes, *, text: bool) -> bool:
         if self.is_free:
             self.sent.append(message)
         return self.is_free
@@ -51,7 +53,7 @@ class Client:
 
     def __init__(self, edition: Edition, transport: Buffer | None = None) -> None:
         play = Play(Scene(edition, 60.0, 100), 10, 5.0, 60.0, 1)
-        self.connection = Connection(play, Encoding(), Settings(), Metrics(), transport)
+        self.connection = Connection(play, FrameFormat(Encoding()), Settings(), Metrics(), transport)
         self.messages: list[Message] = []
         self.freed = 0
 

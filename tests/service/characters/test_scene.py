@@ -11,6 +11,7 @@ from motionsplice.service.characters import scene
 from motionsplice.service.characters.commands import checked, parse
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.serving import Edition
+from motionsplice.service.wire.axes import AXES
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def edition(bank: Bank) -> Edition:
 def playing(edition: Edition) -> Scene:
     found = Scene(edition, 60.0, 100)
     for command in checked(parse('[{"do": "create", "id": [5, 6], "locomotion": "walk"},'
-                                 '{"do": "act", "id": 6, "action": "wave"}]')):  # fmt: skip
+                                 '{"do": "act", "id": 6, "action": "wave"}]'), AXES["gltf"]):  # fmt: skip
         found.do(command)
     return found
 
@@ -31,7 +32,30 @@ def test_a_few_frames_are_left_out_as_if_they_had_been_evaluated(edition: Editio
     for _ in range(50):
         evaluated.pass_frame()
     late.leave_out(50)
+    late.characters.deltas[:] = evaluated.characters.deltas  # which are those of all 50 frames
     assert late.characters.state.tobytes() == evaluated.characters.state.tobytes()
+
+
+@pytest.mark.parametrize("few", [True, False])
+def test_the_root_motion_of_frames_that_are_left_out_is_added_to_the_next(
+    edition: Edition, few: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    late = playing(edition)
+    late.characters.play([1], "turn_180", time=2.0, blend=0.0)
+    late.characters.place([1], (1.0, 0.0, 2.0), 0.7)
+    begun = late.characters.state.copy()
+    late.pass_frame()
+    monkeypatch.setattr(scene, "FEW", 10_000 if few else 1)
+    late.leave_out(49)
+    left, up, ahead, turn = late.characters.deltas.T
+    heading = begun[:, col.HEADING]
+    sin, cos = np.sin(heading), np.cos(heading)
+    moved = np.column_stack((cos * left + sin * ahead, up, cos * ahead - sin * left))
+    places = late.characters.state[:, col.PLACE : col.PLACE + 3] - begun[:, col.PLACE : col.PLACE + 3]
+    np.testing.assert_allclose(moved, places, atol=1e-9)
+    np.testing.assert_allclose(heading + turn, late.characters.state[:, col.HEADING], atol=1e-9)
+    assert abs(turn[1]) > 0.1
+    assert np.abs(places).max() > 0.5
 
 
 def test_many_frames_are_left_out_in_long_steps(edition: Edition, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from pythonosc.osc_bundle import OscBundle
+from pythonosc.osc_message import OscMessage
 from typer.testing import CliRunner
 
 from motionsplice.cli import app, main
@@ -44,7 +45,7 @@ def test_both_protocols_get_the_whole_clip(bank: Bank, listeners: tuple[socket.s
     frames, left_out = int(bank.clip("wave").duration * 10.0) + 1, result.output.count(", 0 left out") != 1
     assert f"127.0.0.1:{port(vmc)}: " in result.output
     assert "not sent" not in result.output
-    found = []
+    found: list[OscMessage] = []
     while not found or found[-1].address != "/VMC/Ext/T" or found[-1].params[0] < (frames - 1) / 10.0 - 1e-6:
         found += list(OscBundle(vmc.recv(65536)))
     times = [one.params[0] for one in found if one.address == "/VMC/Ext/T"]

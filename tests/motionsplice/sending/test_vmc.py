@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from pythonosc.osc_bundle import OscBundle
@@ -41,12 +43,12 @@ for side in ("Left", "Right"):
         PARENTS |= dict(zip(names[1:], names, strict=False))
 
 
-def messages(vmc: Vmc, clip: Clip, frame: int) -> list[tuple[str, list[object]]]:
+def messages(vmc: Vmc, clip: Clip, frame: int) -> list[tuple[str, list[Any]]]:
     datagrams = vmc.datagrams(frame / clip.rate, clip.root_positions[frame], clip.rotations[frame])
     return [(one.address, one.params) for datagram in datagrams for one in OscBundle(bytes(datagram))]
 
 
-def received(found: list[tuple[str, list[object]]]) -> dict[str, tuple[Floats, Floats]]:
+def received(found: list[tuple[str, list[Any]]]) -> dict[str, tuple[Floats, Floats]]:
     """Returns world positions [3] and rotations [4] of bones, in Unity's axes, as a receiver computes them.
 
     Bones that were not sent do not turn and lie where the bone above is.
@@ -122,7 +124,7 @@ def test_datagrams_pass_ethernet_whole(clip: Clip, joints: int) -> None:
 
 
 def test_no_bone_but_the_roots_lies_where_the_bone_above_lies() -> None:
-    """Godot's tracker takes a bone at zero for one that is not tracked."""
+    """Godot's tracker places joints by these positions, so zeros would make the body a point."""
     vmc = Vmc(with_fingers(WALK), find_roles(with_fingers(WALK).skeleton))
     for address, (_, *numbers) in messages(vmc, with_fingers(WALK), 0):
         assert address != "/VMC/Ext/Bone/Pos" or np.linalg.norm(numbers[:3]) > 0.005

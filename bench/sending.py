@@ -18,6 +18,7 @@ import tempfile
 import time
 from contextlib import closing
 from multiprocessing.connection import Connection
+from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Annotated
 
@@ -68,14 +69,17 @@ def packing(findings: Findings) -> None:
 def stream(findings: Findings, bank: Bank, rate: float, seconds: float) -> None:
     """Sends one character by both protocols, and compares what arrives with what was sent."""
     vmc, link = Vmc(bank.motion("walk"), bank.roles), LiveLink(bank.skeleton)
-    ours, theirs = multiprocessing.Pipe()
-    listening = multiprocessing.Process(target=_listen, args=(theirs,))
+    processes = multiprocessing.get_context("spawn")
+    ours, theirs = processes.Pipe()
+    listening = processes.Process(target=_listen, args=(theirs,))
     listening.start()
     addresses = [f"127.0.0.1:{port}" for port in ours.recv()]
-    control = multiprocessing.Process(target=_control, args=(addresses[2], rate, seconds))
+    ready = processes.Event()
+    control = processes.Process(target=_control, args=(ready, addresses[2], rate, seconds))
+    control.start()
+    ready.wait()
     schedule = Schedule(rate, seconds)
     with closing(Receiver(addresses[0], 0, "")) as to_vmc, closing(Receiver(addresses[1], 0, "")) as to_link:
-        control.start()
         for frame in perform(bank, "walk", "wave", schedule):
             datagrams = vmc.datagrams(*frame)
             to_vmc.send(datagrams)
@@ -121,8 +125,9 @@ def _listen(pipe: Connection) -> None:
     pipe.send(arrived)
 
 
-def _control(address: str, rate: float, seconds: float) -> None:
+def _control(ready: Event, address: str, rate: float, seconds: float) -> None:
     with closing(Receiver(address, 0, "")) as receiver:
+        ready.set()
         for _ in Schedule(rate, seconds):
             receiver.send([b"control"])
 

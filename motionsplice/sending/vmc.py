@@ -22,7 +22,7 @@ STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class Vmc:
-    """Packs poses of one rig.
+    """Packs poses of one rig into bundles that each fit into a datagram.
 
     The hips carry the path; `/VMC/Ext/Root/Pos` stays at the origin, because not all receivers use it.
 

@@ -42,7 +42,11 @@ def test_a_second_of_frames_arrives_in_order(bank: Bank, listener: socket.socket
     assert sum(one.address == "/VMC/Ext/Bone/Pos" for one in found) == len(times) * len(vmc.bones)
 
 
-def test_localhost_is_found_as_ipv4(listener: socket.socket) -> None:
+def test_ipv4_comes_before_ipv6(listener: socket.socket, monkeypatch: pytest.MonkeyPatch) -> None:
+    port = listener.getsockname()[1]
+    six = (socket.AF_INET6, socket.SOCK_DGRAM, 17, "", ("::1", port, 0, 0))
+    four = (socket.AF_INET, socket.SOCK_DGRAM, 17, "", ("127.0.0.1", port))
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: [six, four])
     with closing(Receiver(address(listener, "localhost"), 1, "--vmc")) as receiver:
         receiver.send([b"frame"])
     assert listener.recv(10) == b"frame"

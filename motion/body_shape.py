@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip_settings import AXES
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
@@ -32,13 +33,14 @@ def sampled_positions(clip: Clip) -> Floats:
 
 
 def standing_axis(positions: Floats, roles: Roles) -> str:
-    """Returns the axis along which a body stands in most frames, "x", "y" or "z", or "" if it stands along none.
+    """Returns the one of AXES along which a body stands in most frames, or "" if it stands along none.
 
     It stands along an axis if its trunk points up it and its legs down it. positions: [F, J, 3] of its joints.
     """
     trunk, legs = _trunk_and_legs(positions, roles)
-    along = np.minimum(np.median(trunk, axis=0), np.median(-legs, axis=0))
-    return "xyz"[int(np.argmax(along))] if along.max() > UPRIGHT else ""
+    upwards, downwards = np.median(trunk, axis=0), np.median(legs, axis=0)
+    along = np.minimum([*upwards, *-upwards], [*-downwards, *downwards])
+    return AXES[int(np.argmax(along))] if along.max() > UPRIGHT else ""
 
 
 def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -> list[str]:
@@ -54,20 +56,27 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
         up_known: Whether Y is certainly up, so that `--up` is not proposed.
 
     Raises:
-        RoleError: The roles fit neither the bind pose nor the motion, or the body stands on all fours at rest.
+        RoleError: The roles fit neither the bind pose nor the motion, the body stands on all fours at rest, or it is
+            unclear whether it lies: the bind pose stands along no axis, and the motion along another one than Y.
     """
     bind, moving = bind_positions(clip), sampled_positions(clip)
     if not given and _on_all_fours(bind, roles):
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
-    axis = standing_axis(moving, roles).replace("y", "")
+    stands = standing_axis(moving, roles)
+    axis = "" if stands == "y" else stands
     problem = _problem(moving, roles) or (f"it lies along {axis.upper()}" if axis else "")
     if not problem:
         return []
     is_up = f"{axis.upper()} is up in the file, give --up {axis}" if axis else "Y is not up in the file, give --up"
     hint = "" if up_known else f"If {is_up}"
-    if given or not _problem(bind, roles):
+    shows_up = bool(standing_axis(bind, roles))  # LAFAN1's bind pose, along one axis, does not
+    lies = not shows_up and stands != "y"
+    if given or not _problem(bind, roles) or (lies and (up_known or not axis)):
         return [f"the body is not upright in most frames: {problem}" + (f". {hint}" if hint else "")]
+    if lies:
+        problem = f"it is unclear which axis is up: the body stands along {axis.upper()}, and the bind pose along none"
+        raise RoleError(problem, mend=f"{hint}. If Y is, give --up y")
     mend = "ame the joints in a file and pass it as --roles"
     raise RoleError(
         f"the roles do not fit the body, neither in the bind pose nor in the motion: {problem}",

@@ -9,6 +9,13 @@ unit = "cm"
 up = "z"                 # the axis that is up in the file, where it is not found
 rate = 120               # frames per second, if the file says it wrongly
 root = "Hips2"           # a joint of the body to read, in a file with several
+roles = "odd.toml"       # a roles file beside this one, for a rig whose joint names are not known
+
+[moves]                  # all animations of moves.glb
+unit = "cm"
+
+["moves:run"]            # one of them; it has the keys of [moves] too
+kind = "action"
 """
 
 from __future__ import annotations
@@ -16,23 +23,26 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from motionsplice.motion.errors import SettingsError, did_you_mean
+from motionsplice.motion.roles import GivenRole, read_roles_file
 
 FILE_NAME = "clips.toml"
 KINDS = ("locomotion", "action")
+AXES = ("x", "y", "z", "-x", "-y", "-z")  # those that may be up
 VALUES = {
     "kind": '"locomotion" or "action"',
     "neutral": "the name of a clip, in quotes",
     "tags": 'a list of strings, such as ["carry"]',
     "skip_frames": "a whole number, 0 or more",
     "unit": 'a string, such as "cm"',
-    "up": '"x", "y" or "z"',
+    "up": '"x", "y", "z", "-x", "-y" or "-z"',
     "rate": "a number above 0",
     "root": "the name of a joint, in quotes",
+    "roles": "the name of a roles file beside clips.toml, in quotes",
 }
 
 
@@ -50,6 +60,7 @@ class ClipSettings:
         up: The axis that is up in the file, as `read_clip` takes it.
         rate: Frames per second, if the file states it wrongly.
         root: The root of the body to read, in a file with several.
+        roles: Joint names by role, for joints that cannot be found by name.
     """
 
     kind: str = "locomotion"
@@ -60,11 +71,12 @@ class ClipSettings:
     up: str | None = None
     rate: float | None = None
     root: str | None = None
+    roles: Mapping[str, GivenRole] = field(default_factory=dict)
 
     @property
     def reading(self) -> dict[str, Any]:
         """The arguments for `read_clip`."""
-        return {key: getattr(self, key) for key in ("skip_frames", "unit", "up", "rate", "root")}
+        return {key: getattr(self, key) for key in ("skip_frames", "unit", "up", "rate", "root", "roles")}
 
 
 DEFAULT_SETTINGS = ClipSettings()
@@ -77,7 +89,7 @@ def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
         file: The file, which must exist.
 
     Returns:
-        Settings by clip name.
+        Settings by the name of a clip, or of a file with several; `settings_for` finds those of a clip.
 
     Raises:
         SettingsError: The file is not TOML, or a key or value is invalid. The message names the clip and the key.
@@ -85,8 +97,19 @@ def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
     try:
         entries = tomllib.loads(file.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"the file is not TOML: {error}", file=str(file)) from None
-    return {name: _settings(name, entry, file) for name, entry in entries.items()}
+        mend = 'Write a name with a colon in quotes, as ["moves:run"]' if "table declaration" in str(error) else ""
+        raise SettingsError(f"the file is not TOML: {error}", file=str(file), mend=mend) from None
+    return {name: _settings(name, _with_those_of_file(name, entries), file) for name in entries}
+
+
+def settings_for(clip: str, settings: Mapping[str, ClipSettings], default: ClipSettings) -> ClipSettings:
+    """Returns a clip's own settings, else those of its file, else `default`."""
+    return settings.get(clip) or settings.get(clip.partition(":")[0], default)
+
+
+def _with_those_of_file(name: str, entries: Mapping[str, Any]) -> Any:
+    own, shared = entries[name], entries.get(name.partition(":")[0])
+    return {**shared, **own} if isinstance(own, Mapping) and isinstance(shared, Mapping) else own
 
 
 def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
@@ -99,8 +122,8 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
     for key in entry:
         if key not in keys:
             raise SettingsError(f"unknown key {key!r}", file=str(file), place=where, mend=did_you_mean(key, keys))
-    tags = entry.get("tags", [])
-    settings = ClipSettings(**{**entry, "tags": tuple(tags) if isinstance(tags, list) else ()})
+    tags, roles = entry.get("tags", []), entry.get("roles")
+    settings = ClipSettings(**{**entry, "tags": tuple(tags) if isinstance(tags, list) else (), "roles": {}})
     invalid = [
         key
         for key, valid in {
@@ -109,9 +132,10 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
             "tags": isinstance(tags, list) and all(isinstance(tag, str) for tag in settings.tags),
             "skip_frames": type(settings.skip_frames) is int and settings.skip_frames >= 0,
             "unit": isinstance(settings.unit, str | None),
-            "up": settings.up in (None, "x", "y", "z"),
+            "up": settings.up in (None, *AXES),
             "rate": settings.rate is None or (type(settings.rate) in (int, float) and 0.0 < settings.rate < math.inf),
             "root": isinstance(settings.root, str | None),
+            "roles": isinstance(roles, str | None),
         }.items()
         if not valid
     ]
@@ -120,4 +144,11 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
         raise SettingsError(
             f"invalid value {key} = {entry[key]!r}", file=str(file), place=where, mend=f"Use {VALUES[key]}"
         )
-    return settings
+    return replace(settings, roles=_roles(file, roles, where)) if roles else settings
+
+
+def _roles(file: Path, name: str, where: str) -> Mapping[str, GivenRole]:
+    try:
+        return read_roles_file(file.parent / name)
+    except SettingsError as error:
+        raise SettingsError(error.problem, file=str(file), place=f"{where}, {name}", mend=error.mend) from None

@@ -17,6 +17,7 @@ from motionsplice.motion.skeleton import Integers, Skeleton, chain
 GivenRole = str | Sequence[str]  # a joint's name; for the spine also several
 NOTHING_GIVEN: Mapping[str, GivenRole] = MappingProxyType({})
 LIMBS = tuple(f"{side}_{role}" for role in PAIRED if role != "toe" for side in ("left", "right"))
+ROLES_FILE = "a file, and pass it as --roles, or set it as `roles` of this clip in clips.toml"
 ENDS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder")
 
 
@@ -161,7 +162,7 @@ def check_limbs(names: Sequence[str], parents: Integers, found: Mapping[str, int
                 raise RoleError(
                     f"{names[lower]!r} ({side} {below}) is not below {names[upper]!r} ({side} {above})"
                     + (f", but hangs on {names[parents[lower]]!r}" if parents[lower] >= 0 else ""),
-                    mend="If other joints are these, name them in a file and pass it as --roles. "
+                    mend=f"If other joints are these, name them in {ROLES_FILE}. "
                     "If not, export a rig whose legs and arms are chains of joints",
                 )
 
@@ -216,10 +217,10 @@ def _missing(skeleton: Skeleton, found: Mapping[str, int], missing: Sequence[str
     """Returns the error for roles without a joint, with a roles file to fill in if it may be a human body."""
     if difference := not_human(skeleton):
         problem = f"this is not a human body: {difference}"
-        return RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
+        return RoleError(problem, mend=f"If it is one, name its joints in {ROLES_FILE}")
     return RoleError(
         f"no joint found for {', '.join(missing)}. Joints: {', '.join(skeleton.names)}. "
         f"Roles found: {', '.join(f'{role} = {skeleton.names[at]}' for role, at in found.items()) or 'none'}",
-        mend="If it is a human body, name the missing joints in a file and pass it as --roles:\n\n[roles]\n"
+        mend=f"If it is a human body, name the missing joints in {ROLES_FILE}:\n\n[roles]\n"
         + "\n".join(f'{role} = ""' for role in missing),
     )

@@ -26,7 +26,9 @@ class Settings(BaseSettings):
     watch: bool = Field(default=False, description="Serve a new bank when one is written in place of the old")
     clips: Path | None = Field(default=None, description="Folder for uploaded clips; without it, uploads are refused")
     token: SecretStr | None = Field(
-        default=None, min_length=8, description="Token that clients must send; without it, all are answered"
+        default=None,
+        min_length=8,
+        description="Token that clients must send, 8 characters or more; without it, all are answered",
     )
     origins: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(), description="Web origins whose pages may send requests, comma-separated; * for all"
@@ -73,12 +75,12 @@ class Settings(BaseSettings):
         try:
             return handler(values)
         except ValidationError as error:
-            wrong = [f"{_variable(one['loc'])} {_given(one)}: {one['msg']}" for one in error.errors()]
+            wrong = [f"{_variable(one['loc'])} {_problem(one)}" for one in error.errors()]
             raise SettingsError("; ".join(wrong), mend="Set another value, or unset it") from None
 
 
-def _given(error: ErrorDetails) -> str:
-    return "is invalid" if "token" in error["loc"] else f"is {error['input']!r}"
+def _problem(error: ErrorDetails) -> str:
+    return "is too short" if "token" in error["loc"] else f"is {error['input']!r}: {error['msg']}"
 
 
 def _variable(place: tuple[int | str, ...]) -> str:

@@ -309,8 +309,8 @@ RIGS = {
         "leg_L0_upleg_jnt,leg_L0_lowleg_jnt,leg_L0_foot_jnt,foot_L0_ball_jnt,shoulder_L0_shoulder_jnt,"
         "arm_L0_upperarm_jnt,arm_L0_lowerarm_jnt,arm_L0_hand_jnt,ik_foot_L0_0_jnt,ik_hand_L0_0_jnt",
         ("_L0", "_R0"),
-        "leg_L0_upleg_jnt,leg_L0_lowleg_jnt,leg_L0_foot_jnt,-,arm_L0_upperarm_jnt,arm_L0_lowerarm_jnt,"
-        "arm_L0_hand_jnt,-,-",
+        "leg_L0_upleg_jnt,leg_L0_lowleg_jnt,leg_L0_foot_jnt,foot_L0_ball_jnt,arm_L0_upperarm_jnt,arm_L0_lowerarm_jnt,"
+        "arm_L0_hand_jnt,neck_C0_neck_jnt,neck_C0_head_jnt",
     ),
     "Second Life": Rig(
         "mPelvis,mTorso,mChest,mNeck,mHead,mSkull",

@@ -30,22 +30,22 @@ WRITERS: Mapping[str, Callable[[Clip, Roles], bytes]] = {
     ".vrma": dump_vrma,
 }
 SUFFIXES = (".amc", ".bvh", *SCENES)
+LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 OTHERS = re.compile(  # motion files of other programs
-    r"\.(abc|anim|bip|blend|c3d|dae|fbx|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
+    r"\.(abc|anim|bip|blend|c3d|dae|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
     r"|vmd|vpd)",
     re.IGNORECASE,
 )
 
 
 def clip_files(folder: Path) -> list[Path]:
-    """Returns the motion files in a folder, in order of name."""
-    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES)
+    """Returns the motion files in a folder, in order of name, without hidden files, such as macOS' `._walk.bvh`."""
+    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES and file.name[0] != ".")
 
 
 def other_files(folder: Path) -> list[Path]:
     """Returns the motion files in a folder that cannot be read, in order of name."""
-    readable = set(clip_files(folder))
-    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file not in readable)
+    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file.name[0] != ".")
 
 
 def clips_in(path: Path) -> dict[str, str | None]:
@@ -82,21 +82,24 @@ def _animations(path: Path) -> list[str]:
     return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
-def parse(path: Path, animation: str | None, root: str | None = None) -> Parsed:
+def parse(path: Path, animation: str | None, root: str | None = None, *, still: bool = False) -> Parsed:
     """Returns what a file says: of several skeletons the one with the joint `root`, else the largest.
 
-    Raises FormatError.
+    If `still`, a scene without animations gives one frame at rest. Raises FormatError.
     """
     suffix = path.suffix.lower()
     if path.is_dir():
         raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
+    if suffix == ".asf":
+        raise FormatError("this is a skeleton without a motion", mend="Give the .amc beside it")
     if suffix not in SUFFIXES:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
     data = read_bytes(path)
     if suffix in GLTF:
-        return _parsed(gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation), root)
+        scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation, still=still)
+        return _parsed(scene, root)
     if suffix == ".fbx":
-        return _parsed(fbx_reader.read_scene(data, animation), root)
+        return _parsed(fbx_reader.read_scene(data, animation, still=still), root)
     if animation is not None:
         raise FormatError(f"a {suffix} file has no animations by name", mend="Leave out --animation")
     if suffix == ".bvh":
@@ -136,6 +139,9 @@ def read_bytes(path: Path) -> bytes:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None
     if not data or data.isspace():
         raise FormatError("the file is empty", file=str(path), mend="Export it again")
+    if data.startswith(LFS_POINTER):
+        problem = "this is a pointer of Git LFS, not the file itself"
+        raise FormatError(problem, file=str(path), mend="Run `git lfs pull`")
     return data
 
 

@@ -62,19 +62,21 @@ def fold(nodes: Nodes, root: int) -> Folded:
     """Makes the joint `root` joint 0 and keeps its descendants only.
 
     The transforms of its ancestors, moving or not, become part of its world transform. The position channels of an
-    inner joint are replaced by their median, as its offset; a note says so if they vary.
+    inner joint are replaced by their median, as its offset; a note names the joints that move.
     """
     position, rotation = _world(nodes, root)
     inside = subtree(nodes.parents, root)
     places = {joint: place for place, joint in enumerate(inside)}
-    offsets, notes = nodes.offsets[inside].copy(), []
+    offsets, notes, moving = nodes.offsets[inside].copy(), list[str](), list[str]()
     longest = float(np.linalg.norm(nodes.offsets[inside[1:]], axis=1).max(initial=0.0))
     for place, joint in enumerate(inside[1:], 1):
         if joint in nodes.translations:
             moved = nodes.translations[joint]
             offsets[place] = np.median(moved, axis=0)
             if np.abs(moved - offsets[place]).max() > STEADY * longest:
-                notes.append(f"joint {nodes.names[joint]!r} moves on its parent; fixed at its median offset")
+                moving.append(nodes.names[joint])
+    if moving:
+        notes.append(f"move on their parents, fixed at their median offsets: {listed(moving)}")
     if dropped := [name for joint, name in enumerate(nodes.names) if joint not in places]:
         notes.append(f"{nodes.names[root]!r} is the root; left out: {listed(dropped)}")
     ends = [end for end, joint in enumerate(nodes.end_parents) if int(joint) in places]

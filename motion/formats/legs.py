@@ -19,7 +19,7 @@ from motionsplice.motion.roles import NOTHING_GIVEN, limbs_by_name
 from motionsplice.motion.skeleton import Integers, chain
 
 STEADY = 0.01  # of the thigh: a joint that moves less on another joint is fixed to it
-STRETCH = 0.5  # of the thigh: IK may stretch a leg for some frames
+STRETCH = 0.2  # of the thigh: IK may stretch a leg in some frames, and the foot then leaves the end of the shin
 
 
 def with_legs_in_place(scene: Scene) -> tuple[Scene, Integers]:
@@ -52,14 +52,14 @@ def _hips(scene: Scene, legs: Mapping[str, int], thigh: float) -> dict[int, int]
 
 
 def _feet(scene: Scene, legs: Mapping[str, int], thigh: float) -> dict[int, int]:
-    """Returns the knee as new parent of each foot that hangs elsewhere and is at the end of the shin in most frames."""
+    """Returns the knee as new parent of each foot that hangs elsewhere and is mostly near the end of the shin."""
     found = {}
     for side in ("left", "right"):
         knee, ankle = legs[f"{side}_knee"], legs.get(f"{side}_ankle", -1)
         if ankle >= 0 and knee not in chain(scene.parents, ankle):
             places = _on(scene, ankle, knee)
             off = np.linalg.norm(places - np.median(places, axis=0), axis=1)
-            if np.median(off) <= STEADY * thigh and off.max() <= STRETCH * thigh:
+            if np.median(off) <= STRETCH * thigh:
                 found[ankle] = knee
     return found
 

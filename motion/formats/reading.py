@@ -15,9 +15,10 @@ from motionsplice.motion.body_shape import check_shape
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError, did_you_mean
-from motionsplice.motion.formats.files import SCENES, clip_name, parse
+from motionsplice.motion.formats.files import clip_name, clips_in, parse
 from motionsplice.motion.formats.fold import Folded, Nodes, fold
-from motionsplice.motion.formats.units import guess_unit, metres_per_unit
+from motionsplice.motion.formats.parsed import Parsed
+from motionsplice.motion.formats.units import check_stated_unit, guess_unit, metres_per_unit
 from motionsplice.motion.formats.upright import check_up, made_upright
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import (
@@ -37,7 +38,7 @@ from motionsplice.motion.skeleton import subtree
 # twice as large as any other step.
 JUMP = 0.1
 
-SHORTEST_LEG, LONGEST_LEG = 0.3, 2.5  # metres: with other legs, a glTF or FBX file is not in the unit that it states
+SHORTEST_LEG, LONGEST_LEG = 0.3, 2.5  # metres: with other legs, a file is not in the unit that it states
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +84,8 @@ def read_clip(
         skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
         unit: The file's unit of length: "m", "dm", "cm", "mm", "in", "ft", "cmu" (0.0254 / 0.45 m), or metres per unit
             as a number. None to use the one stated in the file, or else the one that gives the legs an adult's length.
-        up: The axis that is up in the file, "x", "y" or "z". None for the one that the format defines, or else along
-            which the bind pose stands.
+        up: The axis that is up in the file, "x", "y", "z", "-x", "-y" or "-z". None for the one that the format
+            defines, or else along which the bind pose stands.
         rate: Frames per second, if the file states it wrongly. The frames stay what they are.
         root: The root of the body to read, or any joint above its legs and arms, in a file with several bodies.
         roles: Joint names by role, for joints that cannot be found by name; see `find_roles`.
@@ -114,15 +115,31 @@ def read_clip(
     check_up(up)
     if rate is not None and not 0.0 < rate < math.inf:
         raise SettingsError(f"a rate of {rate:g} frames per second", mend="Give a number above 0")
+    return _read(path, animation, asked, roles, still=False)
+
+
+def read_rig(path: Path, roles: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Reading:
+    """Reads a file for its rig: a motion file, or a character without a motion, which gives one frame at rest.
+
+    Raises as `read_clip` does.
+    """
+    animation, *_ = clips_in(path).values()  # all are of one rig
+    return _read(path, animation, ClipSettings(), roles, still=True)
+
+
+def _read(
+    path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], *, still: bool
+) -> Reading:
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
-            return _read(path, animation, asked, roles)
+            return _understood(path, animation, asked, given, parse(path, animation, asked.root, still=still))
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
-def _read(path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole]) -> Reading:
-    parsed = parse(path, animation, asked.root)
+def _understood(
+    path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], parsed: Parsed
+) -> Reading:
     nodes, given = parsed.nodes, {**parsed.roles, **given}
     if not 0 <= asked.skip_frames < len(nodes.rotations):
         problem = f"cannot skip {asked.skip_frames} of {len(nodes.rotations)} frames"
@@ -130,13 +147,13 @@ def _read(path: Path, animation: str | None, asked: ClipSettings, given: Mapping
     folded = fold(nodes, root_of(nodes, asked.root, given))
     roles = find_roles(folded.skeleton, given)
     notes, warnings = [*parsed.notes, *folded.notes], list(parsed.warnings)
+    notes += [] if asked.root else _other_body(nodes, folded.skeleton.names)
     leg = roles.leg_length(folded.skeleton)
     if asked.unit is not None:
         metres = metres_per_unit(asked.unit)
-    elif parsed.unit is not None and (
-        path.suffix.lower() not in SCENES or SHORTEST_LEG <= parsed.unit * leg <= LONGEST_LEG
-    ):
+    elif parsed.unit is not None and SHORTEST_LEG <= parsed.unit * leg <= LONGEST_LEG:
         metres = parsed.unit
+        warnings += check_stated_unit(metres, leg)
     else:
         metres, note, warning = guess_unit(leg)
         notes.append(note)
@@ -144,7 +161,7 @@ def _read(path: Path, animation: str | None, asked: ClipSettings, given: Mapping
     read = _clip(clip_name(path, animation), folded, float(asked.rate or parsed.rate), metres, asked.skip_frames)
     clip, turns, doubts = made_upright(read, roles, asked.up or parsed.up)
     if asked.skip_frames == 0 and _starts_with_a_pose(clip.rotations):
-        warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1")
+        warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1, or in clips.toml")
     warnings += doubts + check_shape(clip, roles, given=bool(given), up_known=asked.up is not None or clip is not read)
     return Reading(clip, roles, metres, (*notes, *turns), tuple(warnings))
 
@@ -163,6 +180,17 @@ def root_of(nodes: Nodes, above: str | None, given: Mapping[str, GivenRole]) -> 
     if set(LIMBS) <= set(found):
         check_limbs(nodes.names, nodes.parents, found)
     return common_ancestor(nodes.parents, [found[role] for role in ENDS]) if set(ENDS) <= set(found) else body[0]
+
+
+def _other_body(nodes: Nodes, read: tuple[str, ...]) -> list[str]:
+    """Returns a note if the joints that are not read have legs and arms too."""
+    inside = set(read)
+    names = tuple(name for name in nodes.names if name not in inside)
+    found = limbs_by_name(names, NOTHING_GIVEN)
+    if not set(ENDS) <= set(found):
+        return []
+    other = common_ancestor(nodes.parents, [nodes.names.index(names[found[role]]) for role in ENDS])
+    return [f"read the skeleton {read[0]!r}; choose another with --root: {nodes.names[other]}"]
 
 
 def _clip(name: str, folded: Folded, rate: float, metres: float, skip: int) -> Clip:

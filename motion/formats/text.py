@@ -8,16 +8,18 @@ from motionsplice.motion.errors import FormatError
 
 PADDING = "\0\x1a"  # the second is Ctrl-Z, the end of a text file in DOS
 COMMAS = "its decimal commas were read as decimal points"
+OLDER = ("cp932", "gb18030", "big5")  # Japanese and Chinese, in which joints have left and right in their names
 PROBED = 64  # bytes that show UTF-16 without a byte order mark
 FIRST_LETTER = 9  # a tab; lower codes do not occur in text
 
 
 def text_of(data: bytes, mend: str) -> str:
-    """Returns the text of a file in UTF-8 or UTF-16, without byte order mark, and without the padding at its end.
+    """Returns the text of a file, without byte order mark, and without the padding at its end.
 
+    The encoding is UTF-8 or UTF-16, else the first of OLDER in which a name has left or right, else Windows-1252.
     Raises FormatError, with `mend`, if the file is not text or has nothing but padding.
     """
-    text = data.decode(_encoding(data), errors="replace")
+    text = _decoded(data)
     if "\0" in text or "\x1a" in text:
         end = len(text.rstrip(PADDING + " \t\r\n"))
         if end == 0:
@@ -26,6 +28,18 @@ def text_of(data: bytes, mend: str) -> str:
     if "\0" in text:
         raise FormatError("this is a binary file, not text", mend=mend)
     return text
+
+
+def _decoded(data: bytes) -> str:
+    encoding = _encoding(data)
+    for candidate in (encoding, *OLDER):
+        try:
+            text = data.decode(candidate)
+        except UnicodeDecodeError:
+            continue
+        if candidate == encoding or any(side in text for side in "左右"):
+            return text
+    return data.decode("cp1252" if encoding == "utf-8-sig" else encoding, errors="replace")
 
 
 def _encoding(data: bytes) -> str:

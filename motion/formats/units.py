@@ -10,6 +10,7 @@ GUESSED = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "cmu": 0.
 UNITS = GUESSED | {"ft": 0.3048}
 LEG = 0.85  # metres from hip over knee to ankle of an adult
 GROWN = (0.65, 1.05)  # metres: legs of grown people
+MOST = 9  # the largest power of ten that is proposed as a unit
 POSSIBLE = (0.3, 1.2)  # metres: legs of children too
 
 
@@ -39,7 +40,24 @@ def guess_unit(leg: float) -> tuple[float, str, str]:
     note = f"assumed unit {name} ({metres:.4g} m), because the legs are {leg:.4g} units long"
     if GROWN[0] <= metres * leg <= GROWN[1]:
         return metres, note, ""
-    others = [unit for unit in UNITS if unit != name and POSSIBLE[0] <= UNITS[unit] * leg <= POSSIBLE[1]]
-    choices = [f"--unit {unit} for legs of {UNITS[unit] * leg:.2g} m" for unit in others] or ["another --unit"]
     found = f"legs of {metres * leg:.3g} m, by the assumed unit {name}, are no grown person's"
-    return metres, note, f"{found}. Give {' or '.join(choices)}, or --unit {name} if they are right"
+    return metres, note, f"{found}. Give {_other_units(metres, leg)}, or --unit {name} if they are right"
+
+
+def check_stated_unit(metres: float, leg: float) -> list[str]:
+    """Returns a warning if a leg of length `leg` is no person's in the unit that a file states."""
+    if POSSIBLE[0] <= metres * leg <= POSSIBLE[1]:
+        return []
+    found = f"legs of {metres * leg:.3g} m, by the unit that the file states ({metres:.4g} m), are no person's"
+    return [f"{found}. Give {_other_units(metres, leg)}, or --unit {metres:.9g} if they are right"]
+
+
+def _other_units(metres: float, leg: float) -> str:
+    """Returns the options for units other than `metres` in which a leg may be a person's."""
+    exponent = round(math.log10(LEG) - math.log10(leg))
+    power = f"{10.0 ** min(max(exponent, -MOST), MOST):.0e}"  # of ten, if no unit with a name fits
+    for units in (UNITS, {power: float(power)}):
+        possible = {name: unit * leg for name, unit in units.items() if POSSIBLE[0] <= unit * leg <= POSSIBLE[1]}
+        if others := [name for name in possible if units[name] != metres]:
+            return " or ".join(f"--unit {name} for legs of {possible[name]:.2g} m" for name in others)
+    return "another --unit"

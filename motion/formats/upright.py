@@ -9,6 +9,7 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.body_shape import bind_positions, sampled_positions, standing_axis
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip_settings import AXES
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -17,13 +18,16 @@ TURNS = {  # by the axis that is up: the rotation that makes Y up
     "x": quaternion.about([0.0, 0.0, 1.0], np.pi / 2.0),  # (x, y, z) -> (-y, x, z)
     "y": quaternion.IDENTITY,
     "z": quaternion.about([1.0, 0.0, 0.0], -np.pi / 2.0),  # (x, y, z) -> (x, z, -y)
+    "-x": quaternion.about([0.0, 0.0, 1.0], -np.pi / 2.0),
+    "-y": quaternion.about([1.0, 0.0, 0.0], np.pi),  # cameras look along Z with Y down
+    "-z": quaternion.about([1.0, 0.0, 0.0], np.pi / 2.0),
 }
 
 
 def check_up(up: str | None) -> None:
     """Raises SettingsError unless `up` is an axis, or None for one that is to be found."""
-    if up is not None and up not in TURNS:
-        raise SettingsError(f"{up!r} is not an axis that can be up", mend=f"Use {', '.join(TURNS)}")
+    if up is not None and up not in AXES:
+        raise SettingsError(f"{up!r} is not an axis that can be up", mend=f"Use {', '.join(AXES)}")
 
 
 def made_upright(clip: Clip, roles: Roles, up: str | None) -> tuple[Clip, list[str], list[str]]:

@@ -16,12 +16,11 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.hand_joints import SIDES, Side, palm_of
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.segments import Segment, segments_of
-from motionsplice.motion.retarget.stance import frame
+from motionsplice.motion.retarget.stance import ahead, frame, heading
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
 UP = np.array([0.0, 1.0, 0.0])
-LEAST_ON_FLOOR = 0.3  # of a foot's length: a foot that is shorter over the floor shows no direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +43,7 @@ class Standing:
 
     def ahead(self, joint: int) -> Floats:
         """Returns the mean vector [3] from a joint to its children, or else to its end sites."""
-        below = [self.skeleton.offsets[child] for child in self.skeleton.children[joint]]
-        below = below or list(self.skeleton.end_offsets[self.skeleton.end_parents == joint])
-        return quaternion.rotate(self.pose[joint], np.mean(below, axis=0)) if below else np.zeros(3)
+        return quaternion.rotate(self.pose[joint], ahead(self.skeleton, joint))
 
 
 def bind_turns(theirs: Standing, ours: Standing) -> dict[str, Floats]:
@@ -75,15 +72,12 @@ def carry(above: Floats, ours: Floats, theirs: Floats) -> Floats:
 def _turn_foot(found: dict[str, Floats], theirs: Standing, ours: Standing, side: Side) -> None:
     """Turns foot and toes about the vertical only, for both feet are flat."""
     name = f"{side}_foot"
-    headings = []
-    for rig in (theirs, ours):
-        foot = rig.ahead(rig.segments[name].joints[0])
-        if np.hypot(foot[0], foot[2]) <= LEAST_ON_FLOOR * np.linalg.norm(foot):
-            return
-        headings.append(np.arctan2(foot[0], foot[2]))
+    their, our = (heading(rig.ahead(rig.segments[name].joints[0])) for rig in (theirs, ours))
+    if their is None or our is None:
+        return
     for part in (name, f"{side}_toe"):
         if part in found:
-            found[part][:] = quaternion.about(UP, headings[0] - headings[1])
+            found[part][:] = quaternion.about(UP, their - our)
 
 
 def _turn_hand(found: dict[str, Floats], theirs: Standing, ours: Standing, side: Side) -> None:

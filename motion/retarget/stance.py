@@ -1,16 +1,18 @@
 """The standing pose of a rig: upright, facing +Z, legs down.
 
 Most rigs stand in their bind pose, perhaps facing elsewhere. Others have all bones along one axis there, as LAFAN1's
-BVH files and 3ds Max's Biped do: their standing pose is found from a motion.
+BVH files and 3ds Max's Biped do: their standing pose is found from a motion. So are feet that are bound pointing down.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.hand_joints import SIDES
+from motionsplice.motion.hand_joints import SIDES, Side
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.segments import segments_of
@@ -24,6 +26,7 @@ SHORTEST = 1e-9  # metres: a shorter line has no direction
 LEAST_BEND = 0.05  # mean sine of the bend: a limb that bends less does not show its hinge
 FAR = np.radians(45.0)  # a joint whose mean is nearer to its bind rotation has that rotation in the standing pose
 FREE = ("trunk", "neck", "head", "collar", "hand")  # segments whose joints may be far from their bind rotation
+LEAST_ON_FLOOR = 0.3  # of a foot's length: a foot that is shorter over the floor shows no direction
 LOWEST = 30.0  # percent of the frames, those in which an ankle is lowest: there the foot is flat
 
 
@@ -46,13 +49,18 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
 
     These are the bind pose's, turned upright and to +Z. If its legs do not point down then, they are found from
     `motion`, a clip of this skeleton, if there is one. Limbs are turned to a T-pose by the axes about which knees and
-    elbows bend, and feet as they are where they stand. Other joints keep their bind rotation to their parent, except
-    joints of trunk, neck, collars and hands that are usually far from it: these have their mean.
+    elbows bend; if they do not bend, they have their mean. Feet are as where they stand. Other joints keep their bind
+    rotation to their parent, except joints of trunk, neck, collars and hands that are usually far from it: these have
+    their mean. If only feet point down in the bind pose, they alone are found from the motion.
     """
     pose = np.tile(_upright(skeleton, roles), (skeleton.joint_count, 1))
-    if motion is None or stands(skeleton, roles):
+    if motion is None:
         return pose
-    found = _limbs(skeleton, roles, motion, pose[0])
+    if stands(skeleton, roles):
+        for joint, turn in _feet(skeleton, roles, motion, pose[0], _steep_feet(skeleton, roles, pose[0])).items():
+            pose[joint] = turn
+        return pose
+    found = _limbs(skeleton, roles, motion, pose[0]) | _feet(skeleton, roles, motion, pose[0], SIDES)
     segments = segments_of(skeleton, roles)
     free = {joint for name in segments if name.endswith(FREE) for joint in segments[name].joints}
     for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
@@ -62,8 +70,43 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
     return pose
 
 
+def ahead(skeleton: Skeleton, joint: int) -> Floats:
+    """Returns the mean vector [3] from a joint to its children, or else to its end sites, in the bind pose."""
+    below = [skeleton.offsets[child] for child in skeleton.children[joint]]
+    below = below or list(skeleton.end_offsets[skeleton.end_parents == joint])
+    return np.mean(below, axis=0) if below else np.zeros(3)
+
+
+def heading(foot: Floats) -> float | None:
+    """Returns the angle on the floor from +Z to a foot [3]; None if the foot is too steep to show one."""
+    if np.hypot(foot[0], foot[2]) <= LEAST_ON_FLOOR * np.linalg.norm(foot):
+        return None
+    return float(np.arctan2(foot[0], foot[2]))
+
+
+def _steep_feet(skeleton: Skeleton, roles: Roles, body: Floats) -> list[Side]:
+    """Returns the sides whose foot points down in the bind pose; `body` [4] turns it upright."""
+    feet = {side: quaternion.rotate(body, ahead(skeleton, getattr(roles, f"{side}_ankle"))) for side in SIDES}
+    return [side for side, foot in feet.items() if np.any(foot) and heading(foot) is None]
+
+
+def _feet(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats, sides: Sequence[Side]) -> dict[int, Floats]:
+    """Returns the rotations [4] of the feet's joints as they stand in a motion; `body` [4] is that of the root."""
+    if not sides:
+        return {}
+    positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
+    found = {}
+    for side in sides:
+        ankle = int(getattr(roles, f"{side}_ankle"))
+        height = positions[:, ankle, 1]
+        flat = height <= np.percentile(height, LOWEST)
+        for joint in skeleton.subtree(ankle):
+            found[joint] = quaternion.multiply(body, _mean_on_root(world[flat], joint))
+    return found
+
+
 def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats) -> dict[int, Floats]:
-    """Returns the rotations [4] in the standing pose of hips and shoulders whose limbs bend, and of the feet's joints.
+    """Returns the rotations [4] of hips and shoulders in the standing pose, and of knees and elbows that do not bend.
 
     body: [4] the rotation of the root in the standing pose.
     """
@@ -83,11 +126,8 @@ def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats) -> dict
             bone = rest[middle] - rest[upper]
             if np.linalg.norm(np.cross(bone, axis)) > LEAST_BEND * np.linalg.norm(bone):
                 found[upper] = quaternion.multiply(frame(along, hinge), quaternion.conjugate(frame(bone, axis)))
-        height = positions[:, ankle, 1]
-        flat = height <= np.percentile(height, LOWEST)
-        for joint in skeleton.subtree(ankle):
-            on_root = quaternion.multiply(quaternion.conjugate(world[flat, 0]), world[flat, joint])
-            found[joint] = quaternion.multiply(body, _mean(on_root))
+            else:
+                found |= {joint: quaternion.multiply(body, _mean_on_root(world, joint)) for joint in (upper, middle)}
     return found
 
 
@@ -124,6 +164,11 @@ def _upright(skeleton: Skeleton, roles: Roles) -> Floats:
     left = left / width
     turn = quaternion.from_matrices(np.stack([left, up, np.cross(left, up)]))
     return turn if quaternion.angle(turn, quaternion.IDENTITY) > LEAST_TURN else quaternion.IDENTITY
+
+
+def _mean_on_root(world: Floats, joint: int) -> Floats:
+    """Returns the mean rotation [4] of a joint as seen from the root, of world rotations [F, J, 4]."""
+    return _mean(quaternion.multiply(quaternion.conjugate(world[:, 0]), world[:, joint]))
 
 
 def _mean(rotations: Floats) -> Floats:

@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
+from motionsplice.commands.bank_report import notes_of, print_grouped, show_tables
 from motionsplice.commands.progress_file import ProgressFile
 from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
@@ -67,8 +66,8 @@ def precompute_command(
     """Align clips to a baseline locomotion, and write a bank.
 
     A clips.toml beside the clips may set the kind ("locomotion" or "action"), neutral, tags, skip_frames, unit, up,
-    rate and root of each clip. A hands.toml lists which hands are laid on which bodies, and how. If a clip fails, its
-    reason is printed, the others finish, and the exit status is 1.
+    rate, root and roles file of each clip. A hands.toml lists which hands are laid on which bodies, and how. If a clip
+    fails, its reason is printed, the others finish, and the exit status is 1.
     """
     from motionsplice.precompute.hands.settings import HandsOnBody
 
@@ -95,10 +94,13 @@ def precompute_command(
     print_work(outcome, out)
     print_left_out(clips)
     if not outcome.unchanged:
-        show_bank(Bank.open(out))
-    for name, error in outcome.failed.items():
-        console.print(f"[red]{escape(name)} failed:[/red] {escape(str(error))}", highlight=False, soft_wrap=True)
+        built = Bank.open(out)
+        show_tables(built)
+        print_retargeted(built, skeleton)
+    print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed")
     if outcome.failed:
+        if roles is not None:
+            console.print("--roles applies to all clips. For a few, set `roles` in clips.toml", soft_wrap=True)
         raise typer.Exit(1)
 
 
@@ -166,77 +168,23 @@ def print_left_out(clips: list[Path]) -> None:
         console.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
 
 
+def print_retargeted(bank: Bank, skeleton: Path | None) -> None:
+    """Prints how many clips were retargeted, and how to see the notes."""
+    from motionsplice.precompute.body.common_skeleton import RETARGETED
+
+    notes = notes_of(bank)
+    if moved := sum(sentence.startswith(RETARGETED) for _, sentence in notes):
+        rig = f"the skeleton of {skeleton or repr(bank.baseline.clip)}"
+        other = "" if skeleton else "; choose another with --skeleton"
+        line = f"{moved} of {len(bank.clips)} clips were retargeted to {rig}{other}"
+        console.print(line, highlight=False, soft_wrap=True, markup=False)
+    if notes:
+        line = f"`motionsplice inspect {bank.path}` prints the notes on the clips"
+        console.print(line, style="dim", highlight=False, soft_wrap=True, markup=False)
+
+
 def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")]) -> None:
     """Show the clips of a bank, and how well each is aligned to the baseline."""
-    show_bank(Bank.open(bank))
-
-
-def show_bank(bank: Bank) -> None:
-    """Prints a bank's clips and hands as tables, and the warnings and notes of the job."""
-    stride = bank.baseline.end - bank.baseline.start
-    console.print(
-        f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, baseline {bank.baseline.clip!r} "
-        f"(a stride of {stride:.2f} s from {bank.baseline.start:.2f} s)",
-        highlight=False,
-        soft_wrap=True,
-    )
-    table = Table(
-        caption="mean, worst: distance of root and knees from the baseline's at the same phase, cm; "
-        "shoulders: motion of an action's shoulders beyond its neutral's gait, degrees"
-    )
-    for column in ("clip", "neutral"):
-        table.add_column(column, overflow="fold")
-    for column in ("seconds", "rate", "cycles", "mean", "worst", "shoulders"):
-        table.add_column(column, justify="right", no_wrap=True)
-    for clip in bank.clips:
-        mean = f"{100 * clip.mean_mismatch:.1f}"
-        table.add_row(
-            " ".join((escape(clip.name), *(f"[cyan]#{escape(tag)}[/cyan]" for tag in clip.tags))),
-            escape(bank.neutral(clip.name)) if clip.kind == "action" else "",
-            f"{clip.duration:.2f}",
-            f"{clip.rate:.5g}",
-            f"{clip.cycles:.2f}",
-            f"[yellow]{mean}[/yellow]" if clip.warnings else mean,
-            f"{100 * clip.worst_mismatch:.1f}",
-            f"{np.degrees(clip.shoulder_motion):.1f}" if clip.kind == "action" else "",
-        )
-    console.print(table)
-    if bank.hands:
-        console.print(hands_table(bank))
-    warnings = [(clip.name, clip.warnings) for clip in bank.clips] + [(one.name, one.warnings) for one in bank.hands]
-    for style, messages in (("yellow", warnings), ("dim", [(clip.name, clip.notes) for clip in bank.clips])):
-        names: dict[str, list[str]] = {}
-        for name, sentences in messages:
-            for sentence in sentences:
-                names.setdefault(sentence, []).append(name)
-        for sentence, clips in names.items():
-            console.print(
-                f"[{style}]{escape(', '.join(clips))}: {escape(sentence)}[/{style}]", highlight=False, soft_wrap=True
-            )
-
-
-def hands_table(bank: Bank) -> Table:
-    """Returns a table of the hands on each clip, and of how far their time runs from the body's."""
-    table = Table(
-        caption="mismatch: mean phase cost of aligned frames over that of all frames in the band, 0 for identical "
-        "gestures and about 1 for unrelated ones; ahead: seconds by which the hands run ahead of the body, least and "
-        "most"
-    )
-    for column in ("hands", "on", "hand", "wrist", "pairs"):
-        table.add_column(column, overflow="fold")
-    for column in ("mismatch", "ahead"):
-        table.add_column(column, justify="right", no_wrap=True)
-    for one in bank.hands:
-        frames, rate = bank.hand_frames(one.name, one.body), bank.clip(one.body).rate
-        sides = {"left": [0], "right": [1]}.get(one.hand, [0, 1])
-        ahead = frames[:, sides] / one.rate - np.arange(len(frames))[:, None] / rate
-        table.add_row(
-            escape(one.name),
-            escape(one.body),
-            one.hand,
-            "yes" if one.wrist else "",
-            " ".join(one.pairs),
-            f"[yellow]{one.mismatch:.2f}[/yellow]" if one.warnings else f"{one.mismatch:.2f}",
-            f"{ahead.min():.2f} to {ahead.max():.2f}",
-        )
-    return table
+    opened = Bank.open(bank)
+    show_tables(opened)
+    print_grouped("dim", notes_of(opened), [clip.name for clip in opened.clips])

@@ -12,6 +12,7 @@ from rich.console import Console
 from motionsplice.commands import bank as command_bank
 from motionsplice.commands import hands as command_hands
 from motionsplice.commands import serve as command_serve
+from motionsplice.commands.bank_report import show_tables
 from motionsplice.commands.motion import Method, Posture, spliced
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import truth
@@ -40,7 +41,7 @@ def demo_command(
     write_sample_gestures(gestures)
     command_bank.print_work(command_bank.run([clips], bank_folder, baseline="walk"), bank_folder)
     bank = Bank.open(bank_folder)
-    command_bank.show_bank(bank)
+    show_tables(bank)
     splice = spliced(bank, LOCOMOTION, ACTION, Method.SPLICE, Posture.RELATIVE, 0.0)
     naive = spliced(bank, LOCOMOTION, ACTION, Method.NAIVE, Posture.RELATIVE, 0.0)
     motion = folder / f"{LOCOMOTION}+{ACTION}.bvh"

@@ -27,12 +27,17 @@ CharacterOption = Annotated[
 ]
 
 
-def check_suffix(file: Path, *suffixes: str, option: str = "--out") -> str:
-    """Returns a file's suffix in lower case. Raises SettingsError if it is none of `suffixes`."""
+def check_suffix(file: Path, *suffixes: str, option: str = "--out", what: str = "") -> str:
+    """Returns a file's suffix in lower case. Raises SettingsError if it is none of `suffixes`.
+
+    what: ends the sentence that only these can be written.
+    """
     suffix = file.suffix.lower()
     if suffix not in suffixes:
         known = " or ".join(suffixes)
-        raise SettingsError(f"only {known} can be written", file=f"{option} {file}", mend=f"End the name in {known}")
+        raise SettingsError(
+            f"only {known} can be written{what}", file=f"{option} {file}", mend=f"End the name in {known}"
+        )
     return suffix
 
 
@@ -40,10 +45,12 @@ def check_out(out: Path, character: Path | None, *, option: str = "--out") -> No
     """Raises SettingsError unless a motion can be written to the file, or into a copy of the character's file."""
     if character is None:
         check_suffix(out, *WRITTEN, option=option)
-    elif character.suffix.lower() == ".vrm":
-        check_suffix(out, ".glb", ".vrm", option=option)
+    elif character.suffix.lower() not in (".glb", ".vrm"):
+        mend = "Export the character as .glb or .vrm"
+        raise SettingsError("this is not a GLB file", file=f"--character {character}", mend=mend)
     else:
-        check_suffix(out, ".glb", option=option)
+        suffixes = (".glb", ".vrm") if character.suffix.lower() == ".vrm" else (".glb",)
+        check_suffix(out, *suffixes, option=option, what=f" with the character {character}")
 
 
 def open_character(file: Path | None) -> Character | None:

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 SkipFrames = Annotated[int, typer.Option(min=0, help="Leading frames that are not motion (a T-pose).")]
 Unit = Annotated[str | None, typer.Option(help="m, cm, mm, in, ft, cmu or metres per unit; default: guessed.")]
-Up = Annotated[str | None, typer.Option(help="The axis that is up in the file: x, y or z; default: found.")]
+Up = Annotated[str | None, typer.Option(help="The axis that is up in the file: x, y, z, -x, -y or -z; default: found.")]
 Rate = Annotated[float | None, typer.Option(help="Frames per second, if the file states it wrongly.")]
 Root = Annotated[str | None, typer.Option(help="Root joint of the body to read, of a file with several.")]
-RolesFile = Annotated[Path | None, typer.Option(help="TOML file that names joints by role.")]
+RolesFile = Annotated[Path | None, typer.Option(help="TOML file that names joints by role, for all clips read.")]
 
 
 def print_remarks(console: Console, reading: Reading) -> None:

@@ -198,9 +198,8 @@ def _checked(
         raise SettingsError(f"cannot draw from {start:g} s to {end:g} s", mend="Choose 0 <= start <= end, in seconds")
     for label, clip, _ in rows:
         if ghost is not None and ghost.skeleton.names != clip.skeleton.names:
-            raise SettingsError(
-                f"the ghost's joints differ from those of {label!r}", mend="Use a ghost with the same skeleton"
-            )
+            mend = "Put it on that skeleton with `motionsplice convert --skeleton`"
+            raise SettingsError(f"the ghost's joints differ from those of {label!r}", mend=mend)
     return start, end
 
 

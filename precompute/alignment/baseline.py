@@ -7,25 +7,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError
-from motionsplice.motion.kinematics import heading
 from motionsplice.motion.pointcloud import planar_distance, planar_distances, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
 from motionsplice.precompute.alignment.ring import wind
+from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.body.contacts import left_strike
+from motionsplice.precompute.body.facing import facing, facing_joints
 from motionsplice.precompute.body.joint_paths import joint_paths
 
 WORKING_RATE = 30.0  # frames per second at which motions are compared
 KNOT_SPACING = 0.1  # seconds
 STIFFNESS = 1.0  # of the phase curve, against changes of its slope
-STRIDES = (0.5, 1.8)  # seconds: the shortest and the longest stride searched for
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
+OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
 MOST_CANDIDATES = 16  # strides that are compared with all others
 SHORTEST_CLIP = 0.3  # seconds: shorter clips have too few frames to align
 
@@ -80,8 +80,14 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
     """Returns the stride of a clip whose end is most like its start.
 
     A stride is a pair of moments with similar surroundings, while the moment halfway between them differs. This
-    excludes standing still, and two strides at once. Raises BaselineError if the clip has no stride.
+    excludes standing still, and two strides at once. A clip that is one whole cycle is a stride itself. Raises
+    BaselineError if the clip has no stride.
     """
+    return _whole_cycle(clip, roles) or _best_stride(clip, roles)
+
+
+def _best_stride(clip: Clip, roles: Roles) -> Baseline:
+    """Returns the stride within a clip whose ends match best. Raises BaselineError if none match."""
     windows = windowed(_at_working_rate(clip, roles.lower_cloud), LOOP_WINDOW)
     leg = roles.leg_length(clip.skeleton)
     best = (np.inf, 0, 0)
@@ -106,6 +112,25 @@ def find_baseline(clip: Clip, roles: Roles) -> Baseline:
     return Baseline(clip.name, start, end, loop_distance, leg, zero, ring)
 
 
+def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
+    """Returns a clip that is one whole cycle of a gait as a stride; None if it is no cycle, or several."""
+    period = find_period(clip, roles)
+    if period is None:
+        return None
+    played, leg = played_on(clip, period, roles), roles.leg_length(clip.skeleton)
+    ring = _ring(played.frames(period, 2 * period + 1), roles, slice(None))
+    windows = windowed(_at_working_rate(played, roles.lower_cloud), LOOP_WINDOW)
+    cells, moving = len(ring), LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
+    apart = planar_lag_distances(windows, (round(cells / 2), round(cells / 3)))  # small in two or three strides
+    swings = [float(distances.mean()) for distances in apart.values()]
+    if min(swings) <= max(moving, WORST_LOOP * max(swings)):
+        return None
+    seconds = period / clip.rate
+    strike = left_strike(played, roles, seconds, 2.0 * seconds)
+    zero = 0.0 if strike is None else (strike / seconds - 1.0) * cells
+    return Baseline(clip.name, 0.0, seconds, 0.0, leg, zero, ring)
+
+
 def no_stride(name: str) -> BaselineError:
     """Returns the error for a clip without a stride."""
     return BaselineError(
@@ -118,8 +143,8 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
     """Returns the stride nearest to all `strides`, among the MOST_CANDIDATES whose ends match best.
 
     Two laps of each stride are wound round each candidate's ring, so the cost is linear in the number of strides. The
-    sum is over distances, not their squares: with squares, one run among walks would favour a stride halfway between
-    walk and run, which is like neither.
+    sum is over distances, not their squares, and each counts at most OTHER_GAIT. Otherwise one run among walks would
+    favour a stride halfway between walk and run, which is like neither, and jumps and dances would count most.
     """
 
     twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
@@ -130,7 +155,7 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
         total = 0.0
         for distances in np.split(planar_distances(all_strides, ring), ends[:-1]):
             wound = wind(distances) % len(ring)
-            total += float(np.sqrt(distances[np.arange(len(wound)), wound].mean()))
+            total += min(float(np.sqrt(distances[np.arange(len(wound)), wound].mean())), OTHER_GAIT)
         return total
 
     candidates = sorted(strides, key=lambda stride: (stride.loop, stride.name))[:MOST_CANDIDATES]
@@ -192,18 +217,3 @@ def _ring(clip: Clip, roles: Roles, stride: slice) -> Floats:
     clouds = facing(_at_working_rate(clip, facing_joints(roles)))[stride]
     along = np.linspace(0.0, 1.0, len(clouds))[:, None, None]
     return np.asarray((clouds - along * (clouds[-1] - clouds[0]))[:-1])
-
-
-def facing_joints(roles: Roles) -> tuple[int, ...]:
-    """Returns the joints that `facing` needs: the lower cloud, then left and right hip."""
-    return (*roles.lower_cloud, roles.left_hip, roles.right_hip)
-
-
-def facing(positions: Floats) -> Floats:
-    """Returns lower clouds [n, 3, 3] moved over the origin and turned until the hips lie along x, ready to average.
-
-    `positions` [n, 5, 3] are the world positions of the `facing_joints`, metres.
-    """
-    turn = quaternion.about([0.0, 1.0, 0.0], -heading(positions[:, 3] - positions[:, 4]))
-    clouds = positions[:, :3]
-    return quaternion.rotate(turn[:, None], clouds - clouds[:, :1] * np.array([1.0, 0.0, 1.0]))

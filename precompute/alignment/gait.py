@@ -7,7 +7,7 @@ import numpy as np
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.alignment.baseline import facing, facing_joints
+from motionsplice.precompute.body.facing import facing, facing_joints
 from motionsplice.precompute.body.joint_paths import joint_paths
 
 PHASE_BINS = 12

@@ -1,4 +1,4 @@
-"""Moves clips of any rig onto the bank's skeleton."""
+"""Moves clips of any rig onto one skeleton: that of a bank, a character or a file."""
 
 from __future__ import annotations
 
@@ -21,11 +21,12 @@ OTHER_LIMB = 10.0  # rig sizes: joints of different limbs are matched only if no
 WIDEST_BIND_ANGLE = np.radians(25.0)  # radians between the same bone of two rigs in their bind poses
 SAME_LENGTHS = 1e-3  # rigs whose bones differ less, relative to their length, are one rig, bound in two poses if at all
 WIDEST_OF_ONE_RIG = np.radians(2.0)
+RETARGETED = "retargeted by roles"  # begins a note
 
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A clip on the bank's skeleton, and notes on how it came there."""
+    """A clip on the skeleton, and notes on how it came there."""
 
     clip: Clip
     notes: tuple[str, ...] = ()
@@ -40,7 +41,7 @@ def onto_skeleton(
     pose: Floats | None = None,
     retargeting: bool = True,
 ) -> Fitted:
-    """Puts a clip on the bank's skeleton, and scales its root path by the ratio of the leg lengths.
+    """Puts a clip on a skeleton, and scales its root path by the ratio of the leg lengths.
 
     If the rigs have the same topology, but for missing fingers, and the same bind pose, the rotations are copied; bone
     lengths, joint order and joint names may differ (CMU's two releases do). Other rigs are retargeted by roles.
@@ -48,7 +49,7 @@ def onto_skeleton(
     Args:
         clip: The motion.
         roles: The roles of its joints.
-        skeleton: The bank's skeleton.
+        skeleton: The skeleton.
         skeleton_roles: The roles of its joints.
         pose: [J, 4] the skeleton's standing pose, if it was found from a motion.
         retargeting: Whether other rigs are retargeted.
@@ -62,7 +63,7 @@ def onto_skeleton(
         if not retargeting:
             raise
         moved = retarget(clip, roles, skeleton, skeleton_roles, pose)
-        notes = [f"retargeted by roles: {difference.problem}"]
+        notes = [f"{RETARGETED}: {difference.problem}"]
     if moved.left_out:
         notes.append(f"not carried over, the skeleton has no such joints: {listed(list(moved.left_out))}")
     return Fitted(moved.clip, tuple(notes))
@@ -77,8 +78,7 @@ def _copied(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles)
         theirs, ours = (np.atleast_1d(getattr(rig, role)).tolist() for rig in (roles, skeleton_roles))
         if [match.index(joint) for joint in theirs] != ours:
             raise SkeletonError(
-                f"its {role} is not the same joint as the bank's {role}",
-                place=f"clip {clip.name!r}",
+                f"its {role} is not the same joint as the skeleton's {role}",
                 mend="Name the joints of both rigs in a roles file and pass it as --roles, or allow retargeting",
             )
     _check_bind_poses(clip, match, skeleton, skeleton_roles)
@@ -106,9 +106,8 @@ def _match(clip: Clip, roles: Roles, ours: Skeleton, our_roles: Roles) -> list[i
         a, b = theirs.children[match[joint]], ours.children[joint]
         if len(a) != len(b):
             raise SkeletonError(
-                f"the rigs have different topologies: its joint {theirs.names[match[joint]]!r} has {len(a)} children, "
-                f"the bank's {ours.names[joint]!r} has {len(b)}",
-                place=f"clip {clip.name!r}",
+                f"the rigs have different topologies: children of its joint {theirs.names[match[joint]]!r}: {len(a)}, "
+                f"of the skeleton's {ours.names[joint]!r}: {len(b)}",
                 mend="Allow retargeting, or build a separate bank for it",
             )
         if b:
@@ -144,8 +143,7 @@ def _check_bind_poses(clip: Clip, match: list[int], skeleton: Skeleton, roles: R
     if apart.max() > widest:
         worst = int(np.argmax(apart))
         raise SkeletonError(
-            f"its bind pose differs from the bank's: the bone to the {names[worst]} points "
+            f"its bind pose differs from the skeleton's: the bone to the {names[worst]} points "
             f"{np.degrees(apart[worst]):.0f} degrees away",
-            place=f"clip {clip.name!r}",
-            mend="Export the clip with the bind pose of the bank's skeleton, or allow retargeting",
+            mend="Export the clip with the bind pose of the skeleton, or allow retargeting",
         )

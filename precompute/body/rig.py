@@ -9,7 +9,7 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.retarget.stance import standing_pose, stands
+from motionsplice.motion.retarget.stance import standing_pose
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
@@ -18,7 +18,7 @@ from motionsplice.motion.skeleton import Skeleton
 class Rig:
     """A skeleton and the roles of its joints.
 
-    pose: [J, 4] the standing pose, if the bind pose does not stand and a motion shows it.
+    pose: [J, 4] the standing pose, if a motion shows what the bind pose does not.
     """
 
     skeleton: Skeleton
@@ -29,7 +29,8 @@ class Rig:
     def of(cls, clip: Clip, roles: Roles) -> Rig:
         """Returns the rig of a clip."""
         rig = clip.skeleton
-        return cls(rig, roles, None if stands(rig, roles) else standing_pose(rig, roles, clip))
+        pose = standing_pose(rig, roles, clip)
+        return cls(rig, roles, None if np.array_equal(pose, standing_pose(rig, roles)) else pose)
 
     def still(self) -> Clip:
         """Returns a clip of one frame in the bind pose."""

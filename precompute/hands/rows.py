@@ -69,5 +69,7 @@ def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading
 def _counterparts(prepared: PreparedClip) -> Floats:
     """Returns the real-valued counterparts [2 + n] of the clip's last two frames and of its seam's n frames."""
     own = prepared.phase[: prepared.frame_count]
-    last = float(np.interp(own[-1] - prepared.strides, own, np.arange(len(own))))
+    last = len(own) - 1.0 - prepared.period
+    if not prepared.period:
+        last = float(np.interp(own[-1] - prepared.strides, own, np.arange(len(own))))
     return last + np.arange(-1.0, len(prepared.phase) - len(own) + 1.0)

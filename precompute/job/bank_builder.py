@@ -212,7 +212,7 @@ def _torso_offsets(clips: Sequence[PreparedClip]) -> dict[str, Floats]:
     """Returns torso offsets [rows, 4] by clip name, of the clips that are not their own neutral."""
     strides = {one.name: one.stride for one in clips}
     return {
-        one.name: torso_offsets(one.fetch("upright"), one.phase, one.rate, strides[one.neutral])
+        one.name: torso_offsets(one.fetch("upright"), one.phase, one.rate, strides[one.neutral], one.period)
         for one in clips
         if one.neutral != one.name
     }

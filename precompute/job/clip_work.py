@@ -85,16 +85,17 @@ def identify(source: Source) -> Identified:
         contents = [read_bytes(file) for file in files_behind(source.file)]
     except MotionError as error:
         raise error.within(str(source.file)) from None
-    settings = (source.animation, source.settings.reading, sorted(source.roles.items()))
+    reading = {**source.settings.reading, "roles": sorted(source.settings.roles.items())}
     digests = [content_digest(data) for data in contents]
-    key = key_of(version_of("motion", "runtime", "precompute"), source.file.suffix.lower(), digests, settings)
+    settings = (source.file.suffix.lower(), source.animation, reading)
+    key = key_of(version_of("motion", "runtime", "precompute"), digests, settings)
     return Identified(source, len(contents[0]), digests[0], key)
 
 
 def read(one: Identified) -> Reading:
     """Reads a clip. Raises MotionError if it cannot be read, or if its files have changed since `identify`."""
     source = one.source
-    reading = read_clip(source.file, animation=source.animation, roles=source.roles, **source.settings.reading)
+    reading = read_clip(source.file, animation=source.animation, **source.settings.reading)
     if identify(one.source).reading_key != one.reading_key:
         raise ClipError("it changed while it was read", file=str(one.source.file), mend="Start again")
     return reading

@@ -7,10 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from motionsplice.motion.errors import BaselineError, SkeletonError
-from motionsplice.motion.formats.character import SUFFIXES, read_character
-from motionsplice.motion.formats.files import read_bytes
-from motionsplice.motion.formats.gltf.reader import animation_names
-from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.formats.reading import read_rig
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.precompute.body.rig import Rig
@@ -21,14 +18,14 @@ from motionsplice.runtime.format.manifest import Manifest
 
 
 def rig_of(path: Path, roles: Mapping[str, str | Sequence[str]]) -> Rig:
-    """Returns the rig of a motion file, of a character (.glb, .vrm), or of the bank in a folder. Raises MotionError."""
+    """Returns the rig of a motion file, of a character without a motion, or of the bank in a folder.
+
+    Raises MotionError.
+    """
     if path.is_dir():
         manifest = Manifest.read(path)
         return Rig(manifest.skeleton, manifest.roles)
-    if path.suffix.lower() in SUFFIXES and len(animation_names(read_bytes(path))) != 1:
-        character = read_character(path)
-        return Rig(character.skeleton, character.roles)
-    reading = read_clip(path, roles=roles)
+    reading = read_rig(path, roles)
     return Rig.of(reading.clip, reading.roles)
 
 

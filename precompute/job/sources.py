@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings
+from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings, settings_for
 from motionsplice.motion.errors import ClipError, FormatError, SettingsError, did_you_mean
 from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in, other_files
 from motionsplice.motion.formats.fold import listed
+from motionsplice.motion.roles import GivenRole
 
 
 @dataclass(frozen=True)
 class Source:
-    """A clip of a file, its settings, and the roles that the user gave. The other roles are found from the rig.
+    """A clip of a file, and its settings.
 
     animation: which of a file's several animations it is, or None.
     """
@@ -23,15 +24,13 @@ class Source:
     file: Path
     animation: str | None
     settings: ClipSettings
-    roles: Mapping[str, str | Sequence[str]]
 
 
-def find_sources(
-    paths: Iterable[Path], roles: Mapping[str, str | Sequence[str]], default: ClipSettings
-) -> list[Source]:
+def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default: ClipSettings) -> list[Source]:
     """Returns the clips in `paths` (files, or folders of files), in order of name.
 
-    Settings are those of the `clips.toml` beside a clip, or `default` if the file does not list the clip.
+    Settings are those of the `clips.toml` beside a clip, or `default` if the file does not list the clip. Clips without
+    roles of their own get `roles`.
 
     Raises ClipError if there are no clips, or two of one name; SettingsError for a bad `clips.toml`.
     """
@@ -54,7 +53,8 @@ def find_sources(
     for folder in sorted({file.parent for file, _ in found.values()}):
         if (folder / FILE_NAME).is_file():
             settings |= _settings_of(folder)
-    return [Source(name, *found[name], settings.get(name, default), roles) for name in sorted(found)]
+    sources = [Source(name, *found[name], settings_for(name, settings, default)) for name in sorted(found)]
+    return [replace(one, settings=replace(one.settings, roles=one.settings.roles or roles)) for one in sources]
 
 
 def _clips_in(file: Path) -> dict[str, str | None]:
@@ -68,9 +68,14 @@ def _clips_in(file: Path) -> dict[str, str | None]:
 def _settings_of(folder: Path) -> dict[str, ClipSettings]:
     """Reads a folder's `clips.toml`. Raises SettingsError if it is bad, or lists a clip that is not in the folder."""
     settings = read_clip_settings(folder / FILE_NAME)
-    names = [name for file in clip_files(folder) for name in _clips_in(file)]
+    names, unread = list[str](), set[str]()
+    for file in clip_files(folder):
+        try:
+            names += [file.stem, *clips_in(file)]
+        except FormatError:  # the clip fails, not the job
+            unread.add(file.stem)
     for name in settings:
-        if name not in names:
+        if name not in names and name.partition(":")[0] not in unread:
             problem = f"clip {name!r} not found in its folder"
             raise SettingsError(problem, file=str(folder / FILE_NAME), mend=did_you_mean(name, names))
     return settings

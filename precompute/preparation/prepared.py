@@ -14,13 +14,13 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
-from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, Baseline, align
+from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, Baseline
 from motionsplice.precompute.alignment.gait import mean_gait
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.root_path import root_path
-from motionsplice.precompute.preparation.seam import add_seam
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
@@ -32,7 +32,7 @@ class PreparedClip:
     """A clip as a bank holds it, except for its torso offsets, which depend on another clip.
 
     Its rows are its own `frame_count` frames at `rate` frames per second, then the seam, which leads back by `strides`
-    strides (0: no seam).
+    strides (0: no seam). period: frames of its cycle, 0 if it is no whole cycle.
 
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
@@ -45,6 +45,7 @@ class PreparedClip:
     rate: float
     frame_count: int
     strides: int
+    period: int
     alignment: Alignment
     phase: Floats
     posture: Floats
@@ -99,8 +100,8 @@ def prepare(
     """
     fitted = onto_skeleton(clip, roles, skeleton, skeleton_roles, pose=pose, retargeting=retargeting)
     ours = fitted.clip
-    alignment = align(ours, skeleton_roles, baseline)
-    seamed = add_seam(ours, alignment.phase, skeleton_roles)
+    looped = loop(ours, skeleton_roles, baseline)
+    alignment, seamed, rows = looped.alignment, looped.seamed, looped.rows
     torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     large: dict[str, NDArray[Any]] = {
@@ -114,11 +115,12 @@ def prepare(
         rate=float(clip.rate),
         frame_count=count,
         strides=seamed.strides,
+        period=looped.period,
         alignment=alignment,
         phase=seamed.phase,
         posture=torso.upright[:count, -2:].mean(axis=0),
-        path=root_path(seamed.clip, seamed.phase, seamed.strides, skeleton_roles, has_gait(alignment)),
-        contacts=foot_contacts(seamed.clip, skeleton_roles),
+        path=root_path(*looped.played, seamed.strides, skeleton_roles, has_gait(alignment))[rows],
+        contacts=foot_contacts(looped.played[0], skeleton_roles)[rows],
         gait=mean_gait(ours, alignment.phase, skeleton_roles),
         stride=MeanStride.of(torso.upright[:count], alignment.phase),
         fetch=large.__getitem__,

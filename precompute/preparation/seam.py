@@ -72,7 +72,7 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
     if abs(climbed) < LEVEL * roles.leg_length(clip.skeleton):
         positions[:, 1] -= climbed
     rise = (ends.root_positions - positions[:2])[:, 1]
-    positions[2:, 1] += _settled(rise, len(after))
+    positions[2:, 1] += settled(rise, len(after))
     return positions[2:], bent_onto(ends.rotations, rotations)
 
 
@@ -83,10 +83,10 @@ def bent_onto(ends: Floats, rotations: Floats) -> Floats:
     [2 + n, J, 4].
     """
     bend = quaternion.log(quaternion.multiply(quaternion.conjugate(rotations[:2]), ends))
-    return quaternion.multiply(rotations[2:], quaternion.exp(_settled(bend, len(rotations) - 2)))
+    return quaternion.multiply(rotations[2:], quaternion.exp(settled(bend, len(rotations) - 2)))
 
 
-def _settled(offset: Floats, count: int) -> Floats:
+def settled(offset: Floats, count: int) -> Floats:
     """Fades an offset, known at two successive frames [2, ...], to zero smoothly over the next `count` frames."""
     velocity = offset[1] - offset[0]
     t = (np.arange(1.0, count + 1.0) / count).reshape((-1, *[1] * (offset.ndim - 1)))

@@ -44,14 +44,19 @@ class MeanStride:
         return np.tensordot(_waves(phase), self.coefficients, axes=1)
 
 
-def torso_offsets(clouds: Floats, phase: Floats, rate: float, neutral: MeanStride) -> Floats:
+def torso_offsets(clouds: Floats, phase: Floats, rate: float, neutral: MeanStride, period: int = 0) -> Floats:
     """Returns the rotations [F, 4], in the posture frame, from the neutral's torso at the same phase to the clip's own.
 
     clouds: [F, P, 3] the clip's torso clouds in the posture frame, metres. phase: [F] cycles, aligned to the same
-    baseline as the neutral. rate: frames per second. Successive rotations lie in one hemisphere.
+    baseline as the neutral. rate: frames per second. period: frames of a whole cycle, which the clouds repeat;
+    0 for other clips. Successive rotations lie in one hemisphere.
     """
     turns = quaternion.one_hemisphere(best_rotations(clouds, neutral.at(phase)))
-    return quaternion.normalise(gaussian_filter1d(turns, SMOOTHING * rate, axis=0, mode="nearest"))
+    if period:
+        turns = gaussian_filter1d(turns[:period], SMOOTHING * rate, axis=0, mode="wrap")[np.arange(len(turns)) % period]
+    else:
+        turns = gaussian_filter1d(turns, SMOOTHING * rate, axis=0, mode="nearest")
+    return quaternion.normalise(turns)
 
 
 def shoulder_motion(offsets: Floats) -> float:

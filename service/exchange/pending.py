@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import astuple
 from pathlib import Path
 
-from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, FILE_NAME, ClipSettings, read_clip_settings
+from motionsplice.motion.clip_settings import (
+    DEFAULT_SETTINGS,
+    FILE_NAME,
+    ClipSettings,
+    read_clip_settings,
+    settings_for,
+)
 from motionsplice.motion.errors import BankError, FormatError, SettingsError
 from motionsplice.motion.formats.files import clip_files, clips_in, files_behind
 from motionsplice.runtime.format.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
@@ -40,7 +46,7 @@ class Folder:
             if file.is_file():
                 digests = self._digests_behind(file)
                 for name in self._names(file):
-                    entry = settings.get(name, DEFAULT_SETTINGS)
+                    entry = settings_for(name, settings, DEFAULT_SETTINGS)
                     if hands.get(name) != digests[0] and not _is_built(built.get(name), digests[0], entry):
                         waiting[name] = f"{' '.join(digests)} {astuple(entry)}"
         return waiting

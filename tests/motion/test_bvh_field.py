@@ -155,7 +155,7 @@ def test_commas_may_be_in_some_parts_only() -> None:
         (SMALL.replace("1.5 2.25", "1,234.5 2.25"), "line 19, frame 0: .*unclear what the comma in '1,234.5' means"),
         (SMALL.replace("5.5 6.25", "1,234 6.25"), "line 20, frame 1: .*unclear what the comma in '1,234' means"),
         (SMALL.replace(".", ",").replace("1,5 2,25", "1,234,5 2,25"), "the comma in '1,234,5' .*thousands separators"),
-        (SMALL.replace("1.5 2.25", "1.5, 2.25,"), "the comma in '1.5,' .*decimal points, separated by blanks"),
+        (SMALL.replace("1.5 2.25", "1.5, 2,25"), "the comma in '1.5,' .*decimal points, separated by blanks"),
         (SMALL.replace("0.25 0.5 0", "0,25 0.5 0"), "line 8: OFFSET needs three finite numbers, found '0,25 0.5 0'"),
     ],
 )

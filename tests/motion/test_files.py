@@ -3,6 +3,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,12 @@ import pytest
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import MotionError, RoleError, SettingsError
+from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError
 from motionsplice.motion.formats import bvh
+from motionsplice.motion.formats.files import clip_files, other_files
+from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.reading import read_clip
-from motionsplice.motion.formats.units import GUESSED, UNITS, guess_unit, metres_per_unit
+from motionsplice.motion.formats.units import GUESSED, UNITS, check_stated_unit, guess_unit, metres_per_unit
 from motionsplice.motion.kinematics import joint_positions
 from tests.conftest import CLIPS
 from tests.rigs import two_bodies
@@ -59,11 +62,39 @@ def test_a_given_unit_is_used(tmp_path: Path) -> None:
             0.01,
             r"legs of 1\.68 m, by the assumed unit cm, are no grown person's\. Give another --unit, or --unit cm",
         ),
+        (0.874, 0.0001, r"legs of 8\.74 m, by the assumed unit mm, .* Give --unit 1e-04 for legs of 0\.87 m"),
     ],
 )
 def test_legs_that_are_no_grown_persons_are_warned_about(leg: float, unit: float, words: str) -> None:
     _, _, warning = guess_unit(leg / unit)
     assert re.search(words, warning)
+
+
+def test_a_stated_unit_in_which_legs_are_no_persons_is_warned_about(tmp_path: Path) -> None:
+    """As of an FBX or ASF file whose lengths are centimetres, and whose unit is an inch."""
+    tall = replace(WALK, skeleton=WALK.skeleton.scaled(2.0), root_positions=2.0 * WALK.root_positions)
+    (tmp_path / "walk.glb").write_bytes(dump_glb(tall))
+    reading = read_clip(tmp_path / "walk.glb")
+    assert reading.unit == 1.0
+    assert re.search(
+        r"legs of 1\.\d+ m, by the unit that the file states \(1 m\), are no person's", reading.warnings[0]
+    )
+    assert not check_stated_unit(1.0, 0.4)
+    assert "another --unit" in guess_unit(1e-310)[2]
+    assert "Give --unit cm for legs of 0.87 m, or --unit 0.0254 if" in check_stated_unit(0.0254, 87.4)[0]
+
+
+def test_hidden_files_are_no_clips(tmp_path: Path) -> None:
+    for name in ("walk.bvh", "._walk.bvh", ".walk.c3d", "jog.C3D", "RUN.BVH"):
+        (tmp_path / name).write_bytes(b"x")
+    assert [file.name for file in clip_files(tmp_path)] == ["RUN.BVH", "walk.bvh"]
+    assert [file.name for file in other_files(tmp_path)] == ["jog.C3D"]
+
+
+def test_a_pointer_of_git_lfs_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "walk.glb").write_bytes(b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5\n")
+    with pytest.raises(FormatError, match=r"a pointer of Git LFS, not the file itself\. Run `git lfs pull`"):
+        read_clip(tmp_path / "walk.glb")
 
 
 def test_a_rate_that_is_given_replaces_that_of_the_file(tmp_path: Path) -> None:
@@ -77,7 +108,10 @@ def test_a_rate_that_is_given_replaces_that_of_the_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("root", "left"), [(None, 0.0), ("Hips", 0.0), ("Reference", 0.0), ("B_Hips", 1.5)])
 def test_of_two_bodies_the_one_below_the_given_root_is_read(tmp_path: Path, root: str | None, left: float) -> None:
-    clip = read_clip(written(tmp_path, two_bodies(WALK, apart=1.5)), unit="m", root=root).clip
+    reading = read_clip(written(tmp_path, two_bodies(WALK, apart=1.5)), unit="m", root=root)
+    other = "read the skeleton 'Hips'; choose another with --root: B_Hips"
+    assert (other in reading.notes) == (root is None)
+    clip = reading.clip
     names = ["B_" * (left > 0.0) + name for name in WALK.skeleton.names]
     order = [clip.skeleton.index(name) for name in names]
     assert clip.skeleton.names[0] == names[0]
@@ -128,6 +162,7 @@ def test_the_motion_is_kept_when_joints_are_reordered(tmp_path: Path) -> None:
         ("absent.amc", None, "absent.amc: no such file"),
         ("empty.bvh", b"", "empty.bvh: the file is empty"),
         ("blank.amc", b" \n\n", "blank.amc: the file is empty"),
+        ("16.asf", b":version 1.10", "this is a skeleton without a motion. Give the .amc beside it"),
         ("walk.c3d", b"\x02P", r"unsupported file type '\.c3d'\. Convert it to \.amc or \.bvh"),
         ("lone_01.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton lone.asf"),
         ("alone.amc", b"1\nroot 0 0 0 0 0 0\n", "found no skeleton alone.asf"),

@@ -5,8 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsplice.motion.role_names import HELPERS, KNOWN, LIMBS, roles_by_name, words_of
-from tests.rig_names import RIGS
+from tests import rig_names
+from tests.more_rig_names import MORE_RIGS
 
+RIGS = rig_names.RIGS | MORE_RIGS
 NAMES_IN_WORDS = KNOWN | HELPERS | {*LIMBS}
 
 
@@ -21,6 +23,16 @@ def test_a_collar_is_not_taken_for_an_arm_whose_name_is_unknown() -> None:
     found = roles_by_name(names)
     assert "left_shoulder" not in found
     assert names[found["right_shoulder"]] == "RightArm"
+
+
+def test_numbers_of_all_joints_are_not_those_of_limbs() -> None:
+    names = ("LeftUpLeg_01", "LeftLeg_02", "LeftArm_01", "LeftForeArm_02", "RightUpLeg_3", "RightLeg_4")
+    found = {role: names[joint] for role, joint in roles_by_name(names).items()}
+    assert found["left_knee"] == "LeftLeg_02"
+    assert found["left_shoulder"] == "LeftArm_01"
+    assert found["right_knee"] == "RightLeg_4"
+    names = ("LeftUpLeg", "LeftLeg", "LeftLeg1", "LeftArm2", "LeftArm", "LeftForeArm")
+    assert roles_by_name(names) == {"left_hip": 0, "left_knee": 1, "left_shoulder": 4, "left_elbow": 5}
 
 
 def test_names_that_say_nothing_give_no_roles() -> None:

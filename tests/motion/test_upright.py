@@ -8,6 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bench.retarget.kinds import KINDS
+from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
 from motionsplice.motion.body_shape import bind_positions, check_shape, standing_axis
 from motionsplice.motion.clip import Clip
@@ -15,7 +17,7 @@ from motionsplice.motion.errors import RoleError, SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.reading import Reading, read_clip
-from motionsplice.motion.formats.upright import turned
+from motionsplice.motion.formats.upright import TURNS, turned
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
@@ -53,6 +55,24 @@ def test_a_file_in_which_x_is_up_is_read_as_if_y_were(tmp_path: Path) -> None:
     reading = read(tmp_path, turned(WALK, on_its_side, on_its_side))
     same_motion(reading.clip, WALK)
     assert "X is up in the file" in reading.notes[0]
+
+
+@pytest.mark.parametrize("up", ["-x", "-y", "-z"])
+@pytest.mark.parametrize("told", [False, True])
+def test_a_file_in_which_an_axis_points_down_is_turned_too(tmp_path: Path, up: str, told: bool) -> None:
+    over = quaternion.conjugate(TURNS[up])
+    reading = read(tmp_path, turned(WALK, over, over), up=up if told else None)
+    same_motion(reading.clip, WALK)
+    assert reading.notes == (
+        () if told else (f"{up.upper()} is up in the file: turned to Y up. If it is not, give --up y",)
+    )
+    assert not reading.warnings
+
+
+def test_a_motion_of_a_camera_with_y_down_is_read_as_told(tmp_path: Path) -> None:
+    clip = turned(WALK, quaternion.IDENTITY, quaternion.about([1.0, 0.0, 0.0], np.pi))
+    assert "If -Y is up in the file, give --up -y" in read(tmp_path, clip).warnings[0]
+    same_motion(read(tmp_path, clip, up="-y").clip, WALK)
 
 
 def test_a_leaning_body_in_a_file_in_which_z_is_up_is_turned_too(tmp_path: Path) -> None:
@@ -153,8 +173,20 @@ def test_roles_that_fit_neither_bind_pose_nor_motion_are_refused_unless_they_wer
 
 def test_a_body_on_its_head_is_refused_with_all_that_may_help() -> None:
     over = quaternion.about([0.0, 0.0, 1.0], np.pi)
-    with pytest.raises(RoleError, match=r"knee is above .* give --up\. If not, name the joints in a file"):
+    with pytest.raises(RoleError, match=r"knee is above .* give --up -y\. If not, name the joints in a file"):
         check_shape(turned(WALK, over, over), ROLES, given=False)
+
+
+@pytest.mark.parametrize("angle", [1.5, 2.35])
+def test_a_bind_pose_along_one_axis_does_not_contradict_a_body_that_lies(tmp_path: Path, angle: float) -> None:
+    """As LAFAN1's, in which people crawl and lie on the ground."""
+    clip = leaning(on_rig(WALK, KINDS["LAFAN1"]), angle)
+    if angle == 1.5:  # or Z is up
+        with pytest.raises(RoleError, match=r"unclear which axis is up: .* along Z, .* give --up z\. .* give --up y"):
+            read(tmp_path, clip)
+    reading = read(tmp_path, clip, up="y" if angle == 1.5 else None)
+    same_motion(reading.clip, clip)
+    assert reading.warnings[0].startswith("the body is not upright in most frames")
 
 
 def on_all_fours(clip: Clip) -> Clip:

@@ -70,7 +70,7 @@ def parse_skeleton(data: bytes) -> AcclaimSkeleton:
     channels = tuple(word.lower() for word in order)
     if sorted(channels) != ["rx", "ry", "rz", "tx", "ty", "tz"]:
         problem = "the root's order must list TX, TY, TZ, RX, RY and RZ once each"
-        raise FormatError(problem, place=f"line {number}")
+        raise FormatError(problem, place=f"line {number}" if number else ":root")
     axis = root.get("axis", (0, ["XYZ"]))[1]
     number, orientation = root.get("orientation", (0, ["0", "0", "0"]))
     bones = {"root": Bone(np.zeros(3), _axes([*orientation, *axis], degrees, number), channels)}

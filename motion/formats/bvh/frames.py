@@ -13,7 +13,7 @@ from motionsplice.motion.formats.text import COMMAS, with_points
 from motionsplice.motion.quaternion import Floats
 
 SHORTEST_STEP, LONGEST_STEP = 1e-4, 2.0  # seconds per frame
-FIELD = re.compile(r"(frames|frame ?time) ?:? ?(\S+)", re.IGNORECASE)
+FIELD = re.compile(r"(frames|frame[ _]?time) ?[:=]? ?(\S+) ?", re.IGNORECASE)
 NUMBER = re.compile(r"\s*([-+.\d]|nan|inf)", re.IGNORECASE)  # the start of a row of numbers, even of bad ones
 
 Row = tuple[int, str]  # the line's number, from 1, and its text
@@ -44,19 +44,21 @@ def read_header(lines: list[str], line: int) -> Header:
         text = " ".join(COMMENT.sub("", lines[number]).split())
         if not text:
             continue
-        match = FIELD.fullmatch(text)
-        value = with_points(match[2]) if match else ""
-        if match is None or not _is_number(value):
+        fields = {
+            "frames" if match[1].lower() == "frames" else "step": with_points(match[2])
+            for match in FIELD.finditer(text)
+        }
+        if not fields or FIELD.sub("", text) or not all(map(_is_number, fields.values())):
             problem = f"expected 'Frames: N' and 'Frame Time: seconds', found {lines[number].strip()[:40]!r}"
             raise FormatError(problem, place=f"line {number + 1}")
-        found[match[1].replace(" ", "").lower()] = value
+        found |= fields
         if len(found) == 2:
-            count, step = float(found["frames"]), float(found["frametime"])
+            count, step = float(found["frames"]), float(found["step"])
             if not (math.isfinite(count) and count == int(count) and SHORTEST_STEP <= step <= LONGEST_STEP):
                 problem = f"the header is invalid: {count:g} frames of {step:g} s each"
                 mend = f"Give a whole number of frames and {SHORTEST_STEP:g} to {LONGEST_STEP:g} seconds per frame"
                 raise FormatError(problem, place=f"line {number + 1}", mend=mend)
-            return Header(int(count), found["frametime"], number + 1)
+            return Header(int(count), found["step"], number + 1)
     raise FormatError("the file ends before the frames", place=f"line {len(lines)}", mend=CUT_SHORT)
 
 
@@ -104,6 +106,10 @@ def _read_loosely(rows: list[Row], count: int, width: int) -> Frames:
     values = _table(rows, len(rows), width, commas)
     if values is not None:
         return Frames(values, (COMMAS,) * commas)
+    if any("," in text for _, text in rows):  # perhaps between the numbers
+        values = _table([(number, text.replace(",", " ")) for number, text in rows], len(rows), width)
+        if values is not None:
+            return Frames(values)
     warnings: tuple[str, ...] = ()
     sizes = _sizes(rows, commas)
     if len(sizes) < len(rows):
@@ -162,7 +168,8 @@ def _frames_of_lines(rows: list[Row], sizes: list[int], count: int, width: int) 
     if found == 0:
         return frame
     problem = f"expected {width} values per frame, found {found}"
-    raise FormatError(problem, place=f"line {rows[start][0]}, frame {frame}", mend=CUT_SHORT)
+    mend = CUT_SHORT if found < width else f"Export the file again, with values for its {width} channels only"
+    raise FormatError(problem, place=f"line {rows[start][0]}, frame {frame}", mend=mend)
 
 
 def _ends_within_a_number(text: str) -> bool:

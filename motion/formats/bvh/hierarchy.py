@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from motionsplice.motion.errors import FormatError
+from motionsplice.motion.formats.decimals import is_finite
 from motionsplice.motion.formats.text import COMMAS, with_points
 from motionsplice.motion.role_names import roles_by_name
 
@@ -45,14 +45,14 @@ def read_hierarchy(lines: list[str]) -> Hierarchy:
     joints: list[Joint] = []
     open_joints: list[int] = []  # joints whose brace is open
     started = waiting = commas = False  # waiting: the next word must be an opening brace
+    before: tuple[str, str] | None = None  # where the first words are that precede HIERARCHY: comments of any form
     for number, (word, *rest) in _statements(lines):
         place = f"line {number + 1}"
         match word.upper():
             case "HIERARCHY" if not started:
                 started = True
             case _ if not started:
-                problem = f"expected HIERARCHY, the first word of a BVH file, found {word[:40]!r}"
-                raise FormatError(problem, place=place, mend="Export the motion as BVH")
+                before = before or (place, " ".join([word, *rest])[:40])
             case "ROOT" | "JOINT" | "END" | "ENDSITE" | "SITE" as kind if not waiting:
                 joints.append(_opened(kind, " ".join(rest), joints, open_joints, number + 1))
                 waiting = True
@@ -66,14 +66,19 @@ def read_hierarchy(lines: list[str]) -> Hierarchy:
                     raise FormatError(f"joint {joint.name!r} has no OFFSET", place=place)
             case "OFFSET" if open_joints and not waiting:
                 text = " ".join(rest)
-                joints[open_joints[-1]].offset = _offset(with_points(text), place)
-                commas = commas or "," in text
+                joints[open_joints[-1]].offset = _offset(text, place)
+                commas = commas or ("," in text and len(text.split()) == 3 and "." not in text)
             case "CHANNELS" if open_joints and not waiting:
                 _give_channels(joints[open_joints[-1]], _channels(rest, place), place)
             case "MOTION" if joints and not open_joints and not waiting:
-                return Hierarchy(joints, number, (COMMAS,) * commas)
+                notes = (COMMAS,) * commas
+                notes += (f"left out what precedes HIERARCHY: {before[1]!r}",) if before else ()
+                return Hierarchy(joints, number, notes)
             case _:
                 raise FormatError(f"unexpected {' '.join([word, *rest])[:40]!r}", place=place)
+    if before and not started:
+        problem = f"expected HIERARCHY, the first word of a BVH file, found {before[1]!r}"
+        raise FormatError(problem, place=before[0], mend="Export the motion as BVH")
     raise FormatError("the file ends inside the hierarchy, before MOTION", place=f"line {len(lines)}", mend=CUT_SHORT)
 
 
@@ -107,13 +112,10 @@ def _give_channels(joint: Joint, channels: list[str], place: str) -> None:
 
 
 def _offset(text: str, place: str) -> list[float]:
-    try:
-        values = [float(word) for word in text.split()]
-    except ValueError:
-        values = []
-    if len(values) != 3 or not all(map(math.isfinite, values)):
-        raise FormatError(f"OFFSET needs three finite numbers, found {text[:40]!r}", place=place)
-    return values
+    for words in (with_points(text).split(), text.replace(",", " ").split()):  # commas may separate the numbers
+        if len(words) == 3 and all(map(is_finite, words)):
+            return [float(word) for word in words]
+    raise FormatError(f"OFFSET needs three finite numbers, found {text[:40]!r}", place=place)
 
 
 def _channels(words: list[str], place: str) -> list[str]:

@@ -37,14 +37,14 @@ def animation_names(data: bytes) -> list[str]:
     return list(_ask(data, names_only=True, animation=None)[0]["animations"])
 
 
-def read_scene(data: bytes, animation: str | None) -> Scene:
+def read_scene(data: bytes, animation: str | None, *, still: bool = False) -> Scene:
     """Reads the joints of a file and the nodes above them, moved by one of its animations, or by its only one.
 
-    Raises FormatError.
+    If `still`, a file without animations gives one frame at rest. Raises FormatError.
     """
     answer, numbers = _ask(data, names_only=False, animation=animation)
     names = answer["animations"]
-    if not names:
+    if not names and not still:
         raise FormatError("it has no animation that moves a joint", mend="Export the armature with its animation")
     if "frames" not in answer:
         if animation is None:

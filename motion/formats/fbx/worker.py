@@ -70,8 +70,8 @@ def refusal(problem: str, mend: str) -> Answer:
 def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: int) -> Answer:
     """Returns the names of a file's animations, and the motion of the one named `animation`, or of the only one.
 
-    If there is no such animation, or `names_only` is true, it returns the names alone. The motion has at most `most`
-    transforms.
+    If there is no such animation, or `names_only` is true, it returns the names alone. A file without animations gives
+    one frame at rest. The motion has at most `most` transforms.
     """
     try:
         scene = keep(
@@ -95,21 +95,24 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
     answer: dict[str, Any] = {"animations": list(stacks)}
     if animation is None and len(stacks) == 1:
         (animation,) = stacks
-    if names_only or animation not in stacks:
+    chosen = None if animation is None else stacks.get(animation)
+    if names_only or (stacks and chosen is None):
         return answer, []
-    stack, keys = stacks[animation]
     settings = keep(scene.settings)
-    begin, end = stack.time_begin, stack.time_end
-    if end <= begin:
-        begin, end = min(keys), max(keys)
-    rate = rate_of(keys, begin, settings.frames_per_second)
+    begin, end, rate, anim = 0.0, 0.0, USUAL_RATE, None  # at rest
+    if chosen is not None:
+        stack, keys = chosen
+        begin, end, anim = stack.time_begin, stack.time_end, keep(stack.anim)
+        if end <= begin:
+            begin, end = min(keys), max(keys)
+        rate = rate_of(keys, begin, settings.frames_per_second)
     frames = 1 + round(min((end - begin) * rate, most))
     if frames * len(tree.kept) > most:
         problem = f"{end - begin:g} s of {len(tree.kept)} nodes at {rate:g} frames per second take too much memory"
         return refusal(problem, "Cut the animation into shorter ones")
     places, nodes = {node: place for place, node in enumerate(tree.kept)}, [tree.nodes[node] for node in tree.kept]
     bound = {places[node]: matrix for node, matrix in tree.bind_pose(scene).items() if node in places}
-    bind, rest, moved, anim = array("d"), array("d"), array("d"), keep(stack.anim)
+    bind, rest, moved = array("d"), array("d"), array("d")
     for matrix in bound.values():
         extend(bind, matrix)
     for node in nodes:
@@ -117,7 +120,7 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
     for frame in range(frames):
         time = min(begin + frame / rate + NUDGE, end)
         for node in nodes:
-            extend(moved, ufbx.evaluate_transform(anim, node, time))
+            extend(moved, ufbx.evaluate_transform(anim, node, time) if anim else node.local_transform)
     answer |= {
         "names": [node.name for node in nodes],
         "parents": [places.get(tree.parents[node], -1) for node in tree.kept],

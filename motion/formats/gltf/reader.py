@@ -38,14 +38,19 @@ def animation_names(data: bytes) -> list[str]:
         return _names(read_document(data)[0])
 
 
-def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str | None) -> Scene:
+def read_scene(
+    data: bytes, read_beside: Callable[[str], bytes], animation: str | None, *, still: bool = False
+) -> Scene:
     """Reads the nodes of a file, moved by one of its animations, or by its only one, at the rate of its keys.
 
-    `read_beside` reads a file in the same folder, for buffers. Raises FormatError.
+    `read_beside` reads a file in the same folder, for buffers. If `still`, a file without animations gives one frame at
+    rest. Raises FormatError.
     """
     with malformed():
         container = open_container(data, read_beside)
         names = _names(container.document)
+        if not names and still:
+            return _rest(container)[0]
         if not names:
             raise FormatError("it has no animation", mend="Export the armature with its animation")
         if animation is None:
@@ -61,9 +66,12 @@ def read_scene(data: bytes, read_beside: Callable[[str], bytes], animation: str 
 def read_rest(data: bytes) -> tuple[Scene, list[int]]:
     """Reads the nodes of a GLB file at rest, as one frame, and the number of each in the file. Raises FormatError."""
     with malformed():
-        container = open_container(data, _not_beside)
-        order, parents = _order(container.document["nodes"])
-        return _posed(container, order, parents, {}, np.zeros(1), 1.0), order
+        return _rest(open_container(data, _not_beside))
+
+
+def _rest(container: Container) -> tuple[Scene, list[int]]:
+    order, parents = _order(container.document["nodes"])
+    return _posed(container, order, parents, {}, np.zeros(1), 1.0), order
 
 
 def _not_beside(name: str) -> bytes:

@@ -162,8 +162,12 @@ def test_what_cannot_be_written_is_refused(walk: Path, hero: Path, tmp_path: Pat
     out = tmp_path / "out.glb"
     for arguments, words in (
         ([tmp_path / "out.fbx"], "OUT .*out.fbx: only .bvh or .glb or .gltf or .vrma can be written"),
-        ([tmp_path / "out.bvh", "--character", hero], "only .glb or .vrm can be written"),
+        ([tmp_path / "out.bvh", "--character", hero], "only .glb or .vrm can be written with the character .*hero.vrm"),
         ([out, "--character", walk], "walk.bvh: this is not a GLB file. Export the character as .glb or .vrm"),
+        (
+            [tmp_path / "x.fbx", "--character", tmp_path / "x.fbx"],
+            "x.fbx: this is not a GLB file. Export the character",
+        ),
         ([out, "--character", hero, "--skeleton", walk], "Leave out --skeleton or --character"),
         ([out, "--character", tmp_path / "absent.glb"], "absent.glb: no such file"),
     ):

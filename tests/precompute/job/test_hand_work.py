@@ -17,6 +17,7 @@ from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from tests.conftest import CLIPS, COUNTING
 from tests.precompute.job.test_job import files_of, write
+from tests.whole_cycles import cut
 
 
 def test_clips_of_hands_are_not_clips_of_the_bank(hands_bank: Bank) -> None:
@@ -69,6 +70,19 @@ def test_joints_that_hands_do_not_drive_keep_the_bodys_rotations(hands_bank: Ban
         )
     left = [number for number, joint in enumerate(layout.hands.joints) if "Left" in hands_bank.skeleton.names[joint]]
     assert quaternion.angle(laid[:, left], body[:, [layout.hands.joints[number] for number in left]]).max() < 1e-6
+
+
+@pytest.mark.parametrize("open_end", [False, True])
+def test_hands_on_a_whole_cycle_go_on_with_its_first_frames(open_end: bool, tmp_path: Path) -> None:
+    cycle = cut("walk", open_end=open_end)
+    clips = write(tmp_path / "clips", cycle=cycle, hands=COUNTING.hands)
+    build_bank([clips], tmp_path / "bank", hands=[HandsOnBody("cycle", "hands")], jobs=1)
+    bank = Bank.open(tmp_path / "bank")
+    frames, count = bank.tables["hand_frames"], cycle.frame_count
+    again = 0 if open_end else 1
+    np.testing.assert_allclose(frames[count:], frames[again : again + len(frames) - count])
+    laid = bank.hand_motion("hands", "cycle")
+    assert quaternion.angle(laid[-1], laid[again + len(frames) - count - 1]).max() < 1e-3
 
 
 def test_same_files_make_the_same_bytes_and_only_changed_hands_are_laid_again(

@@ -140,7 +140,7 @@ def test_another_topology_without_retargeting_is_a_clear_error(tmp_path: Path) -
     fewer = Clip("fewer", skeleton, walk.rate, walk.root_positions, walk.rotations[:, remaining])
     clips = write(tmp_path / "clips", walk=walk, fewer=fewer)
     outcome = build_bank([clips], tmp_path / "bank", baseline="walk", retarget=False, jobs=1)
-    assert "different topologies" in str(outcome.failed["fewer"])
+    assert str(outcome.failed["fewer"]).startswith("the rigs have different topologies: children of its joint")
     assert "retargeting" in str(outcome.failed["fewer"])
 
 
@@ -223,10 +223,13 @@ def test_files_of_other_programs_alone_are_named_in_the_error(tmp_path: Path) ->
         ("[walk]\nkind = 'dance'", 'invalid value kind = \'dance\'.*Use "locomotion" or "action"'),
         ("[walk]\nskip_frames = -1", "skip_frames = -1"),
         ("[walk]\nskip_frames = true", "skip_frames = True"),
-        ("[walk]\nup = 'w'", 'up = \'w\'.*Use "x", "y" or "z"'),
+        ("[walk]\nup = 'w'", 'up = \'w\'.*Use "x", "y", "z", "-x"'),
         ("[walk]\nrate = 0", "rate = 0.*Use a number above 0"),
         ("[walk]\nrate = true", "rate = True"),
         ("[walk]\nroot = 3", "root = 3"),
+        ("[walk]\nroles = 3", "roles = 3.*Use the name of a roles file"),
+        ("[walk]\nroles = 'none.toml'", "clip 'walk', none.toml: the file cannot be read"),
+        ("[box:run]", 'not TOML.*Write a name with a colon in quotes, as \\["moves:run"\\]'),
         ("[walk]\ntags = 'one'", "tags"),
         ("[walk]\ntags = 5", "tags = 5"),
         ("walk = 3", r"expected a table, found 3. Begin it with \[walk\]"),
@@ -335,8 +338,21 @@ def test_each_animation_of_a_file_is_a_clip(tmp_path: Path) -> None:
     assert build_bank([clips], tmp_path / "bank", baseline="moves:walk").unchanged
 
 
+def test_the_settings_of_a_file_are_those_of_its_animations(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", wave=CLIPS["wave"])
+    (clips / "moves.glb").write_bytes(with_animation(dump_glb(CLIPS["walk"]), CLIPS["run"]))
+    (clips / "clips.toml").write_text('[moves]\ntags = ["all"]\nrate = 30\n["moves:run"]\ntags = ["fast"]\n')
+    build_bank([clips], tmp_path / "bank", baseline="wave")
+    bank = Bank.open(tmp_path / "bank")
+    assert [(one.name, one.tags, one.rate) for one in bank.clips if one.name != "wave"] == [
+        ("moves:run", ("fast",), 30.0),
+        ("moves:walk", ("all",), 30.0),
+    ]
+
+
 def test_a_damaged_glb_fails_alone(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    (clips / "clips.toml").write_text('["broken:run"]\ntags = ["fast"]\n')
     (clips / "broken.glb").write_bytes(dump_glb(CLIPS["run"])[:1000])
     outcome = build_bank([clips], tmp_path / "bank")
     assert outcome.clips == ("walk",)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +15,20 @@ from bench.retarget.kinds import KINDS
 from bench.retarget.measures import Posed
 from bench.retarget.rigs import on_rig
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import BankError, BaselineError
+from motionsplice.motion.errors import BankError, BaselineError, FormatError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.gltf.writer import dump_glb
+from motionsplice.motion.formats.files import clips_in
+from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
-from motionsplice.motion.roles import find_roles
+from motionsplice.motion.roles import LIMBS, find_roles
 from motionsplice.precompute.job.job import build_bank
+from motionsplice.precompute.job.skeleton import rig_of
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
+from tests.fbx_files import dump_fbx
+from tests.glb_files import edited
 from tests.precompute.job.test_job import files_of
 
 WALK, RUN, BOX = make("walk", seconds=4.0), make("run", seconds=3.0), make("walk", "carry_box", seconds=4.0)
@@ -113,8 +121,56 @@ def test_a_baseline_whose_bind_pose_does_not_stand_shows_how_it_stands(clips: Pa
     assert rolled < 0.5
 
 
+def test_a_file_with_several_animations_gives_its_skeleton(clips: Path, tmp_path: Path) -> None:
+    idle = replace(on("Unreal", WALK), name="idle")
+    moves = tmp_path / "moves.gltf"
+    moves.write_bytes(dump_gltf(idle))
+    document = json.loads(moves.read_bytes())
+    document["animations"].append(document["animations"][0] | {"name": "run"})
+    moves.write_text(json.dumps(document))
+    assert len(clips_in(moves)) == 2
+    build_bank([clips / "walk.bvh"], tmp_path / "bank", skeleton=moves)
+    assert Bank.open(tmp_path / "bank").skeleton.names == idle.skeleton.names
+
+
 def test_a_skeleton_that_cannot_be_used_is_an_error(clips: Path, tmp_path: Path) -> None:
     with pytest.raises(BankError, match="not a bank"):
         build_bank([clips], tmp_path / "bank", baseline="walk", skeleton=clips)
     with pytest.raises(BaselineError, match="the baseline does not fit the skeleton"):
         build_bank([clips], tmp_path / "bank", baseline="walk", skeleton=clips / "box.glb", retarget=False)
+
+
+def test_a_rig_of_unknown_names_has_a_roles_file_of_its_own(clips: Path, tmp_path: Path) -> None:
+    odd = on("Mixamo", RUN)
+    numbered = {name: f"bone{joint}" for joint, name in enumerate(odd.skeleton.names)}
+    skeleton = replace(odd.skeleton, names=tuple(numbered.values()))
+    folder = tmp_path / "clips"
+    shutil.copytree(clips, folder)
+    (folder / "odd.bvh").write_bytes(dump_bvh(replace(odd, skeleton=skeleton)))
+    (folder / "clips.toml").write_text('[odd]\nroles = "odd.toml"\n')
+    known = find_roles(odd.skeleton)
+    lines = [f'{role} = "{skeleton.names[getattr(known, role)]}"' for role in LIMBS]
+    (folder / "odd.toml").write_text("\n".join(("[roles]", *lines)))
+    assert not build_bank([folder], tmp_path / "bank", baseline="walk").failed
+    bank = Bank.open(tmp_path / "bank")
+    assert bank.clip("odd").duration == pytest.approx(RUN.duration)
+    assert "retargeted" not in " ".join(bank.clip("odd").notes)  # its tree is that of the other Mixamo clips
+    (folder / "clips.toml").unlink()
+    outcome = build_bank([folder], tmp_path / "bank", baseline="walk")
+    assert set(outcome.failed) == {"odd"}
+    assert "as `roles` of this clip in clips.toml" in str(outcome.failed["odd"])
+
+
+@pytest.mark.parametrize("kind", ["glb", "fbx"])
+def test_a_character_without_a_motion_gives_its_rig(kind: str, tmp_path: Path) -> None:
+    clip = on("Unreal", WALK)
+    file = tmp_path / f"hero.{kind}"
+    still = (
+        dump_fbx([clip.frames(0, 1)]).replace(b"AnimationStack: ", b"Nothing: ") if kind == "fbx" else dump_glb(clip)
+    )
+    file.write_bytes(still if kind == "fbx" else edited(still, lambda document: document.pop("animations")))
+    with pytest.raises(FormatError, match="no animation"):
+        read_clip(file)
+    rig = rig_of(file, {})
+    assert rig.skeleton.names == clip.skeleton.names
+    np.testing.assert_allclose(rig.skeleton.offsets[1:], clip.skeleton.offsets[1:], atol=1e-5)

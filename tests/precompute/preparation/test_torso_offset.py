@@ -45,6 +45,17 @@ def test_motion_added_to_a_gait_is_recovered_as_torso_offset() -> None:
     assert shoulder_motion(offsets) == pytest.approx(0.25 / np.sqrt(2.0), abs=0.03)
 
 
+def test_offsets_of_a_whole_cycle_repeat_with_it() -> None:
+    turns = quaternion.about([1.0, 0.0, 0.0], 0.2 * np.sin(2.0 * np.pi * (np.arange(40) + 0.3) / 30.0))
+    phase = np.arange(40) / 30.0
+    mean = MeanStride(np.random.default_rng(1).normal(size=(9, 5, 3)))
+    offsets = torso_offsets(quaternion.rotate(turns[:, None], mean.at(phase)), phase, 30.0, mean, 30)
+    np.testing.assert_array_equal(offsets[30:], offsets[:10])
+    steps = quaternion.angle(offsets[1:31], offsets[:30])
+    assert steps.max() < 1.05 * 0.2 * 2.0 * np.pi / 30.0
+    assert np.abs(np.diff(steps)).max() < 0.01
+
+
 def test_a_clip_shorter_than_a_stride_still_has_a_mean_stride() -> None:
     part = slice(0, int(np.searchsorted(PHASE, PHASE[0] + 0.6)))
     elsewhere = MeanStride.of(TORSO[part], PHASE[part]).at(np.linspace(0.0, 1.0, 50))

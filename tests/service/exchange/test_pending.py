@@ -8,9 +8,13 @@ from pathlib import Path
 import pytest
 
 from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.gltf.writer import dump_glb
+from motionsplice.motion.procedural.library import make
+from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.exchange.pending import Folder
 from tests.conftest import COUNTING
+from tests.glb_files import with_animation
 
 
 @pytest.fixture
@@ -34,3 +38,15 @@ def test_changed_hands_are_pending(clips: Path, hands_bank: Bank) -> None:
 def test_hands_without_their_file_are_missing(clips: Path, hands_bank: Bank) -> None:
     (clips / "counting_hands.bvh").unlink()
     assert Folder(clips, hands_bank.path).missing() == ["counting_hands"]
+
+
+def test_settings_of_a_file_with_several_animations_are_known(tmp_path: Path) -> None:
+    clips, bank = tmp_path / "clips", tmp_path / "bank"
+    clips.mkdir()
+    walk, run = make("walk", seconds=3.0), make("run", seconds=3.0)
+    (clips / "moves.glb").write_bytes(with_animation(dump_glb(walk), run))
+    (clips / "clips.toml").write_text('[moves]\ntags = ["all"]\n["moves:run"]\nkind = "action"\n')
+    build_bank([clips], bank)
+    assert Folder(clips, bank).pending() == {}
+    (clips / "clips.toml").write_text('[moves]\ntags = ["other"]\n')
+    assert set(Folder(clips, bank).pending()) == {"moves:run", "moves:walk"}

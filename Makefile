@@ -82,7 +82,7 @@ $(LOWEST)/ready: $(VENV)/ready
 	@echo "Setting up $(LOWEST)"
 	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(LOWEST)
 	$(BIN)/uv pip install --quiet --python $(LOWEST) --resolution lowest-direct --editable .
-	$(BIN)/uv pip install --quiet --python $(LOWEST) pytest pytest-xdist hypothesis httpx httpx2
+	$(BIN)/uv pip install --quiet --python $(LOWEST) pytest pytest-xdist hypothesis httpx httpx2 python-osc
 	touch $@
 
 clean:

@@ -29,6 +29,7 @@ COMMANDS = {  # each command's module in `motionsplice.commands`, and the first 
     "render": ("motion", "Draw motions as stick figures, or one hand of each, to judge them by eye."),
     "hands": ("hands", "Align hands to a body that was captured separately, and write the body with their fingers."),
     "study": ("study", "Find which upper-body motions correlate with the legs, and which of them other motions keep."),
+    "send": ("send", "Play a character in real time to programs that receive VMC or JSON Live Link."),
     "serve": ("serve", "Serve a bank's clips, poses, splices and streams over HTTP until stopped."),
     "demo": ("demo", "Build a bank of the built-in motions, splice one, add hands to another, draw both, and serve."),
 }

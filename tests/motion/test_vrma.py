@@ -13,9 +13,10 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.formats.gltf.container import read_document
+from motionsplice.motion.formats.gltf.humanoid_pose import vrm_bones
 from motionsplice.motion.formats.gltf.reader import read_rest
 from motionsplice.motion.formats.gltf.t_pose import t_pose
-from motionsplice.motion.formats.gltf.vrma import dump_vrma, vrm_bones
+from motionsplice.motion.formats.gltf.vrma import dump_vrma
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions, world_transforms
 from motionsplice.motion.procedural.gestures import gesture_pair

@@ -7,7 +7,8 @@ import pytest
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.formats.gltf.vrma import dump_vrma, vrm_bones
+from motionsplice.motion.formats.gltf.humanoid_pose import vrm_bones
+from motionsplice.motion.formats.gltf.vrma import dump_vrma
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.quaternion import Floats

@@ -10,19 +10,14 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.formats.gltf.document import ASSET, Binary, Document, glb
-from motionsplice.motion.formats.gltf.humanoid import ROLES
+from motionsplice.motion.formats.gltf.humanoid_pose import Humanoid
 from motionsplice.motion.formats.gltf.t_pose import t_pose
-from motionsplice.motion.hand_joints import SIDES, finger_places, fingers_of
-from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.kinematics import joint_positions, world_transforms
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles, common_ancestor
+from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
 EXTENSION, SPECIFICATION = "VRMC_vrm_animation", "1.0"
-TRUNK = {1: ("spine",), 2: ("spine", "chest"), 3: ("spine", "chest", "upperChest")}
-FINGERS = {"thumb": "Thumb", "index": "Index", "middle": "Middle", "ring": "Ring", "pinky": "Little"}
-PHALANGES = ("Proximal", "Intermediate", "Distal")
-THUMB = ("Metacarpal", "Proximal", "Distal")
 SOLE = 0.15  # metres: the lowest joint of a foot on the floor is not higher than this
 
 
@@ -43,20 +38,23 @@ def dump_vrma(clip: Clip, roles: Roles) -> bytes:
     Raises:
         RoleError: The rig has no head.
     """
-    bones = vrm_bones(clip.skeleton, roles)
-    joints = sorted(bones)  # parent before child
+    if roles.head < 0:
+        raise RoleError(
+            "a VRM animation needs a head, but no joint has this role",
+            mend="Name the head in a roles file and pass it as --roles, or write another format",
+        )
     straight = t_pose(clip, roles)
-    positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
-    turns = quaternion.multiply(world, quaternion.conjugate(straight))
-    rest = _rest(clip.skeleton, straight, positions)
-    nodes: list[dict[str, Any]] = [{"name": clip.skeleton.names[0], "translation": rest[0].tolist()}]
-    keys = {0: turns[:, 0]}
-    for node, joint in enumerate(joints[1:], 1):
-        above = next(bone for bone in clip.skeleton.chain(joint)[1:] if bone in bones)
-        nodes.append({"name": clip.skeleton.names[joint], "translation": (rest[joint] - rest[above]).tolist()})
-        nodes[joints.index(above)].setdefault("children", []).append(node)
-        keys[node] = quaternion.multiply(quaternion.conjugate(turns[:, above]), turns[:, joint])
-    human = {bones[joint]: {"node": node} for node, joint in enumerate(joints)}
+    person = Humanoid(clip.skeleton, roles, straight)
+    rest = _rest(clip.skeleton, straight, joint_positions(clip))[person.joints]
+    nodes: list[dict[str, Any]] = []
+    for node, (joint, above) in enumerate(zip(person.joints, person.above, strict=True)):
+        offset = rest[node] - rest[above] if node else rest[0]
+        nodes.append({"name": clip.skeleton.names[joint], "translation": offset.tolist()})
+        if node:
+            nodes[above].setdefault("children", []).append(node)
+    _, turns = person.local(clip.root_positions, clip.rotations)
+    keys = {node: turns[:, node] for node in range(len(nodes))}
+    human = {bone: {"node": node} for node, bone in enumerate(person.bones)}
     document: Document = {
         "asset": ASSET,
         "extensionsUsed": [EXTENSION],
@@ -68,30 +66,6 @@ def dump_vrma(clip: Clip, roles: Roles) -> bytes:
     binary = Binary(document)
     document["animations"] = [binary.animation(clip.name, clip.rate, {0: clip.root_positions}, keys)]
     return glb(document, binary.data)
-
-
-def vrm_bones(skeleton: Skeleton, roles: Roles) -> dict[int, str]:
-    """Returns VRM's bone of each joint that has one. Of a long spine, three joints do. Raises RoleError."""
-    if roles.head < 0:
-        raise RoleError(
-            "a VRM animation needs a head, but no joint has this role",
-            mend="Name the head in a roles file and pass it as --roles, or write another format",
-        )
-    bones = {roles.root: "hips"}
-    trunk = [roles.pelvis, *roles.spine]
-    if len(trunk) > len(TRUNK):
-        trunk = [trunk[0], trunk[len(trunk) // 2], trunk[-1]]
-    bones |= dict(zip(trunk, TRUNK[len(trunk)], strict=True))
-    chest = common_ancestor(skeleton.parents, (roles.left_shoulder, roles.right_shoulder))
-    for side in SIDES:
-        collar = int(skeleton.parents[getattr(roles, f"{side}_shoulder")])
-        if collar != chest:
-            bones[collar] = f"{side}Shoulder"
-        for joint, (finger, place) in finger_places(skeleton, fingers_of(skeleton, roles, side)).items():
-            phalanges = THUMB if finger == "thumb" else PHALANGES
-            if 1 <= place <= len(phalanges):
-                bones[joint] = f"{side}{FINGERS[finger]}{phalanges[place - 1]}"
-    return bones | {joint: bone for bone, role in ROLES.items() if (joint := int(getattr(roles, role))) >= 0}
 
 
 def _rest(skeleton: Skeleton, straight: Floats, positions: Floats) -> Floats:

@@ -1065,8 +1065,8 @@ inline std::string Bank::load(std::size_t table, const detail::Bytes& file) {
         case detail::HAND_FRAMES: return load(file, {hand_rows_, 2}, hand_frames_);
         default: break;
     }
-    if (const std::string problem = load(file, {hand_rows_, hands_half_.columns}, hand_table_); problem.empty()) return "";
-    if (const std::string problem = load(file, {hand_rows_, 0}, hand_table_); !problem.empty()) return problem;
+    const std::string problem = load(file, {hand_rows_, hands_half_.columns}, hand_table_);
+    if (problem.empty() || !load(file, {hand_rows_, 0}, hand_table_).empty()) return problem;
     hands_half_ = detail::Half();  // the rig has no fingers, so hands drive nothing
     hand_lanes_.clear();
     return "";
@@ -1232,9 +1232,9 @@ inline Error Evaluator::fault(const Splice& splice, double time, bool remembers)
     };
     const auto outside = [](const char* label, double seconds, const ClipEntry& clip, double end) {
         const std::string last = std::to_string(end), what = label;
-        const std::string name = detail::quoted(clip.name), given = what + " " + std::to_string(seconds);
-        return Error{Error::Kind::time_range, "", "", given + " s lies outside clip " + name + ", which lasts " + last + " s",
-                     "Give a " + what + " from 0 to " + last};
+        std::string problem = what + " " + std::to_string(seconds) + " s lies outside clip ";
+        problem += detail::quoted(clip.name) + ", which lasts " + last + " s";
+        return Error{Error::Kind::time_range, "", "", std::move(problem), "Give a " + what + " from 0 to " + last};
     };
     const auto within = [](double seconds, double last, double rate) {
         return seconds >= 0.0 && (seconds - detail::LATE) * rate <= last;

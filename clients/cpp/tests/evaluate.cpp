@@ -19,14 +19,15 @@ namespace ms = motionsplice;
 
 static long allocations = 0;
 
-void* operator new(std::size_t size) {
+// Not inlined, because GCC then warns that `free` does not go with `new`.
+__attribute__((noinline)) void* operator new(std::size_t size) {
     ++allocations;
     void* memory = std::malloc(size > 0 ? size : 1);
     if (memory == nullptr) std::abort();
     return memory;
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+__attribute__((noinline)) void operator delete(void* memory) noexcept { std::free(memory); }
+__attribute__((noinline)) void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 static void show(const ms::Error& error) {
     const char* kinds[] = {"none", "bank", "time_range", "settings"};
@@ -47,7 +48,8 @@ static void poses(const ms::Bank& bank, ms::Evaluator& evaluator, std::vector<ms
         ms::Splice& splice = splices[k];
         int method = 0, posture = 0;
         std::string start, time;  // may be nan, which streams do not read
-        std::cin >> splice.locomotion >> splice.action >> splice.hands >> start >> method >> posture >> splice.cycles >> time;
+        std::cin >> splice.locomotion >> splice.action >> splice.hands >> start >> method >> posture;
+        std::cin >> splice.cycles >> time;
         splice.start = std::strtod(start.c_str(), nullptr);
         times[k] = std::strtod(time.c_str(), nullptr);
         splice.method = static_cast<ms::Method>(method);
@@ -59,7 +61,8 @@ static void poses(const ms::Bank& bank, ms::Evaluator& evaluator, std::vector<ms
     ms::Memory* remembered = rate > 0.0 ? memories.data() : nullptr;
     const long before = allocations;
     const int number = static_cast<int>(count);
-    const ms::Error error = evaluator.poses(splices.data(), times.data(), number, rotations.data(), roots.data(), remembered);
+    const ms::Error error =
+        evaluator.poses(splices.data(), times.data(), number, rotations.data(), roots.data(), remembered);
     if (error) return show(error);
     evaluator.world_positions(rotations.data(), roots.data(), number, positions.data());
     const long allocated = allocations - before;

@@ -282,7 +282,7 @@ private:
     RootMotion walk(int clip, double from, double to) const;
 
     const Bank* bank_;
-    std::vector<float> lower_lanes_, upper_lanes_, hand_lanes_;  // sampled rotations of one character, xyzw
+    std::vector<float> lower_lanes_, upper_lanes_, hand_lanes_;  // sampled rotations of one character: [4, width]
     std::vector<float> world_;                                   // [J, 7, LANES]
 };
 
@@ -660,12 +660,11 @@ inline bool read_file(const std::string& path, Bytes& bytes) {
 
 // Rotations
 
-/// Sixteen quaternions, one of each character of a block.
+/// Quaternions, one of each character of a block.
 template <int N>
 struct Quaternions {
     double x[N], y[N], z[N], w[N];
 
-    void set(int k, const float* q) { x[k] = q[0], y[k] = q[1], z[k] = q[2], w[k] = q[3]; }
     void set(int k, const double* q) { x[k] = q[0], y[k] = q[1], z[k] = q[2], w[k] = q[3]; }
     void get(int k, double* q) const { q[0] = x[k], q[1] = y[k], q[2] = z[k], q[3] = w[k]; }
 };
@@ -717,10 +716,10 @@ struct Weight {
     }
 };
 
-/// Writes [width, 4] rotations: those in the planes at `a`, slerped to those at `b`. Keys lie in one hemisphere.
+/// Writes planes [4, width] of rotations: those at `a`, slerped to those at `b`. Keys lie in one hemisphere.
 inline void slerp(const float* a, const float* b, std::int64_t width, float t, float* out) {
     const Weight to(t), back(1.0f - t);
-    for (std::int64_t first = 0; first < width; first += LANES, a += LANES, b += LANES, out += 4 * LANES) {
+    for (std::int64_t first = 0; first < width; first += LANES, a += LANES, b += LANES, out += LANES) {
         float q[4][LANES];
         for (int k = 0; k < LANES; ++k) {
             float below = -1.0f;
@@ -731,12 +730,10 @@ inline void slerp(const float* a, const float* b, std::int64_t width, float t, f
                 q[c][k] = here * a[c * width + k] + there * b[c * width + k];
                 size += q[c][k] * q[c][k];
             }
-            const float scale = 1.0f / std::sqrt(size);
+            const float scale = 1.5f - 0.5f * size;  // nearly of unit length: one Newton step
             for (int c = 0; c < 4; ++c) q[c][k] *= scale;
         }
-        for (int k = 0; k < LANES; ++k) {
-            for (int c = 0; c < 4; ++c) out[4 * k + c] = q[c][k];
-        }
+        for (int c = 0; c < 4; ++c) std::memcpy(out + c * width, q[c], sizeof q[c]);
     }
 }
 
@@ -770,11 +767,15 @@ Alignments<N> align(const Correlations<N>& correlations) {
         s[0][k] += shift, s[4][k] += shift, s[7][k] += shift, s[9][k] += shift;
     }
     for (int square = 0; square < 16; ++square) {
+        if (square % 4 == 0) {  // often enough: a trace of 1 becomes 2e-10 at least by four squarings
+            for (int k = 0; k < N; ++k) {
+                const double trace = s[0][k] + s[4][k] + s[7][k] + s[9][k], scale = trace > 0.0 ? 1.0 / trace : 0.0;
+                for (int i = 0; i < 10; ++i) s[i][k] *= scale;
+            }
+        }
         for (int k = 0; k < N; ++k) {
-            const double trace = s[0][k] + s[4][k] + s[7][k] + s[9][k], scale = trace > 0.0 ? 1.0 / trace : 0.0;
-            const double a = scale * s[0][k], b = scale * s[1][k], c = scale * s[2][k], d = scale * s[3][k];
-            const double e = scale * s[4][k], f = scale * s[5][k], g = scale * s[6][k], h = scale * s[7][k];
-            const double i = scale * s[8][k], j = scale * s[9][k];
+            const double a = s[0][k], b = s[1][k], c = s[2][k], d = s[3][k], e = s[4][k];
+            const double f = s[5][k], g = s[6][k], h = s[7][k], i = s[8][k], j = s[9][k];
             s[0][k] = a * a + b * b + c * c + d * d, s[1][k] = a * b + b * e + c * f + d * g;
             s[2][k] = a * c + b * f + c * h + d * i, s[3][k] = a * d + b * g + c * i + d * j;
             s[4][k] = b * b + e * e + f * f + g * g, s[5][k] = b * c + e * f + f * h + g * i;
@@ -1323,7 +1324,8 @@ inline void Evaluator::look_up(const Splice* splices, const double* times, int c
 inline void Evaluator::sample(const Character& character, float* rotations, float* root_position) {
     const Bank& bank = *bank_;
     const auto put = [](const std::vector<float>& lanes, std::size_t lane, float* rotation) {
-        std::memcpy(rotation, lanes.data() + 4 * lane, 4 * sizeof(float));
+        const std::size_t width = lanes.size() / 4;
+        for (std::size_t c = 0; c < 4; ++c) rotation[c] = lanes[c * width + lane];
     };
     const auto slerp = [](const float* table, std::int64_t row, const detail::Half& half, double share, float* lanes) {
         const float* planes = table + row * half.columns + half.first_plane;
@@ -1382,10 +1384,15 @@ inline void Evaluator::correlate(const Character& character, int k, Torsos& tors
             torsos.clouds.m[i][j][k] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
         }
     }
-    torsos.pelves.set(k, lower_lanes_.data() + 4 * detail::PELVIS);
-    torsos.frames.set(k, lower_lanes_.data() + 4 * detail::POSTURE_FRAME);
-    torsos.own_offsets.set(k, lower_lanes_.data() + 4 * detail::TORSO_OFFSET);
-    torsos.their_offsets.set(k, upper_lanes_.data() + 4 * detail::TORSO_OFFSET);
+    const auto set = [&](detail::Quaternions<BLOCK>& to, const std::vector<float>& lanes, std::size_t lane) {
+        const std::size_t plane = lanes.size() / 4;
+        to.x[k] = lanes[lane], to.y[k] = lanes[plane + lane];
+        to.z[k] = lanes[2 * plane + lane], to.w[k] = lanes[3 * plane + lane];
+    };
+    set(torsos.pelves, lower_lanes_, detail::PELVIS);
+    set(torsos.frames, lower_lanes_, detail::POSTURE_FRAME);
+    set(torsos.own_offsets, lower_lanes_, detail::TORSO_OFFSET);
+    set(torsos.their_offsets, upper_lanes_, detail::TORSO_OFFSET);
 }
 
 /// Turns the pelves of a block from the locomotion's rotations to the splices'.
@@ -1563,8 +1570,8 @@ inline void Evaluator::put(const Place& place, int clip, double time, float* rot
     root_position[0] = static_cast<float>(place.x + cosine * x + sine * z);
     root_position[1] = static_cast<float>(place.y + root_position[1] - at[1]);
     root_position[2] = static_cast<float>(place.z + cosine * z - sine * x);
-    detail::Quaternions<1> turn{{0.0}, {std::sin(0.5 * angle)}, {0.0}, {std::cos(0.5 * angle)}}, root;
-    root.set(0, rotations);
+    const detail::Quaternions<1> turn{{0.0}, {std::sin(0.5 * angle)}, {0.0}, {std::cos(0.5 * angle)}};
+    const detail::Quaternions<1> root{{rotations[0]}, {rotations[1]}, {rotations[2]}, {rotations[3]}};
     double q[4];
     product(turn, root).get(0, q);
     for (int i = 0; i < 4; ++i) rotations[i] = static_cast<float>(q[i]);

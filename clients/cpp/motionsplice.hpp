@@ -617,8 +617,9 @@ std::string load(const Bytes& file, std::initializer_list<std::int64_t> shape, T
     const std::string_view found(reinterpret_cast<const char*>(file.data()) + PREAMBLE, header);
     const std::size_t length = std::min(found.find_last_not_of(" \n") + 1, found.size());
     if (found.substr(0, length) != expected) {
-        return "has the header " + std::string(found.substr(0, std::min<std::size_t>(length, 200))) +
-               ", expected " + expected;
+        std::string shown(found.substr(0, std::min<std::size_t>(length, 200)));
+        std::replace_if(shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+        return "has the header " + shown + ", expected " + expected;
     }
     const std::size_t bytes = file.size() - PREAMBLE - header;
     const auto rows = static_cast<std::size_t>(*shape.begin());

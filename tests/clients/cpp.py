@@ -61,10 +61,8 @@ def command(requests: Requests, rate: float = 0.0) -> str:
     lines = [f"poses {len(requests)} {rate}"]
     for one in requests.records:
         hands = int(one["hands"]) - 1 if one["hands"] else NOTHING
-        start, time = repr(float(one["start"])), repr(float(one["time"]))
-        lines.append(
-            f"{one['locomotion']} {one['action']} {hands} {start} {one['method']} {one['posture']} {one['cycles']} {time}"
-        )
+        clips, kind = f"{one['locomotion']} {one['action']}", f"{one['method']} {one['posture']} {one['cycles']}"
+        lines.append(f"{clips} {hands} {float(one['start'])!r} {kind} {float(one['time'])!r}")
     return "\n".join(lines) + "\n"
 
 

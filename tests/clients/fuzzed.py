@@ -31,9 +31,8 @@ def joined(files: list[bytes]) -> bytes:
 
 def small_banks() -> Iterator[Bank]:
     """Yields six banks small enough to fuzz, in which hands drive joints."""
-    banks = (
-        random_bank.random_bank(seed, 9, 2, 3, clouds) for seed, clouds in enumerate(itertools.cycle(random_bank.CLOUDS))
-    )
+    kinds = enumerate(itertools.cycle(random_bank.CLOUDS))
+    banks = (random_bank.random_bank(seed, 9, 2, 3, clouds) for seed, clouds in kinds)
     return itertools.islice((bank for bank in banks if bank.layout.hands.columns), 6)
 
 

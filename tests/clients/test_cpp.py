@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
-import shutil
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import msgpack
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import BankError, SettingsError, TimeRangeError
+from motionsplice.motion.errors import SettingsError, TimeRangeError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.format.manifest import MANIFEST, VERSION, content_digest
 from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Requests
 from motionsplice.runtime.stage import Stage
 from tests import random_bank
@@ -29,11 +25,6 @@ from tests.clients import cpp
 pytestmark = cpp.needs_compiler
 RATE = 60.0
 seeds = st.integers(0, 2**32 - 1)
-
-
-@pytest.fixture(scope="session")
-def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return cpp.compiled("evaluate.cpp", tmp_path_factory.mktemp("cpp") / "evaluate", "-O2", *cpp.BARE)
 
 
 def drawn(bank: Bank, count: int, seed: int) -> Requests:
@@ -90,7 +81,9 @@ def test_random_banks_are_evaluated_as_by_the_kernels(
 ) -> None:
     bank = random_bank.random_bank(seed, joints, 3, points, clouds)
     with tempfile.TemporaryDirectory() as folder:
-        agree(bank, program, cpp.written(bank, Path(folder) / "bank"), [drawn(bank, 20, seed), drawn(bank, 20, seed + 1)])
+        agree(
+            bank, program, cpp.written(bank, Path(folder) / "bank"), [drawn(bank, 20, seed), drawn(bank, 20, seed + 1)]
+        )
 
 
 def test_one_character_is_evaluated_as_in_a_batch(bank: Bank, program: Path) -> None:
@@ -172,173 +165,3 @@ def test_names_that_are_not_found_are_refused_and_not_taken_for_nothing(bank: Ba
     for columns in ("0 -1 -2", "0 0 -1"):
         [line] = cpp.run(program, bank.path, f"poses 1 0\n{columns} 0 2 1 0 0")
         assert line.startswith("error settings")
-
-
-@pytest.fixture
-def copy(bank: Bank, tmp_path: Path) -> Path:
-    """A copy of the bank that a test may damage."""
-    return Path(shutil.copytree(bank.path, tmp_path / "bank", ignore=shutil.ignore_patterns("cache")))
-
-
-def refused_alike(program: Path, bank: Path, same_file: bool = True) -> str:
-    """Checks that both implementations refuse a bank, and returns the message of the one in C++."""
-    with pytest.raises(BankError) as error:
-        Bank.open(bank)
-    [line] = cpp.run(program, bank)
-    assert line.startswith("error bank ")
-    if same_file:
-        assert line.startswith(f"error bank {error.value.file}: ")
-    return line
-
-
-def test_damaged_files_are_refused_and_named(copy: Path, program: Path) -> None:
-    draw = np.random.default_rng(3)
-    for file in [copy / MANIFEST, *sorted((copy / "tables").glob("*.npy"))]:
-        sound = file.read_bytes()
-        for at in draw.integers(0, len(sound), 4):
-            broken = bytearray(sound)
-            broken[at] ^= 1 << int(draw.integers(0, 8))
-            file.write_bytes(broken)
-            refused_alike(program, copy)
-        for keep in (0, 1, 100, len(sound) // 2, len(sound) - 1):
-            file.write_bytes(sound[:keep])
-            refused_alike(program, copy)
-        file.unlink()
-        refused_alike(program, copy)
-        file.mkdir()
-        refused_alike(program, copy)
-        file.rmdir()
-        file.write_bytes(sound)
-    assert cpp.run(program, copy) == []
-
-
-def test_another_version_is_refused_and_named(copy: Path, program: Path) -> None:
-    outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
-    (copy / MANIFEST).write_bytes(msgpack.packb(outer | {"version": VERSION + 1}))
-    assert f"found version {VERSION + 1} of 'motionsplice bank'. Build it again" in refused_alike(program, copy)
-
-
-def test_a_missing_folder_is_refused(tmp_path: Path, program: Path) -> None:
-    assert "Build one with `motionsplice precompute" in refused_alike(program, tmp_path)
-    refused_alike(program, tmp_path / "nowhere")
-
-
-CHANGES: list[Callable[[dict[str, Any]], object]] = [
-    lambda body: body["clips"][0].update(row_count=10**9),
-    lambda body: body["clips"][0].update(row_count=2**62, first_row=0),
-    lambda body: body["clips"][0].update(row_count=-5),
-    lambda body: body["clips"][0].update(frame_count=1),
-    lambda body: body["clips"][0].update(cell_count=2**63 - 1),
-    lambda body: body["clips"][1].update(first_row=0),
-    lambda body: body["clips"][0].pop("rate"),
-    lambda body: body["clips"][0].update(extra=1),
-    lambda body: body["clips"][0].update(rate=30),
-    lambda body: body["clips"][0].update(rate=-30.0),
-    lambda body: body["clips"][0].update(rate=math.nan),
-    lambda body: body["clips"][0].update(loop=True),
-    lambda body: body["clips"][0].update(loop=10**6),
-    lambda body: body["clips"][0].update(gait=1),
-    lambda body: body["clips"][0].update(tags="carry"),
-    lambda body: body["clips"][0].update(notes=[1]),
-    lambda body: body["clips"][0].update(name=b"walk"),
-    lambda body: body["clips"][0].update(name=body["clips"][1]["name"]),
-    lambda body: body["clips"][0].update(last_phase=1e300),
-    lambda body: body.update(clips=[]),
-    lambda body: body.update(clips=3),
-    lambda body: body.update(hands=3),
-    lambda body: body["roles"].update(pelvis=999),
-    lambda body: body["roles"].update(pelvis=0),
-    lambda body: body["roles"].update(spine=[1, 2.0]),
-    lambda body: body["roles"].update(head=-2),
-    lambda body: body["skeleton"].update(parents=[0] * len(body["skeleton"]["names"])),
-    lambda body: body["skeleton"]["parents"].append(2**63),
-    lambda body: body["skeleton"]["offsets"].pop(),
-    lambda body: body["skeleton"]["offsets"][2].pop(),
-    lambda body: body["skeleton"]["offsets"][2].__setitem__(1, math.inf),
-    lambda body: body["skeleton"].update(end_parents=[999] * len(body["skeleton"]["end_parents"])),
-    lambda body: body["skeleton"].update(names=list(range(len(body["skeleton"]["names"])))),
-    lambda body: body["skeleton"]["names"].__setitem__(1, body["skeleton"]["names"][2]),
-    lambda body: body["tables"].update(lower=body["tables"]["postures"]),
-    lambda body: body["tables"].update(lower="../../elsewhere"),
-    lambda body: body["tables"].pop("hands"),
-    lambda body: body["baseline"].update(clip="absent"),
-    lambda body: body["baseline"].update(cells=30.0),
-    lambda body: body.update(baseline={}),
-    lambda body: body.pop("skeleton"),
-]
-
-
-def rewrite(bank: Path, pack: Callable[[dict[str, Any]], bytes]) -> None:
-    """Replaces the body of a manifest; its digest is right."""
-    outer = msgpack.unpackb((bank / MANIFEST).read_bytes())
-    packed = pack(msgpack.unpackb(outer["body"]))
-    (bank / MANIFEST).write_bytes(msgpack.packb(outer | {"body": packed, "digest": content_digest(packed)}))
-
-
-@pytest.mark.parametrize("change", CHANGES)
-def test_an_inconsistent_manifest_with_a_valid_digest_is_refused(
-    copy: Path, program: Path, change: Callable[[dict[str, Any]], object]
-) -> None:
-    def pack(body: dict[str, Any]) -> bytes:
-        change(body)
-        return bytes(msgpack.packb(body))
-
-    rewrite(copy, pack)
-    refused_alike(program, copy, same_file=False)
-
-
-@pytest.mark.parametrize(
-    "packed",
-    [
-        b"",
-        b"\xc1",
-        b"\xdf\xff\xff\xff\xff",  # a map of 4 G pairs
-        b"\x81\xa8skeleton\x81\xa5names\xdd\xff\xff\xff\xff",  # an array of 4 G items
-        b"\x81\xa5clips\xdb\xff\xff\xff\xff",  # 4 GB of text
-        b"\x91" * 5000,
-        b"\x90",
-        b"\x80\x80",
-        b"\x81\xa1\xff\x01",
-    ],
-)
-def test_a_body_that_is_no_manifest_is_refused(copy: Path, program: Path, packed: bytes) -> None:
-    rewrite(copy, lambda _: packed)
-    refused_alike(program, copy)
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "words"),
-    [
-        ("lower", np.inf, "not finite"),
-        ("upper", np.nan, "not finite"),
-        ("phase_of_frame", 0.0, "does not increase"),
-        ("phase_of_frame", np.nan, "does not"),
-        ("frame_of_phase", np.nan, "not finite"),
-        ("paths", -np.inf, "not finite"),
-        ("contacts", 4, "bits of feet"),
-        ("postures", np.nan, "not finite"),
-        ("neutral", 99, "a clip that"),
-        ("neutral", -1, "a clip that"),
-        ("lower", np.zeros((3, 3), np.float32), "expected"),
-        ("lower", np.zeros((3, 3), ">f8"), "expected"),
-        ("postures", np.asfortranarray(np.zeros((7, 2, 3))), "expected"),
-        ("paths", np.zeros((0, 4)), "expected"),
-        ("hands", np.zeros((1, 0), np.float32), "expected"),
-    ],
-)
-def test_an_inconsistent_table_with_a_valid_digest_is_refused(
-    copy: Path, program: Path, name: str, value: Any, words: str
-) -> None:
-    def pack(body: dict[str, Any]) -> bytes:
-        table = np.load(copy / "tables" / f"{body['tables'][name]}.npy")
-        if isinstance(value, np.ndarray):
-            table = value
-        else:
-            table[3] = value
-        np.save(copy / "table.npy", table)
-        body["tables"][name] = content_digest((copy / "table.npy").read_bytes())
-        (copy / "table.npy").rename(copy / "tables" / f"{body['tables'][name]}.npy")
-        return bytes(msgpack.packb(body))
-
-    rewrite(copy, pack)
-    assert words in refused_alike(program, copy, same_file=not isinstance(value, np.ndarray))

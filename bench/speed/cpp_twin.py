@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class CppTwin:
         calls = [self._arguments(requests, poses) for requests in sets]
         return lambda number: self._evaluate(*calls[number % len(calls)])
 
-    def _arguments(self, requests: Requests, poses: Poses) -> tuple[object, ...]:
+    def _arguments(self, requests: Requests, poses: Poses) -> tuple[Any, ...]:
         splices = np.zeros(len(requests), SPLICE)
         for name in ("locomotion", "action", "start", "method", "posture", "cycles"):
             splices[name] = requests.records[name]
@@ -63,7 +64,5 @@ class CppTwin:
         pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
         return *pointers[:2], len(requests), *pointers[2:], arrays  # which must live as long as their addresses
 
-    def _evaluate(
-        self, splices: object, times: object, count: int, rotations: object, roots: object, _: object
-    ) -> None:
-        assert self._library.evaluate(self._twin, splices, times, count, rotations, roots)
+    def _evaluate(self, *arguments: Any) -> None:
+        assert self._library.evaluate(self._twin, *arguments[:-1])

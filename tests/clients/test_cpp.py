@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import SettingsError, TimeRangeError
+from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
@@ -147,7 +147,7 @@ def test_a_clip_without_a_loop_stops_at_its_end(program: Path, tmp_path: Path) -
     ],
 )
 def test_invalid_requests_give_errors_of_the_same_kind(
-    hands_bank: Bank, program: Path, change: dict[str, Any], error: type[Exception]
+    hands_bank: Bank, program: Path, change: dict[str, Any], error: type[MotionError]
 ) -> None:
     requests = Requests.empty(3)
     for name, value in change.items():

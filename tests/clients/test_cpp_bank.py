@@ -227,7 +227,7 @@ def test_mutated_banks_are_evaluated_or_refused_under_sanitizers(tmp_path: Path)
     if linked.returncode != 0 or subprocess.run([tmp_path / "tiny"], capture_output=True, check=False).returncode != 0:
         pytest.skip("programs with AddressSanitizer do not run here")
     replay = cpp.compiled("fuzz.cpp", tmp_path / "replay", *SANITIZED)
-    draw, inputs = np.random.default_rng(11), []
+    draw, inputs = np.random.default_rng(11), list[Path]()
     for number, bank in enumerate(fuzzed.small_banks()):
         files = fuzzed.sections(cpp.written(bank, tmp_path / f"bank {number}"))
         for one in [files, *(damaged(files, draw) for _ in range(100))]:

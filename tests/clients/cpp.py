@@ -17,7 +17,7 @@ from motionsplice.runtime.bank import TABLE_FOLDER, Bank
 from motionsplice.runtime.format.manifest import TABLES
 from motionsplice.runtime.requests import Requests
 
-PROGRAMS = Path(__file__).parents[2] / "clients" / "cpp" / "tests"
+CLIENT = Path(__file__).parents[2] / "clients" / "cpp"
 STRICT = ["-std=c++17", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion", "-Wshadow"]
 BARE = ["-fno-exceptions", "-fno-rtti"]  # as game engines are compiled
 NOTHING = -2
@@ -43,7 +43,7 @@ class Answer(NamedTuple):
 
 def compiled(source: str, to: Path, *options: str, compiler: str = "g++") -> Path:
     """Compiles a program, with warnings as errors."""
-    command = [compiler, *STRICT, *options, str(PROGRAMS / source), "-o", str(to)]
+    command = [compiler, *STRICT, *options, str(CLIENT / "tests" / source), "-o", str(to)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return to

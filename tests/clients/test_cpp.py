@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
+import shutil
+import subprocess
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -165,3 +168,21 @@ def test_names_that_are_not_found_are_refused_and_not_taken_for_nothing(bank: Ba
     for columns in ("0 -1 -2", "0 0 -1"):
         [line] = cpp.run(program, bank.path, f"poses 1 0\n{columns} 0 2 1 0 0")
         assert line.startswith("error settings")
+
+
+def test_the_program_of_the_readme_walks(bank: Bank, tmp_path: Path) -> None:
+    page = (cpp.CLIENT / "README.md").read_text(encoding="utf-8")
+    program = re.search(r"^```cpp\n(.*?)^```", page, re.S | re.M)
+    options = re.search(r"^g\+\+ (.*) walk.cpp -o walk", page, re.M)
+    assert program is not None
+    assert options is not None
+    (tmp_path / "walk.cpp").write_text(program[1])
+    (tmp_path / "demo").mkdir()
+    shutil.copytree(bank.path, tmp_path / "demo" / "bank")
+    build = ["g++", *options[1].split(), "-I", cpp.CLIENT, "walk.cpp", "-o", "walk"]
+    subprocess.run(build, cwd=tmp_path, check=True, capture_output=True)
+    lines = subprocess.run([tmp_path / "walk"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    ahead = [float(line.split()[-1]) for line in lines.splitlines()]
+    assert len(ahead) == 10
+    assert np.diff(ahead).min() > 0.8  # metres per second, through two loops
+    assert f"That is 3 commands and {len(program[1].splitlines())} lines" in page

@@ -30,11 +30,13 @@
 #include <utility>
 #include <vector>
 
-#if defined(_MSC_VER) && !defined(__clang__)
-#include <intrin.h>
-#define MOTIONSPLICE_PREFETCH(address) _mm_prefetch(reinterpret_cast<const char*>(address), _MM_HINT_T0)
-#else
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "motionsplice.hpp reads banks on little-endian machines only"
+#endif
+#if defined(__GNUC__) || defined(__clang__)
 #define MOTIONSPLICE_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define MOTIONSPLICE_PREFETCH(address) static_cast<void>(address)
 #endif
 
 namespace motionsplice {
@@ -64,22 +66,22 @@ constexpr int NOTHING = -2;    ///< no action, or no hands
 
 /// The upper body of one clip on the lower body of another. Clips and hands are numbers: see `Bank::find`.
 struct Splice {
-    int locomotion = 0;          ///< the clip that gives the root and the lower body
-    int action = NOTHING;        ///< the clip that gives the upper body; NOTHING plays the locomotion alone
-    int hands = NOTHING;         ///< hands to lay on the clip that gives the upper body: see `Bank::find_hands`
-    double start = 0.0;          ///< seconds into the action: it begins at the first frame from here that is in step
+    int locomotion = 0;    ///< the clip that gives the root and the lower body
+    int action = NOTHING;  ///< the clip that gives the upper body; NOTHING plays the locomotion alone
+    int hands = NOTHING;   ///< hands to lay on the clip that gives the upper body: see `Bank::find_hands`
+    double start = 0.0;    ///< seconds into the action, which begins at the first frame from here on that is in step
     Method method = Method::splice;
     Posture posture = Posture::relative;  ///< `running` needs a Memory
-    std::int64_t cycles = 0;     ///< whole cycles to add to the action's phase: add RootMotion::cycles after each step
+    std::int64_t cycles = 0;              ///< cycles to add to the action's phase: add those of each RootMotion
 };
 
-/// What the evaluator remembers of one character from frame to frame. `running` needs it; it helps other postures if
-/// the torso's joints lie on a line, because the last clear alignment is then reused.
+/// What the evaluator remembers of one character from frame to frame. Posture `running` needs it. With other postures
+/// it is used only where a torso's joints lie on a line: the last clear alignment then goes on.
 struct Memory {
-    double share = 0.0;                       ///< weight of a new frame in the mean posture
-    double turn[4] = {0.0, 0.0, 0.0, 1.0};    ///< the last clear alignment
-    double mean[6] = {};                      ///< mean positions of the left and of the right shoulder, metres
-    bool begun = false;                       ///< whether the mean has begun
+    double share = 0.0;                     ///< weight of a new frame in the mean posture
+    double turn[4] = {0.0, 0.0, 0.0, 1.0};  ///< the last clear alignment, xyzw
+    double mean[6] = {};                    ///< mean positions of the left and of the right shoulder, metres
+    bool begun = false;                     ///< whether the mean has begun
 
     /// Returns an empty memory of a character evaluated `rate` times per second of motion. The mean follows the splice
     /// within `time_constant` seconds.
@@ -91,7 +93,7 @@ struct RootMotion {
     double x = 0.0, y = 0.0, z = 0.0;  ///< metres to the left, up and ahead, in the heading before the step
     double turn = 0.0;                 ///< radians about Y
     double time = 0.0;                 ///< seconds into the clip after the step
-    std::int64_t cycles = 0;           ///< whole cycles by which loops went back; add them to Splice::cycles
+    std::int64_t cycles = 0;           ///< cycles by which loops went back; add them to Splice::cycles
 };
 
 /// Where a character stands: position in metres and heading in radians about Y; 0 faces Z.
@@ -104,10 +106,10 @@ struct Place {
 /// The joints of a rig, parents before children, below joint 0.
 struct Skeleton {
     std::vector<std::string> names;
-    std::vector<std::int64_t> parents;                 ///< -1 for joint 0
-    std::vector<std::array<double, 3>> offsets;        ///< metres, in the parent's frame
-    std::vector<std::int64_t> end_parents;             ///< the joint that carries each end site
-    std::vector<std::array<double, 3>> end_offsets;    ///< metres, in that joint's frame
+    std::vector<std::int64_t> parents;               ///< -1 for joint 0
+    std::vector<std::array<double, 3>> offsets;      ///< metres, in the parent's frame
+    std::vector<std::int64_t> end_parents;           ///< the joint that carries each end site
+    std::vector<std::array<double, 3>> end_offsets;  ///< metres, in that joint's frame
 };
 
 /// One clip of a bank; the fields are described in docs/bank.md.
@@ -139,6 +141,7 @@ struct HandsEntry {
 namespace detail {
 
 using Bytes = std::vector<unsigned char>;
+struct Value;
 
 struct Free {
     void operator()(void* memory) const { ::operator delete(memory, std::align_val_t(64)); }
@@ -203,7 +206,9 @@ private:
 
     bool read(const Files& files, const std::string& name, Error& error);
     std::string read_body(const detail::Bytes& manifest, Digests& digests);
-    std::string skeleton_fault() const;
+    std::string read_skeleton(const detail::Value& rig);
+    std::string read_clips(const detail::Value& body);
+    std::string read_roles(const detail::Value& map);
     std::string clips_fault(const std::string& baseline);
     std::string hands_fault();
     void lay_out(std::int64_t left_elbow, std::int64_t right_elbow);
@@ -220,12 +225,11 @@ private:
     std::vector<ClipEntry> clips_;
     std::vector<HandsEntry> hands_;
     std::vector<std::string> hand_clips_;
-    std::vector<int> by_name_;                                     // clips, sorted by name
-    std::vector<std::pair<std::pair<int, int>, int>> hands_of_;    // (hands clip, clip), entry; sorted
+    std::vector<int> by_name_;                                   // clips, sorted by name
+    std::vector<std::pair<std::pair<int, int>, int>> hands_of_;  // ((hands clip, clip), entry), sorted
     std::int64_t pelvis_ = 0, points_ = 0, cloud_width_ = 0;
     std::int64_t rows_ = 0, cells_ = 0, hand_rows_ = 0;
     detail::Half lower_half_, upper_half_, hands_half_;
-    std::vector<std::size_t> hand_lanes_;  // the lane in the upper half of each joint of the hands
     detail::Table<float> lower_, upper_, frame_of_phase_, hand_table_;
     detail::Table<double> phase_of_frame_, paths_, postures_, hand_frames_;
     detail::Table<std::uint8_t> contacts_;
@@ -256,11 +260,11 @@ public:
     void world_positions(const float* rotations, const float* root_positions, int count, float* positions);
 
     /// Returns the step along a clip's root path from `time` to `seconds` later, through its loops. A clip without a
-    /// loop stops at its end. `clip` must be valid.
+    /// loop stops at its end. Returns no step for a clip that does not exist.
     RootMotion root_motion(int clip, double time, double seconds) const;
 
-    /// Moves a pose of a locomotion at `time` from the clip's coordinates to a place in the world: the root keeps its
-    /// offset from the clip's root path.
+    /// Moves a pose of a locomotion at `time` from the clip's coordinates to a place in the world. The root keeps its
+    /// offset from the clip's root path. Does nothing for a clip that does not exist.
     void put(const Place& place, int clip, double time, float* rotations, float* root_position) const;
 
 private:
@@ -269,6 +273,7 @@ private:
     struct Character;
     struct Torsos;
 
+    bool exists(int clip) const { return clip >= 0 && clip < static_cast<int>(bank_->clips_.size()); }
     Error fault(const Splice& splice, double time, bool remembers) const;
     void look_up(const Splice* splices, const double* times, int count, Character* characters) const;
     void prefetch_upper(const Splice& splice, Character& character) const;
@@ -290,20 +295,20 @@ private:
 
 namespace detail {
 
-constexpr int LANES = 8;                           // planes are padded to this many floats
-constexpr int LINE = 16;                           // floats in a cache line; rows are padded to it
-constexpr std::int64_t ROOT = 0, SIZE = 3, CLOUD = 4;  // first columns of a row
+constexpr int LANES = 8;                     // planes are padded to this many floats
+constexpr int LINE = 16;                     // floats in a cache line; rows are padded to it
+constexpr std::int64_t ROOT = 0, CLOUD = 4;  // first columns of a row
 constexpr std::size_t PELVIS = 0, POSTURE_FRAME = 1, TORSO_OFFSET = 2, FIRST_JOINT = 3;  // lanes of a row
-constexpr double LATE = 1e-6;       // seconds: times this much after a clip's end count as its end
-constexpr double IN_STEP = 1e-3;    // cycles by which an action may begin before its start
-constexpr double LEAST_GAP = 1e-3;  // below it, float32 clouds do not determine a rotation
-constexpr std::int64_t MOST_ROWS = std::int64_t(1) << 40;
+constexpr double LATE = 1e-6;                              // seconds after a clip's end that count as its end
+constexpr double IN_STEP = 1e-3;                           // cycles by which an action may begin before its start
+constexpr double LEAST_GAP = 1e-3;                         // of a clear rotation, see docs/bank.md
+constexpr std::int64_t MOST_ROWS = std::int64_t(1) << 40;  // sums and products of counts stay far from overflow
 constexpr std::size_t LARGEST_MANIFEST = std::size_t(64) << 20;  // bytes
 constexpr int VERSION = 5;
 constexpr const char* FORMAT = "motionsplice bank";
 constexpr const char* REBUILD = "Build it again with `motionsplice precompute`";
 
-/// Table names in the order of docs/bank.md.
+/// The tables in the order of docs/bank.md.
 enum TableNumber : std::size_t {
     LOWER, UPPER, PHASE_OF_FRAME, FRAME_OF_PHASE, PATHS, CONTACTS, POSTURES, NEUTRAL, HANDS, HAND_FRAMES
 };
@@ -561,7 +566,7 @@ bool get(const Value& value, std::vector<T>& out) {
     });
 }
 
-/// Reads the fields of a map in a chain of calls; remembers the first that is missing or of the wrong type.
+/// Reads the fields of a map, one for each call; remembers the first that is missing or of the wrong type.
 class Fields {
 public:
     explicit Fields(const Value& map) : map_(map) {}
@@ -875,7 +880,6 @@ inline bool Bank::read(const Files& files, const std::string& name, Error& error
 }
 
 inline std::string Bank::read_body(const detail::Bytes& manifest, Digests& digests) {
-    using detail::Fields;
     using detail::Value;
     if (manifest.size() > detail::LARGEST_MANIFEST) return "the manifest is too large";
     const Value outer = Value::at(manifest.data(), manifest.data() + manifest.size());
@@ -898,72 +902,23 @@ inline std::string Bank::read_body(const detail::Bytes& manifest, Digests& diges
     const Value body = Value::at(packed.body, packed.body + packed.size);
     if (body.type != Value::Type::map || body.next() != body.end) return "the manifest is not a map";
 
-    const Value rig = body["skeleton"];
-    if (!get(rig["names"], skeleton_.names) || !get(rig["parents"], skeleton_.parents) ||
-        !get(rig["offsets"], skeleton_.offsets) || !get(rig["end_parents"], skeleton_.end_parents) ||
-        !get(rig["end_offsets"], skeleton_.end_offsets)) {
-        return "the manifest has a missing or invalid field ('skeleton')";
-    }
-    if (const std::string problem = skeleton_fault(); !problem.empty()) return problem;
-
-    std::array<std::int64_t, 18> roles{};
-    std::vector<std::int64_t> spine;
-    constexpr std::array<const char*, 18> ROLES = {
-        "root", "pelvis", "neck", "head", "left_hip", "left_knee", "left_ankle", "left_toe", "right_hip", "right_knee",
-        "right_ankle", "right_toe", "left_shoulder", "left_elbow", "left_wrist", "right_shoulder", "right_elbow",
-        "right_wrist"};
-    Fields of_roles(body["roles"]);
-    of_roles("spine", spine);
-    for (std::size_t i = 0; i < ROLES.size(); ++i) of_roles(ROLES[i], roles[i]);
-    if (const std::string problem = of_roles.fault(); !problem.empty()) return problem;
-    const auto is_joint = [&](std::int64_t joint) { return joint >= -1 && joint < joint_count(); };
-    pelvis_ = roles[1];
-    if (pelvis_ < 1 || !std::all_of(roles.begin(), roles.end(), is_joint) ||
-        !std::all_of(spine.begin(), spine.end(), is_joint)) {
-        return "a role refers to a joint that does not exist";
-    }
-    points_ = static_cast<std::int64_t>(spine.size()) + 2;
-
-    std::string baseline, problem;
-    double start = 0.0, end = 0.0, loop = 0.0;
-    std::int64_t cells = 0;
-    problem = Fields(body["baseline"])("clip", baseline)("start", start)("end", end)("loop", loop)("cells", cells)
-                  .fault();
-    if (!problem.empty()) return problem;
-    const bool all_clips = body["clips"].each([&](const Value& item) {
-        ClipEntry& clip = clips_.emplace_back();
-        problem = Fields(item)("name", clip.name)("kind", clip.kind)("tags", clip.tags)("rate", clip.rate)(
-                      "first_row", clip.first_row)("frame_count", clip.frame_count)("row_count", clip.row_count)(
-                      "first_cell", clip.first_cell)("cell_count", clip.cell_count)("first_phase", clip.first_phase)(
-                      "last_phase", clip.last_phase)("cycles", clip.cycles)("loop", clip.loop)("gait", clip.gait)(
-                      "mean_mismatch", clip.mean_mismatch)("worst_mismatch", clip.worst_mismatch)(
-                      "shoulder_motion", clip.shoulder_motion)("warnings", clip.warnings)("notes", clip.notes)(
-                      "source", clip.source)
-                      .fault();
-        return problem.empty();
-    });
-    const bool all_hands = problem.empty() && body["hands"].each([&](const Value& item) {
-        HandsEntry& one = hands_.emplace_back();
-        problem = Fields(item)("name", one.name)("body", one.body)("first_row", one.first_row)("rate", one.rate)(
-                      "hand", one.hand)("wrist", one.wrist)("pairs", one.pairs)("mismatch", one.mismatch)(
-                      "warnings", one.warnings)("source", one.source)
-                      .fault();
-        return problem.empty();
-    });
-    if (!problem.empty()) return problem;
-    if (!all_clips || !all_hands) return "the manifest has a missing or invalid field ('clips' or 'hands')";
-    if (problem = clips_fault(baseline); !problem.empty()) return problem;
-    if (problem = hands_fault(); !problem.empty()) return problem;
+    if (const std::string problem = read_skeleton(body["skeleton"]); !problem.empty()) return problem;
+    if (const std::string problem = read_clips(body); !problem.empty()) return problem;
     for (std::size_t table = 0; table < digests.size(); ++table) {
         const bool found = get(body["tables"][detail::TABLES[table]], digests[table]) && digests[table].size() == 32 &&
                            digests[table].find_first_not_of("0123456789abcdef") == std::string::npos;
         if (!found) return "the manifest has no digest of table " + detail::quoted(detail::TABLES[table]);
     }
-    lay_out(roles[13], roles[16]);
-    return "";
+    return read_roles(body["roles"]);
 }
 
-inline std::string Bank::skeleton_fault() const {
+/// Reads the skeleton. Like all that follow, returns a problem; empty if there is none.
+inline std::string Bank::read_skeleton(const detail::Value& rig) {
+    if (!get(rig["names"], skeleton_.names) || !get(rig["parents"], skeleton_.parents) ||
+        !get(rig["offsets"], skeleton_.offsets) || !get(rig["end_parents"], skeleton_.end_parents) ||
+        !get(rig["end_offsets"], skeleton_.end_offsets)) {
+        return "the manifest has a missing or invalid field ('skeleton')";
+    }
     const std::size_t count = skeleton_.names.size(), most = std::numeric_limits<std::int32_t>::max() / 64;
     if (count == 0 || count > most) return "the skeleton has no joints, or too many";
     if (skeleton_.parents.size() != count || skeleton_.offsets.size() != count) {
@@ -984,6 +939,66 @@ inline std::string Bank::skeleton_fault() const {
     for (const std::int64_t parent : skeleton_.end_parents) {
         if (parent < 0 || parent >= joint_count()) return "the parent of an end site does not exist";
     }
+    return "";
+}
+
+inline std::string Bank::read_clips(const detail::Value& body) {
+    using detail::Fields;
+    using detail::Value;
+    std::string baseline, problem;
+    double start = 0.0, end = 0.0, loop = 0.0;
+    std::int64_t cells = 0;
+    Fields of_baseline(body["baseline"]);
+    of_baseline("clip", baseline)("start", start)("end", end)("loop", loop)("cells", cells);
+    problem = of_baseline.fault();
+    if (!problem.empty()) return problem;
+    const bool all_clips = body["clips"].each([&](const Value& item) {
+        ClipEntry& clip = clips_.emplace_back();
+        Fields fields(item);
+        fields("name", clip.name)("kind", clip.kind)("tags", clip.tags)("source", clip.source);
+        fields("warnings", clip.warnings)("notes", clip.notes)("rate", clip.rate)("gait", clip.gait)("loop", clip.loop);
+        fields("first_row", clip.first_row)("frame_count", clip.frame_count)("row_count", clip.row_count);
+        fields("first_cell", clip.first_cell)("cell_count", clip.cell_count)("cycles", clip.cycles);
+        fields("first_phase", clip.first_phase)("last_phase", clip.last_phase);
+        fields("mean_mismatch", clip.mean_mismatch)("worst_mismatch", clip.worst_mismatch);
+        fields("shoulder_motion", clip.shoulder_motion);
+        problem = fields.fault();
+        return problem.empty();
+    });
+    const bool all_hands = problem.empty() && body["hands"].each([&](const Value& item) {
+        HandsEntry& one = hands_.emplace_back();
+        Fields fields(item);
+        fields("name", one.name)("body", one.body)("first_row", one.first_row)("rate", one.rate)("hand", one.hand);
+        fields("wrist", one.wrist)("pairs", one.pairs)("mismatch", one.mismatch)("warnings", one.warnings);
+        fields("source", one.source);
+        problem = fields.fault();
+        return problem.empty();
+    });
+    if (!problem.empty()) return problem;
+    if (!all_clips || !all_hands) return "the manifest has a missing or invalid field ('clips' or 'hands')";
+    if (problem = clips_fault(baseline); !problem.empty()) return problem;
+    return hands_fault();
+}
+
+inline std::string Bank::read_roles(const detail::Value& map) {
+    std::array<std::int64_t, 18> roles{};
+    std::vector<std::int64_t> spine;
+    constexpr std::array<const char*, 18> ROLES = {
+        "root", "pelvis", "neck", "head", "left_hip", "left_knee", "left_ankle", "left_toe", "right_hip", "right_knee",
+        "right_ankle", "right_toe", "left_shoulder", "left_elbow", "left_wrist", "right_shoulder", "right_elbow",
+        "right_wrist"};
+    detail::Fields fields(map);
+    fields("spine", spine);
+    for (std::size_t i = 0; i < ROLES.size(); ++i) fields(ROLES[i], roles[i]);
+    if (const std::string problem = fields.fault(); !problem.empty()) return problem;
+    const auto is_joint = [&](std::int64_t joint) { return joint >= -1 && joint < joint_count(); };
+    pelvis_ = roles[1];
+    if (pelvis_ < 1 || !std::all_of(roles.begin(), roles.end(), is_joint) ||
+        !std::all_of(spine.begin(), spine.end(), is_joint)) {
+        return "a role refers to a joint that does not exist";
+    }
+    points_ = static_cast<std::int64_t>(spine.size()) + 2;
+    lay_out(roles[13], roles[16]);
     return "";
 }
 
@@ -1039,10 +1054,7 @@ inline void Bank::lay_out(std::int64_t left_elbow, std::int64_t right_elbow) {
         above[joint] = number == pelvis_ || (parent >= 0 && above[std::size_t(parent)]);
         driven[joint] = number == left_elbow || number == right_elbow || (parent >= 0 && driven[std::size_t(parent)]);
         if (number == pelvis_) continue;
-        if (above[joint] && driven[joint]) {
-            hand_lanes_.push_back(detail::FIRST_JOINT + upper_half_.joints.size());
-            hands_half_.joints.push_back(static_cast<int>(joint));
-        }
+        if (above[joint] && driven[joint]) hands_half_.joints.push_back(static_cast<int>(joint));
         (above[joint] ? upper_half_ : lower_half_).joints.push_back(static_cast<int>(joint));
     }
     cloud_width_ = detail::whole(points_, detail::LANES);
@@ -1070,7 +1082,6 @@ inline std::string Bank::load(std::size_t table, const detail::Bytes& file) {
     const std::string problem = load(file, {hand_rows_, hands_half_.columns}, hand_table_);
     if (problem.empty() || !load(file, {hand_rows_, 0}, hand_table_).empty()) return problem;
     hands_half_ = detail::Half();  // the rig has no fingers, so hands drive nothing
-    hand_lanes_.clear();
     return "";
 }
 
@@ -1228,7 +1239,6 @@ inline Error Evaluator::poses(const Splice* splices, const double* times, int co
 }
 
 inline Error Evaluator::fault(const Splice& splice, double time, bool remembers) const {
-    const int count = static_cast<int>(bank_->clips_.size());
     const auto settings = [](std::string problem, const char* mend) {
         return Error{Error::Kind::settings, "", "", std::move(problem), mend};
     };
@@ -1243,7 +1253,7 @@ inline Error Evaluator::fault(const Splice& splice, double time, bool remembers)
     };
     const int action = splice.action == NOTHING ? splice.locomotion : splice.action;
     for (const int clip : {splice.locomotion, action}) {
-        if (clip < 0 || clip >= count) {
+        if (!exists(clip)) {
             return settings("the bank has no clip number " + std::to_string(clip), "Find its number with Bank::find");
         }
     }
@@ -1539,6 +1549,7 @@ inline RootMotion Evaluator::walk(int clip, double from, double to) const {
 }
 
 inline RootMotion Evaluator::root_motion(int number, double time, double seconds) const {
+    if (!exists(number)) return RootMotion();
     const ClipEntry& clip = bank_->clips_[std::size_t(number)];
     const double last = clip.last_frame(), from = std::min(std::max(time * clip.rate, 0.0), last);
     double to = from + std::max(seconds, 0.0) * clip.rate;
@@ -1565,6 +1576,7 @@ inline RootMotion Evaluator::root_motion(int number, double time, double seconds
 }
 
 inline void Evaluator::put(const Place& place, int clip, double time, float* rotations, float* root_position) const {
+    if (!exists(clip)) return;
     const std::array<double, 4> at = path(clip, time * bank_->clips_[std::size_t(clip)].rate);
     const double angle = place.heading - at[3], sine = std::sin(angle), cosine = std::cos(angle);
     const double x = root_position[0] - at[0], z = root_position[2] - at[2];

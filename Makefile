@@ -15,7 +15,9 @@ LAST_COVER  = $(if $(COVER),--cov --cov-report= --cov-append)
 LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
 	tests/runtime/test_evaluator.py tests/service/answers tests/service/edge tests/service/test_http.py
 
-.PHONY: demo test check docs lowest newest oracles quality soak pictures clean
+FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
+
+.PHONY: demo test check docs lowest newest oracles fuzz-cpp quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -56,6 +58,12 @@ oracles: $(VENV)/ready tests/oracles/node_modules  ## our readers and writers ju
 tests/oracles/node_modules: tests/oracles/package-lock.json
 	npm ci --prefix tests/oracles --no-audit --no-fund
 	touch $@
+
+fuzz-cpp: $(VENV)/ready        ## a million damaged banks through the evaluator in C++, under sanitizers; needs clang
+	rm -rf build/fuzz && mkdir -p build/fuzz/corpus
+	$(BIN)/python -m tests.clients.fuzzed build/fuzz/seeds
+	clang++ $(FUZZ_CPP) -fno-sanitize-recover=all clients/cpp/tests/fuzz.cpp -o build/fuzz/fuzz
+	cd build/fuzz && ./fuzz -runs=1000000 -max_len=40000 -malloc_limit_mb=64 corpus seeds
 
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in

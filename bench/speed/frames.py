@@ -10,6 +10,8 @@ copy                  The floor: `np.take` of the rows that the splices read, tw
                       advance, so this is memory traffic alone. But it also writes the rows and prefetches nothing, so
                       kernels can be faster than this when rows come from memory.
 NumPy                 The same splices in NumPy, without kernels (`bench.speed.numpy_twin`), in separate rounds.
+the same in C++       The same algorithm in C++: the evaluator of clients/cpp, compiled by g++ -O3 -march=native, over
+                      tables of its own, in turns with the kernels. Left out, with the reason, without g++.
 
 All rows of a table run interleaved in one process. Each call has its own requests, and ratios are taken within rounds.
 A time is that of a whole call divided by its number of characters.
@@ -38,6 +40,7 @@ import typer
 from bench.generated import Size, generate
 from bench.rounds import Summary, Work, evict_caches, interleaved, paced, summaries
 from bench.speed import frame_tables, roofline
+from bench.speed.cpp_twin import CppTwin
 from bench.speed.numpy_twin import NumpyTwin
 from bench.speed.workload import RATE, SETS, Copy, Scene, evaluation, request_sets, twin_evaluation
 from motionsplice.cli import run
@@ -80,6 +83,8 @@ def main(
             "paced": in_ticks(evaluator, ticks),
             "single": single_calls(evaluator, rounds),
         }
+        if not CppTwin.missing:
+            tables["cpp"] = in_cpp(evaluator, rounds)
         roof = roofline.measure(opened)
         about = {
             "joints": opened.skeleton.joint_count,
@@ -88,6 +93,8 @@ def main(
             "bytes": sum(table.nbytes for table in opened.tables.values()),
         }
     frame_tables.show(about, tables, roof)
+    if CppTwin.missing:
+        print(f"The row of the same algorithm in C++ is left out: {CppTwin.missing}.")
     if out:
         out.write_text(json.dumps(as_json(about, tables, roof), indent=1))
 
@@ -181,6 +188,19 @@ def single_calls(evaluator: Evaluator, rounds: int) -> list[Summary]:
     times = np.random.default_rng(0).random(SETS) * first.duration
     work["by name"] = lambda number: evaluator.pose(Splice(first.name, last.name), times[number % SETS])
     return summaries(warm(work, 1, rounds), 1)
+
+
+def in_cpp(evaluator: Evaluator, rounds: int) -> list[Summary]:
+    """Times warm batches by the kernels and by the same algorithm in C++."""
+    twin, rows = CppTwin(evaluator.bank), []
+    for count in (1, 100, BATCH, LARGE):
+        ours, theirs = (request_sets(evaluator.bank, count, ANY, seed=seed) for seed in range(2))
+        work = {
+            "splice": evaluation(evaluator, ours),
+            "the same algorithm in C++": twin.evaluation(theirs, evaluator.poses(count)),
+        }
+        rows += summaries(warm(work, count, rounds), count, ["splice"])
+    return rows
 
 
 def methods(evaluator: Evaluator, count: int, scene: Scene) -> dict[str, Work]:

@@ -11,6 +11,7 @@ import pytest
 from bench.generated import Size, generate
 from bench.rounds import Summary
 from bench.speed import flatness, frames, roofline
+from bench.speed.cpp_twin import CppTwin
 from bench.speed.memory import FIELDS, state_of, table_pages
 from bench.speed.numpy_twin import NumpyTwin
 from bench.speed.speed_charts import speed_chart
@@ -26,6 +27,26 @@ MANY = Scene()
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Bank:
     return generate(tmp_path_factory.mktemp("generated") / "bank", Size(joints=22, clips=6, seconds=4.0))
+
+
+@pytest.mark.skipif(bool(CppTwin.missing), reason=CppTwin.missing)
+def test_the_twin_in_cpp_agrees_with_the_kernels(generated: Bank) -> None:
+    evaluator, sets = Evaluator(generated), request_sets(generated, 60, MANY, posture="absolute")
+    ours, theirs = evaluator.poses(60), evaluator.poses(60)
+    evaluator.evaluate(sets[3], ours)
+    CppTwin(generated).evaluation(sets, theirs)(3)
+    np.testing.assert_allclose(theirs.root_positions, ours.root_positions, atol=1e-6)
+    np.testing.assert_allclose(theirs.rotations, ours.rotations, atol=1e-6)
+
+
+def test_without_a_compiler_the_row_in_cpp_is_left_out_with_the_reason(
+    generated: Bank, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(CppTwin, "missing", "g++ is not installed")
+    frames.main(bank=generated.path, characters=[1], rounds=2, ticks=2)
+    printed = capsys.readouterr().out
+    assert "left out: g++ is not installed" in printed
+    assert "C++ (clients/cpp)" not in printed
 
 
 @pytest.mark.parametrize("of", ["generated", "bank"])
@@ -90,7 +111,8 @@ def test_a_small_run_prints_tables_and_writes_them(
     assert set(document) == {"bank", "tables", "roofline"}
     assert document["bank"]["joints"] == 22
     tables = document["tables"]
-    assert set(tables) == {"batches", "scenes", "forms", "threads", "cold", "paced", "single"}
+    names = {"batches", "scenes", "forms", "threads", "cold", "paced", "single"}
+    assert set(tables) == (names if CppTwin.missing else names | {"cpp"})
     assert [(row["characters"], row["what"]) for row in tables["batches"]] == [
         (count, what) for count in (1, 20) for what in ("splice", "naive", "none", "copy", "NumPy")
     ]

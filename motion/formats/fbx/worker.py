@@ -15,7 +15,7 @@ import sys
 from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Any, BinaryIO, TypeVar
 
 FEWEST_KEYS = 4  # that show a rate
@@ -203,9 +203,9 @@ def animations(scene: Any, moved: set[int]) -> dict[str, tuple[Any, list[float]]
     """Returns the animation stacks by name, each with the key times of its most densely keyed curve.
 
     Only curves of the elements `moved` count; stacks without them are left out. A stack without a name is called by its
-    number, and a second one of the same name gets it as a suffix.
+    number, and a second "Take" becomes "Take.001".
     """
-    found = {}
+    found: dict[str, tuple[Any, list[float]]] = {}
     for number, stack in enumerate(each(scene.anim_stacks)):
         most: list[float] = []
         for layer in each(stack.layers):
@@ -215,8 +215,11 @@ def animations(scene: Any, moved: set[int]) -> dict[str, tuple[Any, list[float]]
                         if curve is not None and len(keys := keep(curve.keyframes)) > len(most):
                             most = [key.time for key in keys]
         if most:
-            name = stack.name or str(number)
-            found[name if name not in found else f"{name}.{number}"] = stack, most
+            name = free = stack.name or str(number)
+            numbers = count(1)
+            while free in found:
+                free = f"{name}.{next(numbers):03d}"
+            found[free] = stack, most
     return found
 
 

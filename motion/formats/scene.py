@@ -55,9 +55,7 @@ class Scene:
 def unknown_animation(animation: str | None, names: Sequence[str]) -> FormatError:
     """Returns the error for a name that is none of a file's animations, or for no name where there are several."""
     if animation is None:
-        return FormatError(
-            f"it has {len(names)} animations", mend=f"Choose one with --animation: {', '.join(names)}"
-        )
+        return FormatError(f"it has {len(names)} animations", mend=f"Choose one with --animation: {', '.join(names)}")
     return FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
 
 

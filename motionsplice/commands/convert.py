@@ -18,9 +18,9 @@ from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFra
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.reading import Reading, read_clip
-from motionsplice.motion.hand_joints import SIDES, fingers_of
+from motionsplice.motion.hand_joints import fingers_of
 from motionsplice.motion.role_names import PAIRED
-from motionsplice.motion.roles import read_roles_file
+from motionsplice.motion.roles import SIDES, read_roles_file
 from motionsplice.precompute.body.common_skeleton import onto_skeleton
 from motionsplice.precompute.job.skeleton import rig_of
 

@@ -12,6 +12,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.formats.fold import listed
 from motionsplice.motion.hand_joints import fingered, has_fingers
+from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.by_roles import retarget
 from motionsplice.motion.roles import LIMBS, Roles
@@ -126,9 +127,7 @@ def _limbs(skeleton: Skeleton, roles: Roles) -> list[frozenset[str]]:
 
 def _reach(skeleton: Skeleton) -> Floats:
     """Returns the centre of each joint's subtree in the bind pose [J, 3], in units of the rig's size."""
-    rest = np.zeros((skeleton.joint_count, 3))
-    for joint in range(1, skeleton.joint_count):
-        rest[joint] = rest[skeleton.parents[joint]] + skeleton.offsets[joint]
+    rest = bind_positions(skeleton)
     middle = np.array([rest[skeleton.subtree(joint)].mean(axis=0) for joint in range(skeleton.joint_count)])
     return np.asarray(middle / np.abs(rest).max())
 

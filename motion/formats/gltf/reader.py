@@ -135,7 +135,8 @@ def _order(nodes: list[dict[str, Any]]) -> tuple[list[int], Integers]:
     for node, one in enumerate(nodes):
         for child in one.get("children", ()):
             if not 0 <= child < len(nodes) or child in above:
-                raise FormatError(f"its child {child} is not a node, or has another parent", place=f"node {node}", mend=EXPORT)
+                problem = f"its child {child} is not a node, or has another parent"
+                raise FormatError(problem, place=f"node {node}", mend=EXPORT)
             above[child] = node
     waiting = [node for node in range(len(nodes) - 1, -1, -1) if node not in above]
     order, places = list[int](), dict[int, int]()

@@ -34,7 +34,8 @@ class Track:
         if self.interpolation not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise FormatError(f"unknown interpolation {self.interpolation!r:.40}", mend=EXPORT)
         if len(self.values) != rows:
-            raise FormatError(f"an animation has {len(self.values)} values at {len(self.times)} times, expected {rows}", mend=EXPORT)
+            problem = f"an animation has {len(self.values)} values at {len(self.times)} times, expected {rows}"
+            raise FormatError(problem, mend=EXPORT)
         if np.any(np.diff(self.times) <= 0.0):
             raise FormatError("the times of an animation's keys do not increase", mend=EXPORT)
 

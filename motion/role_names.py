@@ -41,7 +41,7 @@ LIMB_WORDS = (
     "head",
     "neck",
 )  # CAT's LLegAnkle, mGear's arm_L0_hand_jnt, XPS' head neck
-MOST_WORDS = 20  # in a name; longer ones are no names of joints
+MOST_WORDS = 20  # in a name; longer ones are not names of joints
 HELPERS = {"ik", "fk", "mch", "ctrl", "pole", "target", "twist", "roll"}  # joints by which others are posed
 
 Affixes = tuple[tuple[str, ...], tuple[str, ...]]  # the words before and after the part of the body

@@ -32,7 +32,7 @@ class PreparedClip:
     """A clip as a bank holds it, except for its torso offsets, which depend on another clip.
 
     Its rows are its own `frame_count` frames at `rate` frames per second, then the seam, which leads back by `strides`
-    strides (0: no seam). period: frames of its cycle, 0 if it is no whole cycle.
+    strides (0: no seam). period: frames of its cycle, 0 if it is not a whole cycle.
 
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by

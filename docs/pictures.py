@@ -22,13 +22,12 @@ from bench.speed.speed_charts import speed_chart
 from bench.structure.layers import layers_picture, read_contracts
 from motionsplice.commands.demo import demo_command
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.hand_joints import Side
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.procedural.library import make, truth
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.by_roles import retarget
 from motionsplice.motion.retarget.stance import standing_pose
-from motionsplice.motion.roles import find_roles
+from motionsplice.motion.roles import Side, find_roles
 from motionsplice.pictures.correlation_charts import draw_chart
 from motionsplice.pictures.hand_charts import draw_alignment
 from motionsplice.pictures.sheets import contact_sheet

@@ -1,4 +1,4 @@
-"""Tells by the names of its joints that a rig is not a human body."""
+"""Recognises by the names of its joints a rig that is not a human body."""
 
 from __future__ import annotations
 

@@ -7,23 +7,14 @@ import numpy as np
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.clip_settings import AXES
 from motionsplice.motion.errors import RoleError
-from motionsplice.motion.kinematics import world_transforms
-from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.kinematics import bind_positions, world_transforms
+from motionsplice.motion.quaternion import Floats, unit
 from motionsplice.motion.roles import Roles
 
 RATE = 10.0  # frames per second at which a motion is looked at
 UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
 LEVEL = 0.5  # cosine: a trunk within 30 degrees of the ground
 REACH = 0.35  # of the legs' length: hands that are less above the feet reach the ground
-
-
-def bind_positions(clip: Clip) -> Floats:
-    """Returns the positions [1, J, 3] of a clip's joints in the bind pose, metres from the root."""
-    skeleton = clip.skeleton
-    positions = np.zeros((1, skeleton.joint_count, 3))
-    for joint in range(1, skeleton.joint_count):
-        positions[:, joint] = positions[:, skeleton.parents[joint]] + skeleton.offsets[joint]
-    return positions
 
 
 def sampled_positions(clip: Clip) -> Floats:
@@ -59,7 +50,7 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
         RoleError: The roles fit neither the bind pose nor the motion, the body stands on all fours at rest, or it is
             unclear whether it lies: the bind pose stands along no axis, and the motion along another one than Y.
     """
-    bind, moving = bind_positions(clip), sampled_positions(clip)
+    bind, moving = bind_positions(clip.skeleton)[None], sampled_positions(clip)
     if not given and _on_all_fours(bind, roles):
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
@@ -77,10 +68,10 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
     if lies:
         problem = f"it is unclear which axis is up: the body stands along {axis.upper()}, and the bind pose along none"
         raise RoleError(problem, mend=f"{hint}. If Y is, give --up y")
-    mend = "ame the joints in a file and pass it as --roles"
+    name_them = "name the joints in a file and pass it as --roles"
     raise RoleError(
         f"the roles do not fit the body, neither in the bind pose nor in the motion: {problem}",
-        mend=f"{hint}. If not, n{mend}" if hint else f"N{mend}",
+        mend=f"{hint}. If not, {name_them}" if hint else name_them.capitalize(),
     )
 
 
@@ -113,7 +104,7 @@ def _trunk_and_legs(positions: Floats, roles: Roles) -> tuple[Floats, Floats]:
     hips = _middle(positions, *_hips(roles))
     trunk = _middle(positions, roles.left_shoulder, roles.right_shoulder) - hips
     legs = _middle(positions, *_ankles(roles)) - hips
-    return _direction(trunk), _direction(legs)
+    return unit(trunk), unit(legs)
 
 
 def _hips(roles: Roles) -> tuple[int, int]:
@@ -126,8 +117,3 @@ def _ankles(roles: Roles) -> tuple[int, int]:
 
 def _middle(positions: Floats, left: int, right: int) -> Floats:
     return np.asarray(0.5 * (positions[:, left] + positions[:, right]))
-
-
-def _direction(vectors: Floats) -> Floats:
-    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(np.where(lengths > 0.0, vectors / np.where(lengths > 0.0, lengths, 1.0), 0.0))

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import fields, replace
-from typing import Literal
 
 import numpy as np
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.pointcloud import horn_rotation
-from motionsplice.motion.quaternion import IDENTITY, Floats, angle, rotate
+from motionsplice.motion.quaternion import IDENTITY, Floats, angle, rotate, unit
 from motionsplice.motion.role_names import words_of
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import SIDES, Roles, Side
 from motionsplice.motion.skeleton import Integers, Skeleton
 
-Side = Literal["left", "right"]
-SIDES: tuple[Side, ...] = ("left", "right")
 FINGER = re.compile(r"(thumb|index|middle|mid|ring|pinky|little)\D*(\d*)")
 HAND = re.compile(FINGER.pattern + "|finger")
 FEWEST_TIPS = 3
@@ -163,13 +160,8 @@ def bind_turn(ours: Skeleton, our_roles: Roles, theirs: Skeleton, their_roles: R
         bones += [(ours.offsets[mine], theirs.offsets[other]) for mine, other in match.items()]
     else:
         bones.append((ahead_of(arms[0]), ahead_of(arms[1])))
-    turn = horn_rotation([_unit(mine) for mine, _ in bones], [_unit(other) for _, other in bones])
+    turn = horn_rotation([unit(mine) for mine, _ in bones], [unit(other) for _, other in bones])
     return turn if angle(turn, IDENTITY) > ALIKE else IDENTITY
-
-
-def _unit(v: Floats) -> Floats:
-    size = float(np.linalg.norm(v))
-    return v / size if size > 0.0 else v
 
 
 def graft_fingers(

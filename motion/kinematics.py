@@ -28,6 +28,22 @@ def world_transforms(skeleton: Skeleton, root_positions: ArrayLike, rotations: A
     return positions, world
 
 
+def local_rotations(skeleton: Skeleton, world: Floats) -> Floats:
+    """Returns the rotations [..., J, 4] in the parents' frames, from those in the world [..., J, 4]."""
+    local = world.copy()
+    above = quaternion.conjugate(world[..., skeleton.parents[1:], :])
+    local[..., 1:, :] = quaternion.multiply(above, world[..., 1:, :])
+    return local
+
+
+def bind_positions(skeleton: Skeleton) -> Floats:
+    """Returns the positions [J, 3] of the joints in the bind pose, metres, with the root at the origin."""
+    positions = np.zeros((skeleton.joint_count, 3))
+    for joint in range(1, skeleton.joint_count):
+        positions[joint] = positions[skeleton.parents[joint]] + skeleton.offsets[joint]
+    return positions
+
+
 def joint_positions(clip: Clip) -> Floats:
     """Returns the world positions [F, J, 3] in metres of a clip's joints."""
     return world_transforms(clip.skeleton, clip.root_positions, clip.rotations)[0]

@@ -56,6 +56,13 @@ def normalise(q: ArrayLike) -> Floats:
     return np.asarray(q / length(q)[..., None])
 
 
+def unit(v: ArrayLike) -> Floats:
+    """Scales vectors to unit length, and leaves those that have no length. [..., n] -> [..., n]."""
+    v = np.asarray(v, np.float64)
+    size = length(v)[..., None]
+    return np.asarray(v / np.where(size > 0.0, size, 1.0))
+
+
 def angle(a: ArrayLike, b: ArrayLike) -> Floats:
     """Returns the angle in radians between two rotations, in [0, pi]. [..., 4], [..., 4] -> [...]."""
     difference = multiply(conjugate(a), b)

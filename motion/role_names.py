@@ -33,8 +33,15 @@ WORD = re.compile(r"[LR](?=[A-Z]{1,2}[a-z])|[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|左
 LEFT, RIGHT = ("left", "le", "lf", "lt", "lft", "l", "左"), ("right", "ri", "rt", "rgt", "r", "右")
 SIDES = dict.fromkeys(LEFT, "left") | dict.fromkeys(RIGHT, "right")
 WITHOUT_MEANING = ("c", "m", "x", "stretch")  # J_Bip_C_Head of VRoid, head.x and arm_stretch.l of Auto-Rig Pro
-LIMBS = ("arm", "leg", "hand", "foot", "head", "neck")  # CAT's LLegAnkle, mGear's arm_L0_hand_jnt, XPS' "head neck"
-MOST_WORDS = 20  # in a name; longer ones are no names of joints
+LIMB_WORDS = (
+    "arm",
+    "leg",
+    "hand",
+    "foot",
+    "head",
+    "neck",
+)  # CAT's LLegAnkle, mGear's arm_L0_hand_jnt, XPS' head neck
+MOST_WORDS = 20  # in a name; longer ones are not names of joints
 HELPERS = {"ik", "fk", "mch", "ctrl", "pole", "target", "twist", "roll"}  # joints by which others are posed
 
 Affixes = tuple[tuple[str, ...], tuple[str, ...]]  # the words before and after the part of the body
@@ -95,7 +102,7 @@ def parts_in(name: str) -> Iterator[tuple[Affixes, Part, bool]]:
             own, part = PARTS.get(text, ("", ""))
             if not part or (own and side) or (words[stop:] and text + words[stop] in KNOWN):  # CAT's "leg1" is no "leg"
                 continue
-            before = tuple(word for word in words[:start] if not (word.isdecimal() or word in LIMBS))
+            before = tuple(word for word in words[:start] if not (word.isdecimal() or word in LIMB_WORDS))
             after = tuple(word for word in words[stop:] if not word.isdecimal())
             yield (before, after), (side or own, part), len(after) < len(words) - stop
 

@@ -8,15 +8,19 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
+from typing import Literal
 
 from motionsplice.motion.animals import not_human
 from motionsplice.motion.errors import RoleError, SettingsError, did_you_mean
 from motionsplice.motion.role_names import OPTIONAL, PAIRED, roles_by_name
 from motionsplice.motion.skeleton import Integers, Skeleton, chain
 
+Side = Literal["left", "right"]
+SIDES: tuple[Side, ...] = ("left", "right")
+LEG, ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
 GivenRole = str | Sequence[str]  # a joint's name; for the spine also several
 NOTHING_GIVEN: Mapping[str, GivenRole] = MappingProxyType({})
-LIMBS = tuple(f"{side}_{role}" for role in PAIRED if role != "toe" for side in ("left", "right"))
+LIMBS = tuple(f"{side}_{role}" for role in PAIRED if role != "toe" for side in SIDES)
 ROLES_FILE = "a file, and pass it as --roles, or set it as `roles` of this clip in clips.toml"
 ENDS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder")
 
@@ -80,6 +84,11 @@ class Roles:
         return sum(skeleton.bone_length(joint) for joint in bones) / 2.0
 
 
+def on_side(roles: Roles, side: Side, parts: Sequence[str]) -> tuple[int, ...]:
+    """Returns the joints of parts of a leg or an arm, such as LEG or ARM, on one side; -1 for a missing toe."""
+    return tuple(int(getattr(roles, f"{side}_{part}")) for part in parts)
+
+
 def find_roles(skeleton: Skeleton, given: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Roles:
     """Finds the roles of a rig's joints by their names and the shape of the hierarchy.
 
@@ -132,7 +141,7 @@ def _only_toes(skeleton: Skeleton, found: Mapping[str, int]) -> dict[str, int]:
     """Returns the toes by role if they have unknown names but are the only joints that hang on the ankles."""
     if "left_toe" in found or "right_toe" in found:
         return {}
-    below = {side: skeleton.children[found[f"{side}_ankle"]] for side in ("left", "right")}
+    below = {side: skeleton.children[found[f"{side}_ankle"]] for side in SIDES}
     return {f"{side}_toe": joints[0] for side, joints in below.items()} if {*map(len, below.values())} == {1} else {}
 
 
@@ -155,8 +164,8 @@ def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:
 
 def check_limbs(names: Sequence[str], parents: Integers, found: Mapping[str, int]) -> None:
     """Raises RoleError unless knees are below hips, ankles below knees, and so on, of the joints that were found."""
-    for side in ("left", "right"):
-        for above, below in (*pairwise(("hip", "knee", "ankle")), *pairwise(("shoulder", "elbow", "wrist"))):
+    for side in SIDES:
+        for above, below in (*pairwise(LEG), *pairwise(ARM)):
             upper, lower = found.get(f"{side}_{above}"), found.get(f"{side}_{below}")
             if upper is not None and lower is not None and upper not in chain(parents, lower)[1:]:
                 raise RoleError(

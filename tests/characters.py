@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.formats.gltf.document import ASSET, Binary, Document, glb
+from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.retarget.stance import bind_positions
 from motionsplice.motion.skeleton import Skeleton
 
 HEIGHT = 0.95  # metres: where the root is bound

@@ -13,10 +13,9 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.files import clip_files
 from motionsplice.motion.formats.reading import read_clip
-from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.quaternion import Floats, about, rotate
-from motionsplice.motion.roles import find_roles
+from motionsplice.motion.roles import SIDES, find_roles
 from motionsplice.motion.skeleton import Integers
 from motionsplice.precompute.hands.banded_warp import FramePair
 from motionsplice.precompute.hands.phases import derivatives

@@ -3,7 +3,7 @@
 Good files are damaged at random and read, each within 1 s of processor time and 256 MiB more memory. Each must be read,
 or refused by a typed error. Prints how often each outcome came; any other exception, a warning, a crash, or a file that
 takes longer or more memory is a finding: its file is saved, and the exit status is 1. The same seed gives the same
-files. Good FBX files are only those in FOLDER; a crash of ufbx is no finding, because its own process ends with it.
+files. Good FBX files are only those in FOLDER; a crash of ufbx is not a finding, because its own process ends with it.
 
 slowest      Seconds of processor time of the slowest file.
 growth       MiB that the largest process has grown by, from its start to its end, over hundreds of files.

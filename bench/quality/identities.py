@@ -27,6 +27,7 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.variants import local_axes, uneven_time, warped, with_local_axes
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.alignment.baseline import WORKING_RATE, find_baseline
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.precompute.splice import align_in_time, splice_exact
@@ -91,7 +92,7 @@ def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
     """Writes and opens a bank of clips with the roles of the bank `like`. Each clip is its own neutral."""
     ring = find_baseline(baseline, like.roles)
     names = {clip.name: clip for clip in (baseline, *clips)}
-    prepared = [prepare(clip, like.roles, baseline.skeleton, like.roles, ring) for clip in names.values()]
+    prepared = [prepare(clip, like.roles, Rig(baseline.skeleton, like.roles), ring) for clip in names.values()]
     settled = [replace(one, neutral=one.name) for one in prepared]
     write_bank(folder, baseline.skeleton, like.roles, ring, settled)
     return Bank.open(folder)

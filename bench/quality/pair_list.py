@@ -11,7 +11,8 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.procedural.library import ACTIONS, LOCOMOTIONS, truth
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.body.common_skeleton import onto_rig
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.runtime.bank import Bank
 
 PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))
@@ -73,5 +74,5 @@ def truth_of(pair: Pair, bank: Bank) -> Clip | None:
     locomotion, _, action = pair.truth.partition("+")
     if locomotion in LOCOMOTIONS and action in ACTIONS:
         generated = truth(locomotion, action)
-        return onto_skeleton(generated, find_roles(generated.skeleton), bank.skeleton, bank.roles).clip
+        return onto_rig(generated, find_roles(generated.skeleton), Rig(bank.skeleton, bank.roles)).clip
     return bank.motion(pair.truth)

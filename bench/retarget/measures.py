@@ -11,11 +11,10 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.segments import segments_of
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import SIDES, Roles
 from motionsplice.precompute.body.contacts import foot_contacts
 
 LIMBS = (("hip", "knee"), ("knee", "ankle"), ("shoulder", "elbow"), ("elbow", "wrist"))
-SIDES = ("left", "right")
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.kinematics import local_rotations, world_transforms
 from motionsplice.motion.procedural.hand_rig import with_fingers
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Skeleton
@@ -65,8 +65,6 @@ def on_rig(clip: Clip, kind: Kind) -> Clip:
     _, world = world_transforms(rig, clip.root_positions, clip.rotations)
     binds = np.array([kind.bind(rig.names[source]) for source in joints.sources])
     turned = quaternion.multiply(world[:, joints.sources], quaternion.conjugate(binds))
-    rotations = turned.copy()
-    rotations[:, 1:] = quaternion.multiply(quaternion.conjugate(turned[:, joints.parents[1:]]), turned[:, 1:])
     ends = [end for end, joint in enumerate(rig.end_parents) if int(joint) in joints.places]
     end_parents = np.array([joints.places[int(rig.end_parents[end])] for end in ends])
     skeleton = Skeleton(
@@ -77,7 +75,8 @@ def on_rig(clip: Clip, kind: Kind) -> Clip:
         end_offsets=quaternion.rotate(binds[end_parents], rig.end_offsets[ends]),
     )
     leg = 0.5 * (kind.sizes.get("Leg", 1.0) + kind.sizes.get("Foot", 1.0))
-    return Clip(clip.name, skeleton, clip.rate, clip.root_positions * leg, quaternion.one_hemisphere(rotations))
+    rotations = quaternion.one_hemisphere(local_rotations(skeleton, turned))
+    return Clip(clip.name, skeleton, clip.rate, clip.root_positions * leg, rotations)
 
 
 def _joints(rig: Skeleton, kind: Kind) -> _Joints:

@@ -32,6 +32,7 @@ from motionsplice.motion.errors import MotionError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.job import CACHE, build_bank
 from motionsplice.precompute.job.workers import end_with_parent
@@ -111,7 +112,7 @@ def time_lengths() -> list[Timing]:
         reading = read_clip(file, unit="m")
         skeleton, roles = reading.clip.skeleton, reading.roles
         ring = find_baseline(reading.clip, roles)
-        neutral = prepare(replace(reading.clip, name="neutral"), roles, skeleton, roles, ring)
+        neutral = prepare(replace(reading.clip, name="neutral"), roles, Rig(skeleton, roles), ring)
         neutral = replace(neutral, neutral="neutral")
         timings = []
         for seconds in (LENGTHS[0], *LENGTHS):
@@ -119,7 +120,7 @@ def time_lengths() -> list[Timing]:
             began = time.perf_counter()
             reading = read_clip(file, unit="m")
             read = time.perf_counter()
-            made = prepare(reading.clip, roles, skeleton, roles, ring)
+            made = prepare(reading.clip, roles, Rig(skeleton, roles), ring)
             aligned = time.perf_counter()
             write_bank(bank, skeleton, roles, ring, [neutral, replace(made, kind="action", neutral="neutral")])
             written = time.perf_counter()

@@ -19,6 +19,7 @@ from motionsplice.motion.formats.gltf.container import MAGIC, read_document
 from motionsplice.motion.formats.gltf.document import Binary, Document, glb
 from motionsplice.motion.formats.gltf.reader import animation_names, malformed, read_rest
 from motionsplice.motion.formats.legs import with_legs_in_place
+from motionsplice.motion.formats.names import numbered
 from motionsplice.motion.formats.reading import root_of
 from motionsplice.motion.formats.scene import joints_of, nodes_of, rotations_of
 from motionsplice.motion.kinematics import world_transforms
@@ -26,7 +27,6 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
 
-SUFFIXES = (".glb", ".vrm")
 RENAME = "Name its bones as a common rig does (Mixamo, Unreal, Rigify ...), or export it as VRM"
 PLACED = 1e-5  # of the longest bone: a node that rests nearer to its place in the bind pose needs no translation
 
@@ -76,7 +76,8 @@ class Character:
         for node in rotations:
             _without_matrix(document["nodes"][node])
         binary = Binary(document, self.binary)
-        added = binary.animation(_free_name(clip.name, self.animations), clip.rate, translations, rotations)
+        *_, name = numbered([*self.animations, clip.name])
+        added = binary.animation(name, clip.rate, translations, rotations)
         document["animations"] = [*document.get("animations", ()), added]
         return glb(document, binary.data)
 
@@ -151,11 +152,3 @@ def _without_matrix(node: dict[str, Any]) -> None:
         node["translation"] = matrix[:, 3].tolist()
         node["rotation"] = rotations_of(matrix).tolist()
         node["scale"] = np.linalg.norm(matrix[:, :3], axis=0).tolist()
-
-
-def _free_name(name: str, taken: list[str]) -> str:
-    number, free = 0, name
-    while free in taken:
-        number += 1
-        free = f"{name}.{number:03d}"
-    return free

@@ -17,9 +17,7 @@ from motionsplice.motion.formats.legs import with_legs_in_place
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.rest_pose import with_own_bind
 from motionsplice.motion.formats.scene import Scene, nodes_of
-from motionsplice.motion.roles import (
-    Roles,
-)
+from motionsplice.motion.roles import Roles
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 SCENES = (*GLTF, ".fbx")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from motionsplice.motion.formats.scene import Scene
-from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.quaternion import Floats, unit
 from motionsplice.motion.roles import LIMBS, NOTHING_GIVEN, limbs_by_name
 
 ALIKE = 1e-3  # of the body's size: poses whose joints are nearer are the same
@@ -34,9 +34,8 @@ def with_own_bind(scene: Scene) -> Scene:
     for node, parent in enumerate(scene.parents.tolist()):
         bind[node, :, 3] = at[node]
         if parent >= 0:
-            axes = scene.bind[parent, :, :3]
-            turned = axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-12)
-            bind[node, :, 3] = bind[parent, :, 3] + turned.T @ (at[node] - at[parent])
+            axes = unit(scene.bind[parent, :, :3].T)
+            bind[node, :, 3] = bind[parent, :, 3] + axes @ (at[node] - at[parent])
     note = (
         "it states no bind pose, and rests in a frame of the motion; the pose in which all axes are parallel is taken"
     )

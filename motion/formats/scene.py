@@ -14,15 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import FormatError
+from motionsplice.motion.errors import FormatError, did_you_mean
 from motionsplice.motion.formats.fold import Nodes, listed
+from motionsplice.motion.formats.names import numbered
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
 END = re.compile(r"(_end|[_ .]?End|Nub|_leaf|HeadTop_End)(\d*|_\d+)$")  # leaves that mark the tip of a bone
 SMALLEST_BODY = 13  # joints: a root, and three in each limb; a smaller skeleton is a prop
 STEADY = 1e-4  # of the longest bone: a joint that moves less on its parent does not move
-
+MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
+BYTES = 4  # that a transform takes in a large file at least: a key takes 16 bytes, and some nodes have none
 BLOCK = 8192  # transforms that are worked on at once: few enough for the processor's cache
 
 
@@ -50,6 +52,18 @@ class Scene:
     bound: bool = True
 
 
+def unknown_animation(animation: str | None, names: Sequence[str]) -> FormatError:
+    """Returns the error for a name that is none of a file's animations, or for no name where there are several."""
+    if animation is None:
+        return FormatError(f"it has {len(names)} animations", mend=f"Choose one with --animation: {', '.join(names)}")
+    return FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
+
+
+def most_transforms(size: int) -> int:
+    """Returns the most transforms, nodes times frames, that a file of `size` bytes may have."""
+    return max(MOST_TRANSFORMS, size // BYTES)
+
+
 def nodes_of(scene: Scene, root: str | None = None) -> tuple[Nodes, tuple[str, ...]]:
     """Makes the joints of one skeleton of a scene `Nodes`, and returns notes for the user.
 
@@ -64,7 +78,7 @@ def nodes_of(scene: Scene, root: str | None = None) -> tuple[Nodes, tuple[str, .
     offsets = np.concatenate([np.zeros((1, 3)), rest[1:] - rest[parents[1:]]])
     end_parents = np.array([places[int(scene.parents[node])] for node in ends], np.int64)
     nodes = Nodes(
-        names=_unique([scene.names[node] for node in inside]),
+        names=numbered([scene.names[node] for node in inside]),
         parents=parents,
         offsets=offsets,
         end_parents=end_parents,
@@ -113,7 +127,7 @@ def _body(scene: Scene, root: str | None) -> tuple[list[int], list[str], list[st
     for node, parent in enumerate(scene.parents.tolist()):
         above = top[parent] if parent >= 0 else -1
         top[node] = above if above >= 0 or not scene.joints[node] else node
-    sizes, names = np.bincount(top[scene.joints]), _unique(scene.names)
+    sizes, names = np.bincount(top[scene.joints]), numbered(scene.names)
     chosen = int(np.argmax(sizes))
     if root is not None:
         if root not in names or top[names.index(root)] < 0:
@@ -165,13 +179,3 @@ def _unit(v: Floats) -> Floats:
     """Returns vectors [3, ...] at length 1, or 0 if they have none."""
     length = np.sqrt(np.sum(v * v, axis=0))
     return v / np.where(length > 0.0, length, 1.0)
-
-
-def _unique(names: Sequence[str]) -> tuple[str, ...]:
-    """Numbers names that come twice: exporters allow them."""
-    seen: dict[str, int] = {}
-    unique = []
-    for name in names:
-        seen[name] = seen.get(name, 0) + 1
-        unique.append(name if seen[name] == 1 else f"{name}.{seen[name]:03d}")
-    return tuple(unique)

@@ -13,6 +13,7 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError, did_you_mean
+from motionsplice.motion.kinematics import local_rotations
 from motionsplice.motion.procedural import actions, catalogue
 from motionsplice.motion.procedural.body import ANKLE_HEIGHT, LEFT, RIGHT, SHANK, SKELETON, THIGH, euler, side_name
 from motionsplice.motion.procedural.locomotions import varied
@@ -156,7 +157,4 @@ def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Ar
 
 def _local(world: dict[str, Floats]) -> Floats:
     """Converts world rotations [F, 4] by joint name to rotations [F, J, 4] in the parents' frames."""
-    turned = np.stack([world[name] for name in SKELETON.names], axis=1)
-    local = turned.copy()
-    local[:, 1:] = quaternion.multiply(quaternion.conjugate(turned[:, SKELETON.parents[1:]]), turned[:, 1:])
-    return local
+    return local_rotations(SKELETON, np.stack([world[name] for name in SKELETON.names], axis=1))

@@ -13,14 +13,12 @@ from functools import cached_property
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.hand_joints import SIDES, Side, palm_of
+from motionsplice.motion.hand_joints import palm_of
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.segments import Segment, segments_of
-from motionsplice.motion.retarget.stance import ahead, frame, heading
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.retarget.stance import UP, ahead, frame, heading
+from motionsplice.motion.roles import SIDES, Roles, Side
 from motionsplice.motion.skeleton import Skeleton
-
-UP = np.array([0.0, 1.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,16 +90,14 @@ def _turn_hand(found: dict[str, Floats], theirs: Standing, ours: Standing, side:
         wrist = rig.segments[hand].joints[0]
         frames.append(quaternion.multiply(rig.pose[wrist], frame(*palm)))
     turn = quaternion.multiply(frames[0], quaternion.conjugate(frames[1]))
-    bone, ends = theirs.bone(forearm), [*ours.segments[forearm].places, 1.0]
-    roll = _roll(quaternion.multiply(turn, quaternion.conjugate(found[forearm][-1])), bone)
+    axis, ends = quaternion.unit(theirs.bone(forearm)), [*ours.segments[forearm].places, 1.0]
+    roll = _roll(quaternion.multiply(turn, quaternion.conjugate(found[forearm][-1])), axis)
     middles = 0.5 * (np.array(ends[:-1]) + np.array(ends[1:]))
-    axis = bone / max(float(np.linalg.norm(bone)), 1e-12)
     found[forearm][:] = quaternion.multiply(quaternion.about(axis, roll * middles), found[forearm])
     found[hand][:] = turn
 
 
-def _roll(turn: Floats, bone: Floats) -> float:
-    """Returns the angle in radians, in [-pi, pi], by which a rotation [4] turns about a bone [3]."""
-    along = float(turn[:3] @ bone) / max(float(np.linalg.norm(bone)), 1e-12)
-    angle = 2.0 * np.arctan2(along, turn[3])
+def _roll(turn: Floats, axis: Floats) -> float:
+    """Returns the angle in radians, in [-pi, pi], by which a rotation [4] turns about a unit vector [3]."""
+    angle = 2.0 * np.arctan2(turn[:3] @ axis, turn[3])
     return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

@@ -10,13 +10,13 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
-from motionsplice.motion.hand_joints import SIDES, fingers_of, match_fingers, wrist_of
-from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.hand_joints import fingers_of, match_fingers, wrist_of
+from motionsplice.motion.kinematics import bind_positions, world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.bind_turns import Standing, bind_turns, carry
 from motionsplice.motion.retarget.segments import LIMBS
-from motionsplice.motion.retarget.stance import bind_positions, standing_pose
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.retarget.stance import standing_pose
+from motionsplice.motion.roles import SIDES, Roles
 from motionsplice.motion.skeleton import Skeleton
 
 STILL = np.radians(1.0)  # a joint that turns less on its parent over the whole clip does not move

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles, common_ancestor
+from motionsplice.motion.roles import ARM, LEG, SIDES, Roles, common_ancestor, on_side
 from motionsplice.motion.skeleton import Skeleton
 
 LIMBS = ("thigh", "shin", "upper_arm", "forearm")  # segments whose direction matters, left and right
@@ -35,10 +34,8 @@ def segments_of(skeleton: Skeleton, roles: Roles) -> dict[str, Segment]:
     chest = common_ancestor(skeleton.parents, (roles.left_shoulder, roles.right_shoulder))
     found = {"root": _segment(skeleton, [roles.root]), "trunk": _segment(skeleton, _run(skeleton, roles.pelvis, chest))}
     for side in SIDES:
-        hip, knee, ankle, toe, shoulder, elbow, wrist = (
-            int(getattr(roles, f"{side}_{part}"))
-            for part in ("hip", "knee", "ankle", "toe", "shoulder", "elbow", "wrist")
-        )
+        hip, knee, ankle, toe = on_side(roles, side, (*LEG, "toe"))
+        shoulder, elbow, wrist = on_side(roles, side, ARM)
         if collar := _run(skeleton, chest, shoulder)[1:-1]:
             found[f"{side}_collar"] = _segment(skeleton, collar, shoulder)
         for name, upper, lower in (

@@ -12,11 +12,10 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.hand_joints import SIDES, Side
-from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.kinematics import bind_positions, world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.segments import segments_of
-from motionsplice.motion.roles import Roles, common_ancestor
+from motionsplice.motion.roles import ARM, LEG, SIDES, Roles, Side, common_ancestor, on_side
 from motionsplice.motion.skeleton import Skeleton
 
 UP, LEFT = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
@@ -28,12 +27,6 @@ FAR = np.radians(45.0)  # a joint whose mean is nearer to its bind rotation has 
 FREE = ("trunk", "neck", "head", "collar", "hand")  # segments whose joints may be far from their bind rotation
 LEAST_ON_FLOOR = 0.3  # of a foot's length: a foot that is shorter over the floor shows no direction
 LOWEST = 30.0  # percent of the frames, those in which an ankle is lowest: there the foot is flat
-
-
-def bind_positions(skeleton: Skeleton) -> Floats:
-    """Returns the positions of the joints in the bind pose [J, 3], metres, with the root at the origin."""
-    still = np.broadcast_to(quaternion.IDENTITY, (1, skeleton.joint_count, 4))
-    return np.asarray(world_transforms(skeleton, np.zeros((1, 3)), still)[0][0])
 
 
 def stands(skeleton: Skeleton, roles: Roles) -> bool:
@@ -113,15 +106,11 @@ def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats) -> dict
     positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
     rest, found = bind_positions(skeleton), {}
     for side in SIDES:
-        hip, knee, ankle, shoulder, elbow, wrist = (
-            int(getattr(roles, f"{side}_{part}")) for part in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
-        )
         outwards = LEFT if side == "left" else -LEFT
-        for upper, middle, lower, along, hinge in (
-            (hip, knee, ankle, -UP, LEFT),
-            (shoulder, elbow, wrist, outwards, -outwards[0] * UP),
-        ):
-            axes = _hinge(positions[:, [upper, middle, lower]])
+        for limb, along, hinge in ((LEG, -UP, LEFT), (ARM, outwards, -outwards[0] * UP)):
+            joints = on_side(roles, side, limb)
+            upper, middle, _ = joints
+            axes = _hinge(positions[:, joints])
             axis = quaternion.rotate(quaternion.conjugate(world[:, upper]), axes).mean(axis=0)
             bone = rest[middle] - rest[upper]
             if np.linalg.norm(np.cross(bone, axis)) > LEAST_BEND * np.linalg.norm(bone):
@@ -141,8 +130,7 @@ def frame(along: Floats, across: Floats) -> Floats:
 
 def _hinge(limb: Floats) -> Floats:
     """Returns the axis [F, 3] about which a limb bends, as long as the sine of the bend, from its joints [F, 3, 3]."""
-    bones = np.diff(limb, axis=1)
-    bones /= np.maximum(np.linalg.norm(bones, axis=-1, keepdims=True), SHORTEST)
+    bones = quaternion.unit(np.diff(limb, axis=1))
     return np.cross(bones[:, 0], bones[:, 1])
 
 

@@ -51,7 +51,7 @@ def precompute_command(
     ] = None,
     skeleton: Annotated[
         Path | None,
-        typer.Option(help="A motion file, or a bank, whose rig the bank gets; default: the baseline's rig."),
+        typer.Option(help="A motion file, character or bank whose skeleton the bank gets; default: the baseline's."),
     ] = None,
     retarget: Annotated[
         bool, typer.Option("--retarget/--no-retarget", help="Move clips of other rigs over by roles, or refuse them.")

@@ -18,10 +18,10 @@ from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFra
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.reading import Reading, read_clip
-from motionsplice.motion.hand_joints import SIDES, fingers_of
+from motionsplice.motion.hand_joints import fingers_of
 from motionsplice.motion.role_names import PAIRED
-from motionsplice.motion.roles import read_roles_file
-from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.motion.roles import SIDES, read_roles_file
+from motionsplice.precompute.body.common_skeleton import onto_rig
 from motionsplice.precompute.job.skeleton import rig_of
 
 console = Console(emoji=False)
@@ -63,7 +63,7 @@ def convert_command(
     clip, own_roles, notes = reading.clip, reading.roles, tuple[str, ...]()
     if skeleton is not None:
         rig = rig_of(skeleton, given)
-        fitted = onto_skeleton(clip, own_roles, rig.skeleton, rig.roles, pose=rig.pose)
+        fitted = onto_rig(clip, own_roles, rig)
         clip, own_roles, notes = fitted.clip, rig.roles, fitted.notes
     if fps is not None:
         clip = at_rate(clip, fps)

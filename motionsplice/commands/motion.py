@@ -25,7 +25,7 @@ from motionsplice.commands.outputs import (
 )
 from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up, print_remarks
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.hand_joints import Side
+from motionsplice.motion.roles import Side
 
 if TYPE_CHECKING:
     from motionsplice.motion.clip import Clip

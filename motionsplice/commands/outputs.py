@@ -73,9 +73,10 @@ def write_motion(out: Path, clip: Clip, roles: Roles, character: Character | Non
 
         write_clip(out, clip, roles)
         return ()
-    from motionsplice.precompute.body.common_skeleton import onto_skeleton
+    from motionsplice.precompute.body.common_skeleton import onto_rig
+    from motionsplice.precompute.body.rig import Rig
 
-    fitted = onto_skeleton(clip, roles, character.skeleton, character.roles)
+    fitted = onto_rig(clip, roles, Rig(character.skeleton, character.roles))
     out.write_bytes(character.animated(fitted.clip))
     return fitted.notes
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from motionsplice.motion.hand_joints import Side
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Side
 from motionsplice.pictures.correlation_charts import GREEN, LINE, ORANGE, QUIET, SKY, shade
 from motionsplice.pictures.stick_figure import LEFT, RIGHT
 from motionsplice.precompute.hands.align import Pass

@@ -7,10 +7,10 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from motionsplice.motion.hand_joints import Side, elbow_of, wrist_of
+from motionsplice.motion.hand_joints import elbow_of, wrist_of
 from motionsplice.motion.kinematics import end_positions, world_transforms
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import Roles, Side
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.pictures.brush import WHITE, Brush, Colour, mixed
 from motionsplice.pictures.stick_figure import GHOST, LEFT, RIGHT

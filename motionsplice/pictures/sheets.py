@@ -10,9 +10,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError, did_you_mean
-from motionsplice.motion.hand_joints import Side
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import Roles, Side
 from motionsplice.pictures.brush import WHITE, Brush, Colour, canvas, mixed, reduced
 from motionsplice.pictures.camera import VIEWS, Camera, Take
 from motionsplice.pictures.hand_figure import HandFigure

@@ -113,7 +113,7 @@ def _best_stride(clip: Clip, roles: Roles) -> Baseline:
 
 
 def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
-    """Returns a clip that is one whole cycle of a gait as a stride; None if it is no cycle, or several."""
+    """Returns a clip that is one whole cycle of a gait as a stride; None if it is not a cycle, or several."""
     period = find_period(clip, roles)
     if period is None:
         return None

@@ -28,7 +28,7 @@ LAPS = (-1, 0, 1, 2)  # give the clip's own lap, 0, and its seam a stride on bot
 
 
 def find_period(clip: Clip, roles: Roles) -> int | None:
-    """Returns the period of a clip of F frames that is a whole cycle: F - 1 or F frames. None if it is no cycle.
+    """Returns the period of a clip of F frames that is a whole cycle: F - 1 or F frames. None if it is not a cycle.
 
     In a cycle the last frame is like the first, or legs and joints move from the last frame to the first as they do
     from frame to frame on both sides.

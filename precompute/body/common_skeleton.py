@@ -12,10 +12,12 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.formats.fold import listed
 from motionsplice.motion.hand_joints import fingered, has_fingers
+from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.by_roles import retarget
 from motionsplice.motion.roles import LIMBS, Roles
 from motionsplice.motion.skeleton import Skeleton
+from motionsplice.precompute.body.rig import Rig
 
 OTHER_LIMB = 10.0  # rig sizes: joints of different limbs are matched only if nothing else is left
 WIDEST_BIND_ANGLE = np.radians(25.0)  # radians between the same bone of two rigs in their bind poses
@@ -32,16 +34,8 @@ class Fitted:
     notes: tuple[str, ...] = ()
 
 
-def onto_skeleton(
-    clip: Clip,
-    roles: Roles,
-    skeleton: Skeleton,
-    skeleton_roles: Roles,
-    *,
-    pose: Floats | None = None,
-    retargeting: bool = True,
-) -> Fitted:
-    """Puts a clip on a skeleton, and scales its root path by the ratio of the leg lengths.
+def onto_rig(clip: Clip, roles: Roles, rig: Rig, *, retargeting: bool = True) -> Fitted:
+    """Puts a clip on a rig's skeleton, and scales its root path by the ratio of the leg lengths.
 
     If the rigs have the same topology, but for missing fingers, and the same bind pose, the rotations are copied; bone
     lengths, joint order and joint names may differ (CMU's two releases do). Other rigs are retargeted by roles.
@@ -49,33 +43,32 @@ def onto_skeleton(
     Args:
         clip: The motion.
         roles: The roles of its joints.
-        skeleton: The skeleton.
-        skeleton_roles: The roles of its joints.
-        pose: [J, 4] the skeleton's standing pose, if it was found from a motion.
+        rig: The skeleton, and what is known of it.
         retargeting: Whether other rigs are retargeted.
 
     Raises:
         SkeletonError: The legs have no length, or the rigs differ and `retargeting` is off.
     """
     try:
-        return Fitted(_copied(clip, roles, skeleton, skeleton_roles))
+        return Fitted(_copied(clip, roles, rig))
     except SkeletonError as difference:
         if not retargeting:
             raise
-        moved = retarget(clip, roles, skeleton, skeleton_roles, pose)
+        moved = retarget(clip, roles, rig.skeleton, rig.roles, rig.pose)
         notes = [f"{RETARGETED}: {difference.problem}"]
     if moved.left_out:
         notes.append(f"not carried over, the skeleton has no such joints: {listed(list(moved.left_out))}")
     return Fitted(moved.clip, tuple(notes))
 
 
-def _copied(clip: Clip, roles: Roles, skeleton: Skeleton, skeleton_roles: Roles) -> Clip:
+def _copied(clip: Clip, roles: Roles, rig: Rig) -> Clip:
     """Returns the clip with its rotations unchanged on the other skeleton. Raises SkeletonError if the rigs differ."""
+    skeleton, skeleton_roles = rig.skeleton, rig.roles
     if has_fingers(skeleton, skeleton_roles):
         clip, roles = fingered(clip, roles, skeleton, skeleton_roles)
     match = _match(clip, roles, skeleton, skeleton_roles)
     for role in (*LIMBS, "pelvis", "spine"):
-        theirs, ours = (np.atleast_1d(getattr(rig, role)).tolist() for rig in (roles, skeleton_roles))
+        theirs, ours = (np.atleast_1d(getattr(found, role)).tolist() for found in (roles, skeleton_roles))
         if [match.index(joint) for joint in theirs] != ours:
             raise SkeletonError(
                 f"its {role} is not the same joint as the skeleton's {role}",
@@ -126,9 +119,7 @@ def _limbs(skeleton: Skeleton, roles: Roles) -> list[frozenset[str]]:
 
 def _reach(skeleton: Skeleton) -> Floats:
     """Returns the centre of each joint's subtree in the bind pose [J, 3], in units of the rig's size."""
-    rest = np.zeros((skeleton.joint_count, 3))
-    for joint in range(1, skeleton.joint_count):
-        rest[joint] = rest[skeleton.parents[joint]] + skeleton.offsets[joint]
+    rest = bind_positions(skeleton)
     middle = np.array([rest[skeleton.subtree(joint)].mean(axis=0) for joint in range(skeleton.joint_count)])
     return np.asarray(middle / np.abs(rest).max())
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.hand_joints import Side, bind_turn, fingered, fingers_of, forearm, forearm_of, match_fingers
+from motionsplice.motion.hand_joints import bind_turn, fingered, fingers_of, forearm, forearm_of, match_fingers
 from motionsplice.motion.quaternion import Floats, conjugate, multiply
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import Roles, Side
 
 
 def merge_hands(

@@ -8,10 +8,10 @@ import numpy as np
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError
-from motionsplice.motion.hand_joints import Side, ahead_of, elbow_of, forearm, wrist_of
+from motionsplice.motion.hand_joints import ahead_of, elbow_of, forearm, wrist_of
 from motionsplice.motion.kinematics import heading
 from motionsplice.motion.quaternion import Floats, rotate
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import Roles, Side
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.joint_paths import joint_transforms
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.reading import Reading
-from motionsplice.motion.hand_joints import SIDES
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import SIDES
 from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.settings import HandSettings
 from motionsplice.precompute.hands.splice import splice_hands

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
-from motionsplice.motion.hand_joints import SIDES, Side
+from motionsplice.motion.roles import SIDES, Side
 from motionsplice.precompute.hands.align import BANDS
 from motionsplice.precompute.hands.banded_warp import FramePair
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError
-from motionsplice.motion.hand_joints import Side
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import Roles, Side
 from motionsplice.precompute.hands.align import STRANGE, HandAlignment, align_hands
 from motionsplice.precompute.hands.banded_warp import check_pairs, limits
 from motionsplice.precompute.hands.merge import merge_hands

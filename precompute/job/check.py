@@ -20,7 +20,8 @@ from motionsplice.motion.formats.asf_amc import parse_skeleton
 from motionsplice.motion.formats.files import clips_in, read_bytes
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP
-from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.body.common_skeleton import onto_rig
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.runtime.format.manifest import Manifest
 
 MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 12  # bytes of address space: for the process, and per byte of the file
@@ -37,7 +38,7 @@ def check(file: Path, bank: Path, settings: Mapping[str, Any]) -> None:
     if len(names := clips_in(file)) > 1:
         raise FormatError(f"it has {len(names)} animations", mend="Upload a file for each")
     reading, manifest = read_clip(file, **settings), Manifest.read(bank)
-    clip = onto_skeleton(reading.clip, reading.roles, manifest.skeleton, manifest.roles).clip
+    clip = onto_rig(reading.clip, reading.roles, Rig(manifest.skeleton, manifest.roles)).clip
     if clip.duration < SHORTEST_CLIP:
         problem = f"it lasts {clip.duration:.3f} s, too short to find its gait"
         raise ClipError(problem, mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more")

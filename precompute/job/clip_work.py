@@ -165,15 +165,7 @@ class Preparation:
         reading = self.cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
         if reading is None:
             reading = read(one)
-        made = prepare(
-            reading.clip,
-            reading.roles,
-            self.rig.skeleton,
-            self.rig.roles,
-            self.ring,
-            pose=self.rig.pose,
-            retargeting=self.retargeting,
-        )
+        made = prepare(reading.clip, reading.roles, self.rig, self.ring, retargeting=self.retargeting)
         made = replace(made, notes=(*reading.notes, *made.notes), file_warnings=reading.warnings)
         self.cache.store(self.key(one), *pack_prepared(made))
 

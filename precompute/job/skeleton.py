@@ -9,12 +9,12 @@ from pathlib import Path
 from motionsplice.motion.errors import BaselineError, SkeletonError
 from motionsplice.motion.formats.reading import read_rig
 from motionsplice.precompute.alignment.baseline import find_baseline
-from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.body.common_skeleton import onto_rig
 from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.cache import Cache, key_of
 from motionsplice.precompute.job.clip_work import Identified, read
 from motionsplice.precompute.job.entries import FoundStride, StrideSearched, pack_rig, pack_stride, unpack_stride
-from motionsplice.runtime.format.manifest import Manifest
+from motionsplice.runtime.bank import Bank
 
 
 def rig_of(path: Path, roles: Mapping[str, str | Sequence[str]]) -> Rig:
@@ -23,8 +23,8 @@ def rig_of(path: Path, roles: Mapping[str, str | Sequence[str]]) -> Rig:
     Raises MotionError.
     """
     if path.is_dir():
-        manifest = Manifest.read(path)
-        return Rig(manifest.skeleton, manifest.roles)
+        bank = Bank.open(path)
+        return Rig.of(bank.motion(bank.baseline.clip), bank.roles)
     reading = read_rig(path, roles)
     return Rig.of(reading.clip, reading.roles)
 
@@ -44,9 +44,7 @@ class StrideOnSkeleton:
         """Stores the stride. Raises MotionError."""
         reading, rig = read(one), self.rig
         try:
-            fitted = onto_skeleton(
-                reading.clip, reading.roles, rig.skeleton, rig.roles, pose=rig.pose, retargeting=self.retargeting
-            ).clip
+            fitted = onto_rig(reading.clip, reading.roles, rig, retargeting=self.retargeting).clip
         except SkeletonError as error:
             raise BaselineError(f"the baseline does not fit the skeleton: {error}") from None
         found = StrideSearched(Rig.of(fitted, rig.roles), find_baseline(fitted, rig.roles))

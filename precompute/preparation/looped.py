@@ -21,7 +21,7 @@ class Looped:
     """A clip aligned to the baseline, with its seam.
 
     played: the motion in which its path and contacts are measured, and the phase of each frame. period: frames of the
-    clip's cycle, 0 if it is no whole cycle; `played` has as many frames before the clip.
+    clip's cycle, 0 if it is not a whole cycle; `played` has as many frames before the clip.
     """
 
     alignment: Alignment

@@ -13,12 +13,12 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, Baseline
 from motionsplice.precompute.alignment.gait import mean_gait
-from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.body.common_skeleton import onto_rig
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride
@@ -32,7 +32,7 @@ class PreparedClip:
     """A clip as a bank holds it, except for its torso offsets, which depend on another clip.
 
     Its rows are its own `frame_count` frames at `rate` frames per second, then the seam, which leads back by `strides`
-    strides (0: no seam). period: frames of its cycle, 0 if it is no whole cycle.
+    strides (0: no seam). period: frames of its cycle, 0 if it is not a whole cycle.
 
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
@@ -83,29 +83,20 @@ def has_gait(alignment: Alignment) -> bool:
     return bool(alignment.swing >= LEAST_SWING and alignment.cost.mean() <= FOREIGN_GAIT * alignment.chance)
 
 
-def prepare(
-    clip: Clip,
-    roles: Roles,
-    skeleton: Skeleton,
-    skeleton_roles: Roles,
-    baseline: Baseline,
-    *,
-    pose: Floats | None = None,
-    retargeting: bool = True,
-) -> PreparedClip:
-    """Moves a clip onto the bank's skeleton, aligns it to the baseline, adds its seam and measures it.
+def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeting: bool = True) -> PreparedClip:
+    """Moves a clip onto the bank's rig, aligns it to the baseline, adds its seam and measures it.
 
-    pose, retargeting: as in `onto_skeleton`. Raises SkeletonError if the rigs do not match, ClipError if the clip
-    cannot be aligned or measured.
+    retargeting: as in `onto_rig`. Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be
+    aligned or measured.
     """
-    fitted = onto_skeleton(clip, roles, skeleton, skeleton_roles, pose=pose, retargeting=retargeting)
-    ours = fitted.clip
+    fitted = onto_rig(clip, roles, rig, retargeting=retargeting)
+    ours, skeleton_roles = fitted.clip, rig.roles
     looped = loop(ours, skeleton_roles, baseline)
     alignment, seamed, rows = looped.alignment, looped.seamed, looped.rows
     torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     large: dict[str, NDArray[Any]] = {
-        **Layout.of(skeleton, skeleton_roles).pack(
+        **Layout.of(rig.skeleton, skeleton_roles).pack(
             seamed.clip.root_positions, seamed.clip.rotations, TorsoRows(torso.clouds, torso.frames, no_offsets)
         ),
         "upright": torso.upright,

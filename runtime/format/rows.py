@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.hand_joints import SIDES, elbow_of, has_fingers
+from motionsplice.motion.hand_joints import elbow_of, has_fingers
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import SIDES, Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.simd.width import LANES
 

@@ -238,14 +238,6 @@ def test_two_joints_for_one_role_are_refused_with_both_lines() -> None:
         parse(tree("Hips", "LeftArm", "LeftArm"))
 
 
-@given(st.lists(st.sampled_from(["a", "b", "a.001", "b.001", "a.002"]), min_size=1, max_size=12))
-def test_all_names_differ_after_numbering_and_unique_ones_stay(names: list[str]) -> None:
-    found = parse(tree("Hips", *names)).nodes.names
-    assert len(set(found)) == len(names) + 1
-    for name, new in zip(names, found[1:], strict=True):
-        assert new == name or (names.count(name) > 1 and new.startswith(name))
-
-
 def two_bodies(prefix: str, prop: str = "") -> bytes:
     """Returns a walk of two bodies, the second 1 m to the left, perhaps after a prop."""
     head, rows = WALK.decode().split("MOTION\n")

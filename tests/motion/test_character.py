@@ -19,7 +19,8 @@ from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.body.common_skeleton import onto_rig
+from motionsplice.precompute.body.rig import Rig
 from tests.characters import character_file
 from tests.glb_files import edited
 
@@ -32,7 +33,7 @@ def written(tmp_path: Path, data: bytes, clip: Clip = WALK) -> tuple[Clip, bytes
     """Returns the clip on the character's skeleton, and the character's file with it."""
     (tmp_path / "hero.glb").write_bytes(data)
     hero = read_character(tmp_path / "hero.glb")
-    on_hero = onto_skeleton(clip, find_roles(clip.skeleton), hero.skeleton, hero.roles).clip
+    on_hero = onto_rig(clip, find_roles(clip.skeleton), Rig(hero.skeleton, hero.roles)).clip
     return on_hero, hero.animated(on_hero)
 
 
@@ -122,7 +123,7 @@ def test_a_damaged_file_is_a_typed_error_or_takes_the_animation(data: st.DataObj
         try:
             with np.errstate(all="ignore"):
                 hero = read_character(file)
-                hero.animated(onto_skeleton(WALK, ROLES, hero.skeleton, hero.roles).clip)
+                hero.animated(onto_rig(WALK, ROLES, Rig(hero.skeleton, hero.roles)).clip)
         except MotionError:
             pass
 

@@ -108,6 +108,12 @@ def test_each_stack_is_a_clip(tmp_path: Path) -> None:
         read_clip(path, animation="jump")
 
 
+def test_stacks_of_one_name_are_numbered(tmp_path: Path) -> None:
+    path = tmp_path / "moves.fbx"
+    path.write_bytes(dump_fbx([replace(WALK, name="Take.1"), replace(RUN, name="Take"), replace(WALK, name="Take")]))
+    assert list(clips_in(path).values()) == ["Take.1", "Take", "Take.001"]
+
+
 def test_a_file_with_one_stack_is_listed_without_a_child(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def none(*_: Any, **__: Any) -> None:
         raise AssertionError("a process was started")

@@ -60,12 +60,12 @@ def test_a_given_unit_is_used(tmp_path: Path) -> None:
         (
             1.68,
             0.01,
-            r"legs of 1\.68 m, by the assumed unit cm, are no grown person's\. Give another --unit, or --unit cm",
+            r"legs of 1\.68 m, by the assumed unit cm, do not fit an adult\. Give another --unit, or --unit cm",
         ),
         (0.874, 0.0001, r"legs of 8\.74 m, by the assumed unit mm, .* Give --unit 1e-04 for legs of 0\.87 m"),
     ],
 )
-def test_legs_that_are_no_grown_persons_are_warned_about(leg: float, unit: float, words: str) -> None:
+def test_legs_that_do_not_fit_an_adult_are_warned_about(leg: float, unit: float, words: str) -> None:
     _, _, warning = guess_unit(leg / unit)
     assert re.search(words, warning)
 
@@ -77,7 +77,7 @@ def test_a_stated_unit_in_which_legs_are_no_persons_is_warned_about(tmp_path: Pa
     reading = read_clip(tmp_path / "walk.glb")
     assert reading.unit == 1.0
     assert re.search(
-        r"legs of 1\.\d+ m, by the unit that the file states \(1 m\), are no person's", reading.warnings[0]
+        r"legs of 1\.\d+ m, by the unit that the file states \(1 m\), do not fit a person", reading.warnings[0]
     )
     assert not check_stated_unit(1.0, 0.4)
     assert "another --unit" in guess_unit(1e-310)[2]

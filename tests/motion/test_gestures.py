@@ -12,7 +12,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.body_shape import check_shape
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.hand_joints import SIDES, Side, fingers_of, wrist_of
+from motionsplice.motion.hand_joints import fingers_of, wrist_of
 from motionsplice.motion.kinematics import heading, joint_positions
 from motionsplice.motion.procedural.body import LEFT, RIGHT, SKELETON
 from motionsplice.motion.procedural.gestures import SMALLER, GesturePair, gesture_pair, sample_gestures
@@ -29,7 +29,7 @@ from motionsplice.motion.procedural.hand_rig import (
 )
 from motionsplice.motion.procedural.score import KINDS, least_jerk
 from motionsplice.motion.quaternion import Floats, about, rotate
-from motionsplice.motion.roles import find_roles
+from motionsplice.motion.roles import SIDES, Side, find_roles
 from motionsplice.precompute.hands.merge import twist_about
 
 ROLES = find_roles(FINGERED)

@@ -150,6 +150,13 @@ def test_sparse_elements_replace_others_or_zeros(has_data: bool) -> None:
         read_accessor(container(*views, componentType=5126, type="VEC2", count=3, sparse=sparse, **base), 0)
 
 
+def test_animations_of_one_name_are_numbered() -> None:
+    def edit(document: dict[str, Any]) -> None:
+        document["animations"] = [document["animations"][0] | {"name": name} for name in ("a.1", "a", "a", "a.1", "")]
+
+    assert animation_names(edited(dump_glb(WALK), edit)) == ["a.1", "a", "a.001", "a.1.001", "4"]
+
+
 def test_several_animations_are_chosen_by_name(tmp_path: Path) -> None:
     def twice(document: dict[str, Any]) -> None:
         document["animations"].append(document["animations"][0] | {"name": "again"})
@@ -182,7 +189,9 @@ WRONG: dict[str, Callable[[dict[str, Any]], None]] = {
     "not a glTF 2.0 file": lambda one: one.__setitem__("asset", {"version": "1.0"}),
     "requires extensions": lambda one: one.__setitem__("extensionsRequired", ["KHR_draco_mesh_compression"]),
     "has no animation": lambda one: one.pop("animations"),
-    "form a circle": lambda one: one["nodes"][-1].__setitem__("children", [0]),
+    "form a cycle": lambda one: one["nodes"][-1].__setitem__("children", [0]),
+    "child 1 is not a node, or has another parent": lambda one: one["nodes"][-1].__setitem__("children", [1]),
+    "do not increase": lambda one: one["accessors"][0].__setitem__("bufferView", 1),
     "malformed": lambda one: one["animations"][0]["channels"][0].pop("target"),
     "do not fit into a view": lambda one: one["accessors"][0].__setitem__("count", 10**9),
     "have no data": lambda one: one["accessors"].__setitem__(

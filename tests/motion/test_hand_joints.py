@@ -14,7 +14,6 @@ from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.hand_joints import (
-    SIDES,
     bind_turn,
     fingered,
     fingers_of,
@@ -28,7 +27,7 @@ from motionsplice.motion.hand_joints import (
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.hand_rig import FINGERED, FINGERS
 from motionsplice.motion.quaternion import about, rotate
-from motionsplice.motion.roles import find_roles
+from motionsplice.motion.roles import SIDES, find_roles
 from motionsplice.motion.skeleton import Skeleton
 from tests.conftest import CLIPS, COUNTING
 from tests.rigs import with_arms_turned, with_bones_above

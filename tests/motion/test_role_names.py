@@ -4,12 +4,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motionsplice.motion.role_names import HELPERS, KNOWN, LIMBS, roles_by_name, words_of
+from motionsplice.motion.role_names import HELPERS, KNOWN, LIMB_WORDS, roles_by_name, words_of
 from tests import rig_names
 from tests.more_rig_names import MORE_RIGS
 
 RIGS = rig_names.RIGS | MORE_RIGS
-NAMES_IN_WORDS = KNOWN | HELPERS | {*LIMBS}
+NAMES_IN_WORDS = KNOWN | HELPERS | {*LIMB_WORDS}
 
 
 @pytest.mark.parametrize("name", RIGS)

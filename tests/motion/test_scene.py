@@ -59,9 +59,9 @@ def test_the_skeleton_with_the_given_joint_is_read_and_the_other_is_noted(root: 
 
 
 def test_skeletons_of_one_name_are_numbered() -> None:
-    nodes, notes = nodes_of(scene([WALK, RUN], ["", ""]), "Hips.002")
+    nodes, notes = nodes_of(scene([WALK, RUN], ["", ""]), "Hips.001")
     np.testing.assert_allclose(fold(nodes, 0).root_positions, RUN.root_positions, atol=1e-12)
-    assert notes == ("read the skeleton 'Hips.002'; choose another with --root: Hips",)
+    assert notes == ("read the skeleton 'Hips.001'; choose another with --root: Hips",)
 
 
 def test_an_unknown_root_is_refused_with_those_that_exist() -> None:

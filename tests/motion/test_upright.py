@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 from bench.retarget.kinds import KINDS
 from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
-from motionsplice.motion.body_shape import bind_positions, check_shape, standing_axis
+from motionsplice.motion.body_shape import check_shape, standing_axis
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import RoleError, SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.formats.upright import TURNS, turned
-from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.kinematics import bind_positions, joint_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from tests.conftest import CLIPS
@@ -38,7 +38,7 @@ def same_motion(found: Clip, expected: Clip) -> None:
     """Checks world positions and the bind pose; joints may come in another order."""
     order = [found.skeleton.index(name) for name in expected.skeleton.names]
     np.testing.assert_allclose(joint_positions(found)[:, order], joint_positions(expected), atol=1e-4)
-    np.testing.assert_allclose(bind_positions(found)[:, order], bind_positions(expected), atol=1e-4)
+    np.testing.assert_allclose(bind_positions(found.skeleton)[order], bind_positions(expected.skeleton), atol=1e-4)
 
 
 @pytest.mark.parametrize("name", ["walk", "stairs_up", "side_step", "carry_box"])
@@ -132,7 +132,8 @@ def test_a_turned_clip_moves_and_stands_as_before_but_turned(seed: int) -> None:
     clip = WALK.frames(0, 3)
     found = turned(clip, bind, world)
     np.testing.assert_allclose(joint_positions(found), quaternion.rotate(world, joint_positions(clip)), atol=1e-12)
-    np.testing.assert_allclose(bind_positions(found), quaternion.rotate(bind, bind_positions(clip)), atol=1e-12)
+    expected = quaternion.rotate(bind, bind_positions(clip.skeleton))
+    np.testing.assert_allclose(bind_positions(found.skeleton), expected, atol=1e-12)
     back = turned(found, quaternion.conjugate(bind), quaternion.conjugate(world))
     assert quaternion.angle(back.rotations, clip.rotations).max() < 1e-6
 
@@ -151,12 +152,12 @@ def test_a_body_stands_along_the_axis_nearest_to_its_trunk(seed: int, axis: str,
     leaning = quaternion.about(level / np.linalg.norm(level), tilt)
     facing = quaternion.about(up, random.uniform(-np.pi, np.pi))
     turn = quaternion.multiply(leaning, quaternion.multiply(facing, to_axis))
-    assert standing_axis(quaternion.rotate(turn, bind_positions(WALK)), ROLES) == axis
+    assert standing_axis(quaternion.rotate(turn, bind_positions(WALK.skeleton)[None]), ROLES) == axis
 
 
 def test_a_body_half_way_between_two_axes_stands_along_none() -> None:
     turn = quaternion.about([1.0, 0.0, 0.0], 0.25 * np.pi)
-    assert standing_axis(quaternion.rotate(turn, bind_positions(WALK)), ROLES) == ""
+    assert standing_axis(quaternion.rotate(turn, bind_positions(WALK.skeleton)[None]), ROLES) == ""
 
 
 def test_roles_that_fit_neither_bind_pose_nor_motion_are_refused_unless_they_were_given() -> None:

@@ -10,7 +10,8 @@ from motionsplice.motion.formats.character import read_character
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.common_skeleton import onto_skeleton
+from motionsplice.precompute.body.common_skeleton import onto_rig
+from motionsplice.precompute.body.rig import Rig
 from tests.characters import boxes, character_file, standing
 from tests.oracles.node import needs_node, run
 
@@ -23,7 +24,7 @@ ROLES = find_roles(CURVE.skeleton)
 def test_the_mesh_of_a_character_moves_with_its_bones(tmp_path: Path, scale: float, seed: int | None) -> None:
     (tmp_path / "hero.glb").write_bytes(character_file(CURVE.skeleton.scaled(0.8), scale=scale, seed=seed))
     hero = read_character(tmp_path / "hero.glb")
-    clip = onto_skeleton(CURVE, ROLES, hero.skeleton, hero.roles).clip
+    clip = onto_rig(CURVE, ROLES, Rig(hero.skeleton, hero.roles)).clip
     (tmp_path / "out.glb").write_bytes(hero.animated(clip))
     assert run("validate.mjs", tmp_path / "out.glb") == [[]]
     frames = [0, 31, 77]

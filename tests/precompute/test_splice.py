@@ -17,6 +17,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.baseline import WORKING_RATE, align, find_baseline
 from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.precompute.preparation.torso_offset import MeanStride, torso_offsets
@@ -34,7 +35,8 @@ def bank_of(folder: Path, *clips: Clip) -> Bank:
     """Returns a bank of clips on one skeleton, whose baseline is the first clip."""
     ring = find_baseline(clips[0], ROLES)
     prepared = [
-        prepare(clip, ROLES, clips[0].skeleton, ROLES, ring) for clip in {clip.name: clip for clip in clips}.values()
+        prepare(clip, ROLES, Rig(clips[0].skeleton, ROLES), ring)
+        for clip in {clip.name: clip for clip in clips}.values()
     ]
     settled = [replace(one, neutral=clips[0].name) for one in prepared]
     write_bank(folder, clips[0].skeleton, ROLES, ring, settled)

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
-from motionsplice.motion.hand_joints import SIDES, fingers_of
+from motionsplice.motion.hand_joints import fingers_of
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles, find_roles
+from motionsplice.motion.roles import SIDES, Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.hands.merge import merge_hands
 from motionsplice.precompute.hands.settings import HandSettings

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.decimals import is_finite
+from motionsplice.motion.formats.names import numbered
 from motionsplice.motion.formats.text import COMMAS, with_points
 from motionsplice.motion.role_names import roles_by_name
 
@@ -131,20 +132,11 @@ def _channels(words: list[str], place: str) -> list[str]:
 
 
 def number_doubles(joints: list[Joint]) -> list[str]:
-    """Numbers names that come twice, as Blender does: the second "Tip" becomes "Tip.001". Returns the new names."""
-    taken = {joint.name for joint in joints}
-    counts: dict[str, int] = {}  # numbers given to each name
-    renamed = []
-    for joint in joints:
-        name = joint.name
-        if name not in counts:
-            counts[name] = 0
-            continue
-        while joint.name in taken:
-            counts[name] += 1
-            joint.name = f"{name}.{counts[name]:03d}"
-        taken.add(joint.name)
-        renamed.append(joint.name)
+    """Numbers names that come twice. Returns the new names."""
+    unique = numbered([joint.name for joint in joints])
+    renamed = [name for joint, name in zip(joints, unique, strict=True) if joint.name != name]
+    for joint, name in zip(joints, unique, strict=True):
+        joint.name = name
     return renamed
 
 

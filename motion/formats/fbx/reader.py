@@ -12,15 +12,13 @@ from typing import Any
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.fold import listed
-from motionsplice.motion.formats.scene import Scene
+from motionsplice.motion.formats.scene import Scene, most_transforms, unknown_animation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
 WORKER = Path(__file__).with_name("worker.py")
-MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
-BYTES = 4  # that a transform takes in a large file at least
 SECONDS, SECONDS_PER_BYTE = 20.0, 1e-5  # limits of a child: far more than it needs, since the machine may be busy
 MEMORY, MEMORY_PER_BYTE = 200_000_000, 120  # bytes, limits of a child: Python and ufbx take 40 MB
 STACK = (b"\0\1AnimStack", b'"AnimStack::')  # follows the name of a stack in binary files, precedes it in text
@@ -47,10 +45,7 @@ def read_scene(data: bytes, animation: str | None, *, still: bool = False) -> Sc
     if not names and not still:
         raise FormatError("it has no animation that moves a joint", mend="Export the armature with its animation")
     if "frames" not in answer:
-        if animation is None:
-            problem = f"it has {len(names)} animations"
-            raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
-        raise FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
+        raise unknown_animation(animation, names)
     return _scene(answer, numbers)
 
 
@@ -59,7 +54,7 @@ def _ask(data: bytes, **options: Any) -> tuple[dict[str, Any], Floats]:
     found = find_spec("ufbx")
     if found is None or found.origin is None:
         raise FormatError("FBX files need the package ufbx", mend="Run: pip install 'motionsplice[fbx]'")
-    options["most"] = max(MOST_TRANSFORMS, len(data) // BYTES)
+    options["most"] = most_transforms(len(data))
     request = {"memory": MEMORY + MEMORY_PER_BYTE * len(data), "options": options}
     seconds = SECONDS + SECONDS_PER_BYTE * len(data)
     # -I and -S: the user's settings and other packages are not imported, which would take time and might print.

@@ -15,7 +15,7 @@ import sys
 from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Any, BinaryIO, TypeVar
 
 FEWEST_KEYS = 4  # that show a rate
@@ -47,7 +47,9 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
 
         answer, numbers = read(ufbx, source.read(), **request["options"])
     except MemoryError:
-        answer, numbers = refusal("it takes too much memory", "Export the armature without meshes")
+        answer, numbers = {"problem": "it takes too much memory", "mend": "Export the armature without meshes"}, []
+    except RefusedError as error:
+        answer, numbers = {"problem": error.problem, "mend": error.mend}, []
     target.write(json.dumps(answer).encode() + b"\n")
     for values in numbers:
         target.write(values)
@@ -63,18 +65,58 @@ def limit_memory(size: int) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (size, size))
 
 
-def refusal(problem: str, mend: str) -> Answer:
-    return {"problem": problem, "mend": mend}, []
+class RefusedError(Exception):
+    """A file that cannot be read, in words for the user."""
+
+    def __init__(self, problem: str, mend: str) -> None:
+        self.problem, self.mend = problem, mend
 
 
 def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: int) -> Answer:
     """Returns the names of a file's animations, and the motion of the one named `animation`, or of the only one.
 
     If there is no such animation, or `names_only` is true, it returns the names alone. A file without animations gives
-    one frame at rest. The motion has at most `most` transforms.
+    one frame at rest. Raises RefusedError, also for a motion of more than `most` transforms.
     """
+    scene = load(ufbx, data)
+    tree = Tree(ufbx, scene)
+    stacks = animations(scene, {tree.nodes[node].element_id for node in tree.kept})
+    answer: dict[str, Any] = {"animations": list(stacks)}
+    if animation is None and len(stacks) == 1:
+        (animation,) = stacks
+    chosen = None if animation is None else stacks.get(animation)
+    if names_only or (stacks and chosen is None):
+        return answer, []
+    settings = keep(scene.settings)
+    anim = None if chosen is None else keep(chosen[0].anim)
+    times, rate = ([0.0], USUAL_RATE) if chosen is None else frames_of(*chosen, settings, len(tree.kept), most)
+    places, nodes = {node: place for place, node in enumerate(tree.kept)}, [tree.nodes[node] for node in tree.kept]
+    bound = {places[node]: matrix for node, matrix in tree.bind_pose(scene).items() if node in places}
+    bind, rest, moved = array("d"), array("d"), array("d")
+    for matrix in bound.values():
+        extend(bind, matrix)
+    for node in nodes:
+        extend(rest, node.local_transform)
+    for time in times:
+        for node in nodes:
+            extend(moved, ufbx.evaluate_transform(anim, node, time) if anim else node.local_transform)
+    answer |= {
+        "names": [node.name for node in nodes],
+        "parents": [places.get(tree.parents[node], -1) for node in tree.kept],
+        "joints": [node in tree.joints for node in tree.kept],
+        "left_out": tree.left_out,
+        "unit": settings.unit_meters,
+        "bound": list(bound),
+        "rate": rate,
+        "frames": len(times),
+    }
+    return answer, [bind, rest, moved]
+
+
+def load(ufbx: Any, data: bytes) -> Any:
+    """Returns the scene of a file, with Y up. Raises RefusedError, MemoryError."""
     try:
-        scene = keep(
+        return keep(
             ufbx.load_memory(
                 data,
                 file_format=ufbx.FileFormat.FBX,
@@ -89,49 +131,24 @@ def read(ufbx: Any, data: bytes, names_only: bool, animation: str | None, most: 
     except (ufbx.OutOfMemoryError, ufbx.MemoryLimitError):
         raise MemoryError from None
     except ufbx.UfbxError as error:
-        return refusal(f"not an FBX file, or a damaged one ({error})", "Export it again as FBX 2014 or newer")
-    tree = Tree(ufbx, scene)
-    stacks = animations(scene, {tree.nodes[node].element_id for node in tree.kept})
-    answer: dict[str, Any] = {"animations": list(stacks)}
-    if animation is None and len(stacks) == 1:
-        (animation,) = stacks
-    chosen = None if animation is None else stacks.get(animation)
-    if names_only or (stacks and chosen is None):
-        return answer, []
-    settings = keep(scene.settings)
-    begin, end, rate, anim = 0.0, 0.0, USUAL_RATE, None  # at rest
-    if chosen is not None:
-        stack, keys = chosen
-        begin, end, anim = stack.time_begin, stack.time_end, keep(stack.anim)
-        if end <= begin:
-            begin, end = min(keys), max(keys)
-        rate = rate_of(keys, begin, settings.frames_per_second)
+        problem = f"not an FBX file, or a damaged one ({error})"
+        raise RefusedError(problem, "Export it again as FBX 2014 or newer") from None
+
+
+def frames_of(stack: Any, keys: list[float], settings: Any, nodes: int, most: int) -> tuple[list[float], float]:
+    """Returns the times of a stack's frames, in seconds, and their rate.
+
+    Raises RefusedError if these frames of all nodes are more than `most` transforms.
+    """
+    begin, end = stack.time_begin, stack.time_end
+    if end <= begin:
+        begin, end = min(keys), max(keys)
+    rate = rate_of(keys, begin, settings.frames_per_second)
     frames = 1 + round(min((end - begin) * rate, most))
-    if frames * len(tree.kept) > most:
-        problem = f"{end - begin:g} s of {len(tree.kept)} nodes at {rate:g} frames per second take too much memory"
-        return refusal(problem, "Cut the animation into shorter ones")
-    places, nodes = {node: place for place, node in enumerate(tree.kept)}, [tree.nodes[node] for node in tree.kept]
-    bound = {places[node]: matrix for node, matrix in tree.bind_pose(scene).items() if node in places}
-    bind, rest, moved = array("d"), array("d"), array("d")
-    for matrix in bound.values():
-        extend(bind, matrix)
-    for node in nodes:
-        extend(rest, node.local_transform)
-    for frame in range(frames):
-        time = min(begin + frame / rate + NUDGE, end)
-        for node in nodes:
-            extend(moved, ufbx.evaluate_transform(anim, node, time) if anim else node.local_transform)
-    answer |= {
-        "names": [node.name for node in nodes],
-        "parents": [places.get(tree.parents[node], -1) for node in tree.kept],
-        "joints": [node in tree.joints for node in tree.kept],
-        "left_out": tree.left_out,
-        "unit": settings.unit_meters,
-        "bound": list(bound),
-        "rate": rate,
-        "frames": frames,
-    }
-    return answer, [bind, rest, moved]
+    if frames * nodes > most:
+        problem = f"{end - begin:g} s of {nodes} nodes at {rate:g} frames per second take too much memory"
+        raise RefusedError(problem, "Cut the animation into shorter ones")
+    return [min(begin + frame / rate + NUDGE, end) for frame in range(frames)], rate
 
 
 def extend(numbers: array[float], vectors: Iterable[Iterable[float]]) -> None:
@@ -203,9 +220,9 @@ def animations(scene: Any, moved: set[int]) -> dict[str, tuple[Any, list[float]]
     """Returns the animation stacks by name, each with the key times of its most densely keyed curve.
 
     Only curves of the elements `moved` count; stacks without them are left out. A stack without a name is called by its
-    number, and a second one of the same name gets it as a suffix.
+    number, and a second "Take" becomes "Take.001".
     """
-    found = {}
+    found: dict[str, tuple[Any, list[float]]] = {}
     for number, stack in enumerate(each(scene.anim_stacks)):
         most: list[float] = []
         for layer in each(stack.layers):
@@ -215,8 +232,11 @@ def animations(scene: Any, moved: set[int]) -> dict[str, tuple[Any, list[float]]
                         if curve is not None and len(keys := keep(curve.keyframes)) > len(most):
                             most = [key.time for key in keys]
         if most:
-            name = stack.name or str(number)
-            found[name if name not in found else f"{name}.{number}"] = stack, most
+            name = free = stack.name or str(number)
+            numbers = count(1)
+            while free in found:
+                free = f"{name}.{next(numbers):03d}"
+            found[free] = stack, most
     return found
 
 

@@ -15,6 +15,11 @@ from motionsplice.motion.errors import FormatError
 MAGIC, VERSION = b"glTF", 2
 HEAD, CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")
 EXPORT = "Export it again as glTF 2.0"
+READABLE = {  # extensions that change nothing about nodes and animations
+    "KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization", "KHR_texture_basisu", "VRMC_vrm",
+    "VRMC_vrm_animation", "VRMC_springBone", "VRMC_materials_mtoon", "VRMC_node_constraint", "EXT_texture_webp",
+    "KHR_materials_pbrSpecularGlossiness", "KHR_lights_punctual",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,14 +59,6 @@ def open_container(data: bytes, read_beside: Callable[[str], bytes]) -> Containe
             raise FormatError(problem, mend="Copy its .bin file again")
         buffers.append(memoryview(contents[uri])[:length])
     return Container(document, tuple(buffers), sum(map(len, contents.values())))
-
-
-# Required extensions that change nothing about nodes and animations.
-READABLE = {
-    "KHR_materials_unlit", "KHR_texture_transform", "KHR_mesh_quantization", "KHR_texture_basisu", "VRMC_vrm",
-    "VRMC_vrm_animation", "VRMC_springBone", "VRMC_materials_mtoon", "VRMC_node_constraint", "EXT_texture_webp",
-    "KHR_materials_pbrSpecularGlossiness", "KHR_lights_punctual",
-}  # fmt: skip
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes]:

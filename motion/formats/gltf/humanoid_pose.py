@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.formats.gltf.humanoid import ROLES
-from motionsplice.motion.hand_joints import SIDES, finger_places, fingers_of
+from motionsplice.motion.hand_joints import finger_places, fingers_of
 from motionsplice.motion.quaternion import IDENTITY, Floats
-from motionsplice.motion.roles import Roles, common_ancestor
+from motionsplice.motion.roles import SIDES, Roles, common_ancestor
 from motionsplice.motion.skeleton import Skeleton
 
 TRUNK = {1: ("spine",), 2: ("spine", "chest"), 3: ("spine", "chest", "upperChest")}

@@ -12,12 +12,13 @@ from urllib.parse import unquote
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.gltf.accessors import read_accessor
 from motionsplice.motion.formats.gltf.container import EXPORT, Container, open_container, read_document
 from motionsplice.motion.formats.gltf.humanoid import human_bones, humanoid_nodes
 from motionsplice.motion.formats.gltf.tracks import Track, key_rate
-from motionsplice.motion.formats.scene import Scene
+from motionsplice.motion.formats.names import numbered
+from motionsplice.motion.formats.scene import Scene, most_transforms, unknown_animation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
@@ -26,8 +27,6 @@ DEFAULTS = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "s
 MALFORMED = (
     *(KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError, OverflowError, struct.error),
 )
-MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
-BYTES = 4  # that a transform takes in a file at least: a key takes 16 bytes, and some nodes have none
 MOST_NUMBERS = 1_000_000  # in the tracks of a small file, whose accessors may all lie over the same bytes
 Tracks = dict[tuple[int, str], Track]
 
@@ -53,13 +52,10 @@ def read_scene(
             return _rest(container)[0]
         if not names:
             raise FormatError("it has no animation", mend="Export the armature with its animation")
-        if animation is None:
-            if len(names) > 1:
-                problem = f"it has {len(names)} animations"
-                raise FormatError(problem, mend=f"Choose one with --animation: {', '.join(names)}")
-            animation = names[0]
+        if animation is None and len(names) == 1:
+            (animation,) = names
         if animation not in names:
-            raise FormatError(f"it has no animation {animation!r}", mend=did_you_mean(animation, names))
+            raise unknown_animation(animation, names)
         return _scene(container, names.index(animation))
 
 
@@ -87,7 +83,7 @@ def buffer_files(data: bytes) -> list[str]:
 
 @contextmanager
 def malformed() -> Iterator[None]:
-    """Turns what malformed JSON leads to into a FormatError."""
+    """Turns the errors that malformed JSON leads to into a FormatError."""
     try:
         yield
     except MALFORMED as error:
@@ -96,11 +92,8 @@ def malformed() -> Iterator[None]:
 
 
 def _names(document: dict[str, Any]) -> list[str]:
-    names: dict[str, None] = {}
-    for number, animation in enumerate(document.get("animations", ())):
-        name = _text(animation.get("name") or number)
-        names[name if name not in names else f"{name}.{number}"] = None
-    return list(names)
+    animations = enumerate(document.get("animations", ()))
+    return list(numbered([_text(animation.get("name") or number) for number, animation in animations]))
 
 
 def _text(name: Any) -> str:
@@ -114,7 +107,7 @@ def _scene(container: Container, number: int) -> Scene:
     tracks = _tracks(container, document["animations"][number], len(order))
     if not tracks:
         raise FormatError("this animation moves no node", mend="Choose another one, or bake it before the export")
-    times, rate = _times(list(tracks.values()), len(order), max(MOST_TRANSFORMS, container.size // BYTES))
+    times, rate = _times(list(tracks.values()), len(order), most_transforms(container.size))
     return _posed(container, order, parents, tracks, times, rate)
 
 
@@ -142,7 +135,8 @@ def _order(nodes: list[dict[str, Any]]) -> tuple[list[int], Integers]:
     for node, one in enumerate(nodes):
         for child in one.get("children", ()):
             if not 0 <= child < len(nodes) or child in above:
-                raise FormatError(f"node {child} is not the child of one node", place=f"node {node}", mend=EXPORT)
+                problem = f"its child {child} is not a node, or has another parent"
+                raise FormatError(problem, place=f"node {node}", mend=EXPORT)
             above[child] = node
     waiting = [node for node in range(len(nodes) - 1, -1, -1) if node not in above]
     order, places = list[int](), dict[int, int]()
@@ -152,7 +146,7 @@ def _order(nodes: list[dict[str, Any]]) -> tuple[list[int], Integers]:
         order.append(node)
         waiting.extend(reversed(nodes[node].get("children", ())))
     if len(order) < len(nodes):
-        raise FormatError("its nodes form a circle", mend=EXPORT)
+        raise FormatError("its nodes form a cycle", mend=EXPORT)
     return order, np.array([places[above[node]] if node in above else -1 for node in order])
 
 

@@ -8,11 +8,12 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.hand_joints import SIDES, Side, finger_places, fingers_of, palm_of, wrist_of
+from motionsplice.motion.hand_joints import finger_places, fingers_of, palm_of, wrist_of
+from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.bind_turns import carry
-from motionsplice.motion.retarget.stance import bind_positions, frame, standing_pose
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.retarget.stance import frame, standing_pose
+from motionsplice.motion.roles import ARM, LEG, SIDES, Roles, Side, on_side
 from motionsplice.motion.skeleton import Skeleton
 
 UP, AHEAD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -51,13 +52,10 @@ def t_pose(clip: Clip, roles: Roles) -> Floats:
 
 
 def _limb_aims(places: Floats, roles: Roles, side: Side) -> Aims:
-    hip, knee, ankle, shoulder, elbow, wrist = (
-        int(getattr(roles, f"{side}_{part}")) for part in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
-    )
     return {
         upper: (places[lower] - places[upper], aim)
-        for limb, aim in (((hip, knee, ankle), -UP), ((shoulder, elbow, wrist), OUTWARDS[side]))
-        for upper, lower in pairwise(limb)
+        for limb, aim in ((LEG, -UP), (ARM, OUTWARDS[side]))
+        for upper, lower in pairwise(on_side(roles, side, limb))
     }
 
 
@@ -75,7 +73,7 @@ def _finger_aims(skeleton: Skeleton, places: Floats, roles: Roles, side: Side) -
 
 def _foot(skeleton: Skeleton, places: Floats, standing: Floats, roles: Roles, side: Side) -> dict[int, Floats]:
     """Returns the rotation of an ankle: only about the vertical, because the foot is flat in the standing pose."""
-    ankle, toe = (int(getattr(roles, f"{side}_{part}")) for part in ("ankle", "toe"))
+    ankle, toe = on_side(roles, side, ("ankle", "toe"))
     tips = skeleton.end_offsets[skeleton.end_parents == ankle]
     bone = places[toe] - places[ankle] if toe >= 0 else tips.sum(axis=0)
     x, _, z = quaternion.rotate(standing[ankle], bone)

@@ -8,6 +8,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError
+from motionsplice.motion.formats.gltf.container import EXPORT
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.rates import common_rate
 from motionsplice.motion.skeleton import Integers
@@ -31,9 +32,12 @@ class Track:
     def __post_init__(self) -> None:
         rows = len(self.times) * (3 if self.interpolation == "CUBICSPLINE" else 1)
         if self.interpolation not in ("LINEAR", "STEP", "CUBICSPLINE"):
-            raise FormatError(f"unknown interpolation {self.interpolation!r:.40}")
-        if len(self.values) != rows or np.any(np.diff(self.times) <= 0.0):
-            raise FormatError(f"an animation has {len(self.values)} values at {len(self.times)} times, expected {rows}")
+            raise FormatError(f"unknown interpolation {self.interpolation!r:.40}", mend=EXPORT)
+        if len(self.values) != rows:
+            problem = f"an animation has {len(self.values)} values at {len(self.times)} times, expected {rows}"
+            raise FormatError(problem, mend=EXPORT)
+        if np.any(np.diff(self.times) <= 0.0):
+            raise FormatError("the times of an animation's keys do not increase", mend=EXPORT)
 
     def sampled(self, times: Floats) -> Floats:
         """Returns the values [n, width] at `times` [n]; before the first key and after the last these keys' own."""

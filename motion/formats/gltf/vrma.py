@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import RoleError
 from motionsplice.motion.formats.gltf.document import ASSET, Binary, Document, glb
 from motionsplice.motion.formats.gltf.humanoid_pose import Humanoid
 from motionsplice.motion.formats.gltf.t_pose import t_pose
-from motionsplice.motion.kinematics import joint_positions, world_transforms
+from motionsplice.motion.kinematics import joint_positions, local_rotations, world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
@@ -74,9 +73,7 @@ def _rest(skeleton: Skeleton, straight: Floats, positions: Floats) -> Floats:
     Receivers scale the hips' path by the height of their own hips over that of these. How far the lowest joint is from
     the sole is taken from the motion.
     """
-    local = straight.copy()
-    local[1:] = quaternion.multiply(quaternion.conjugate(straight[skeleton.parents[1:]]), straight[1:])
-    places = world_transforms(skeleton, np.zeros((1, 3)), local[None])[0][0]
+    places = world_transforms(skeleton, np.zeros((1, 3)), local_rotations(skeleton, straight)[None])[0][0]
     lowest = float(positions[..., 1].min())
     places[:, 1] += (lowest if 0.0 < lowest < SOLE else 0.0) - places[:, 1].min()
     return places

@@ -8,6 +8,7 @@ import numpy as np
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.gltf.document import ASSET, Binary, Document, glb, gltf
+from motionsplice.motion.kinematics import bind_positions
 
 
 def dump_glb(clip: Clip) -> bytes:
@@ -55,11 +56,8 @@ def _written(clip: Clip) -> tuple[Document, bytes]:
     ]
     for parent, offset in zip(skeleton.end_parents.tolist(), skeleton.end_offsets.tolist(), strict=True):
         nodes.append({"name": f"{skeleton.names[parent]}_end", "translation": offset})
-    places = offsets.copy()
-    for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
-        places[joint] += places[parent]
     inverse = np.tile(np.eye(4), (count, 1, 1))
-    inverse[:, :3, 3] = -places
+    inverse[:, :3, 3] = -(bind_positions(skeleton) + clip.root_positions[0])
     document: Document = {"asset": ASSET, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": nodes}
     binary = Binary(document)
     turns = {joint: clip.rotations[:, joint] for joint in range(count)}

@@ -8,9 +8,10 @@ import pytest
 from bench.retarget.kinds import FOOT, KINDS
 from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
+from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.retarget.stance import bind_positions, standing_pose, stands
+from motionsplice.motion.retarget.stance import standing_pose, stands
 from motionsplice.motion.roles import find_roles
 
 WALK = make("walk", seconds=2.0, rate=30.0)

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SkeletonError
-from motionsplice.motion.hand_joints import SIDES, Side, elbow_of, fingers_of, forearm, forearm_of, wrist_of
+from motionsplice.motion.hand_joints import elbow_of, fingers_of, forearm, forearm_of, wrist_of
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats, about, conjugate, multiply, rotate
-from motionsplice.motion.roles import Roles, find_roles
+from motionsplice.motion.roles import SIDES, Roles, Side, find_roles
 from motionsplice.precompute.hands.merge import merge_hands, radians_about, twist_about
 from tests.conftest import CLIPS, COUNTING, OTHERS
 from tests.rigs import with_arms_turned, with_bones_above

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 from pydantic import BaseModel, Field
 
@@ -15,10 +14,9 @@ from motionsplice.service.settings import Settings
 from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
 from motionsplice.service.wire.messages import PROTOCOL
+from motionsplice.service.wire.rig import rig_fields
 
 LIMITS = tuple(name for name in Settings.model_fields if name.startswith("max_") or name.endswith("_seconds"))
-
-DIGITS = 7  # of offsets after the point: finer than float32
 
 
 class AxesInfo(BaseModel):
@@ -126,20 +124,7 @@ class SkeletonInfo(BaseModel):
 
     @classmethod
     def of(cls, bank: Bank, axes: Axes) -> SkeletonInfo:
-        skeleton = bank.skeleton
-        return cls(
-            axes=AxesInfo.of(axes),
-            joints=list(skeleton.names),
-            parents=skeleton.parents.tolist(),
-            offsets=axes.positions(skeleton.offsets).round(DIGITS).tolist(),
-            roles={role: _named(skeleton.names, joint) for role, joint in vars(bank.roles).items()},
-        )
-
-
-def _named(names: tuple[str, ...], joint: Any) -> str | list[str] | None:
-    if isinstance(joint, tuple):
-        return [names[one] for one in joint]
-    return names[joint] if joint >= 0 else None
+        return cls(axes=AxesInfo.of(axes), **rig_fields(bank, axes))
 
 
 class ContactsInfo(BaseModel):

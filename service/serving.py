@@ -13,10 +13,10 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
-from motionsplice.service.models import SkeletonInfo
 from motionsplice.service.problems import NotReadyError
 from motionsplice.service.wire.axes import Axes
 from motionsplice.service.wire.encoding import warm as warm_encoding
+from motionsplice.service.wire.rig import rig_fields
 
 logger = logging.getLogger(__name__)
 
@@ -31,7 +31,7 @@ class Edition:
 
     def rig(self, axes: Axes) -> dict[str, Any]:
         """What clients need to pose a rig: the bank's digest, its joints, their parents, offsets and roles."""
-        return {"bank": self.bank.digest, **SkeletonInfo.of(self.bank, axes).model_dump(exclude={"axes"})}
+        return {"bank": self.bank.digest, **rig_fields(self.bank, axes)}
 
     @cached_property
     def clips(self) -> dict[str, dict[str, float]]:

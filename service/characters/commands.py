@@ -152,7 +152,10 @@ def checked(listed: list[Any], axes: Axes = AXES["gltf"]) -> list[Command]:
 
 
 def _in_our_axes(values: Mapping[str, Any], axes: Axes) -> Mapping[str, Any]:
-    converters = {"position": axes.metres, "heading": lambda heading: axes.turn * heading}
+    converters: Mapping[str, Callable[[Any], Any]] = {
+        "position": axes.metres,
+        "heading": lambda heading: axes.turn * heading,
+    }
     return {key: converters[key](value) if key in converters else value for key, value in values.items()}
 
 

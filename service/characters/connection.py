@@ -7,7 +7,7 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from typing import Any, Protocol
 
@@ -17,7 +17,7 @@ from starlette.types import Receive, Send
 from motionsplice.motion.errors import MotionError
 from motionsplice.service.characters.commands import Command, checked, parse, ref_of
 from motionsplice.service.characters.frame_format import FrameFormat
-from motionsplice.service.characters.scene import Scene
+from motionsplice.service.characters.play import Play
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import URN, kind_of
 from motionsplice.service.serving import Edition
@@ -50,34 +50,6 @@ class Transport(Protocol):
 def event_message(event: str, **values: Any) -> bytes:
     """Returns an event as a text message."""
     return orjson.dumps({"event": event, **values})
-
-
-@dataclass(frozen=True, eq=False)
-class Play:
-    """A scene at one frame.
-
-    Attributes:
-        scene: The characters, as they are at this frame.
-        frame: Number of the frame.
-        due: When the frame is due, in seconds of the event loop's clock.
-        rate: Frames per second.
-        ahead: Frames in a message.
-    """
-
-    scene: Scene
-    frame: int
-    due: float
-    rate: float
-    ahead: int
-
-    def after(self, count: int) -> Play:
-        """Returns the play `count` frames later. The caller has advanced the scene by as many frames."""
-        return Play(self.scene, self.frame + count, self.due + count / self.rate, self.rate, self.ahead)
-
-    @property
-    def load(self) -> float:
-        """Characters evaluated per second."""
-        return len(self.scene) * self.rate
 
 
 class State(Enum):

@@ -25,7 +25,7 @@ PARAMETERS = (
 class FrameFormat:
     """The format of a client's frames."""
 
-    encoding: Encoding = Encoding()
+    encoding: Encoding
     deltas: bool = False
     form: str = "msgpack"
 

@@ -15,8 +15,9 @@ from starlette.types import Receive, Scope, Send
 from motionsplice.runtime.requests import Poses
 from motionsplice.service.admission import SUBPROTOCOL
 from motionsplice.service.characters.commands import Command
-from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, Play, State
+from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
 from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat
+from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.problems import BusyError, LimitError, at_most
 from motionsplice.service.serving import Edition
@@ -249,4 +250,3 @@ def _catch_up(connection: Connection, now: float) -> int:
         play.scene.leave_out(min(missed, math.ceil(LEFT_OUT * play.rate)))
         connection.play = play.after(missed)
     return missed
-

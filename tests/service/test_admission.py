@@ -111,7 +111,7 @@ OWN = "http://127.0.0.1:8000"
 def test_local_pages_may_connect_to_a_local_service_by_a_local_name(
     host: str, token: str | None, asked: str, origin: str, allowed: bool
 ) -> None:
-    admission = Admission(Settings(host=host, token=token and SecretStr(token)))
+    admission = Admission(Settings(host=host, token=SecretStr(token) if token else None))
     headers = [(b"origin", origin.encode()), (b"host", asked.encode()), (b"authorization", f"Bearer {token}".encode())]
     scope = {"headers": headers, "path": "/v1/characters"}
     if allowed:

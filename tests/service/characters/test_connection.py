@@ -13,12 +13,14 @@ import pytest
 from starlette.types import Message
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.service.characters.connection import MOST_EVENTS, TOO_SLOW, Connection, Play, State
+from motionsplice.service.characters.connection import MOST_EVENTS, TOO_SLOW, Connection, State
 from motionsplice.service.characters.frame_format import FrameFormat
+from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
+from motionsplice.service.wire.encoding import Encoding
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +53,7 @@ class Client:
 
     def __init__(self, edition: Edition, transport: Buffer | None = None) -> None:
         play = Play(Scene(edition, 60.0, 100), 10, 5.0, 60.0, 1)
-        self.connection = Connection(play, FrameFormat(), Settings(), Metrics(), transport)
+        self.connection = Connection(play, FrameFormat(Encoding()), Settings(), Metrics(), transport)
         self.messages: list[Message] = []
         self.freed = 0
 

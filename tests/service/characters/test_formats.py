@@ -65,7 +65,7 @@ def joints(frame: dict[str, Any], welcome: dict[str, Any]) -> Any:
 @every
 @pytest.mark.parametrize("ahead", [1, 7])
 def test_root_motion_adds_up_to_where_a_character_is(service: Running, axes: Axes, ahead: int) -> None:
-    """A client that turns and moves its own character by the root motion, in its own axes, arrives at the same place."""
+    """A client that moves and turns its own character by the root motion arrives at the same place."""
     path = f"?axes={axes.name}&deltas=true&rate=120&ahead={ahead}&encoding=int16"
     with Player(service, path) as player:
         begun = player.do({**TURN, "heading": 0.5, "position": [1, 2, 3]})["frame"]

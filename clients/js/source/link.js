@@ -67,8 +67,9 @@ export class Link {
       this.heard = performance.now();
       this.hooks.received(data);
     };
-    socket.onclose = ({ code, reason }) => this.drop(code, reason);
-    socket.onerror = () => {}; // `onclose` follows
+    let problem = '';
+    socket.onerror = (event) => { problem = /** @type {ErrorEvent} */ (event).message ?? ''; }; // browsers have none
+    socket.onclose = ({ code, reason }) => this.drop(code, reason || problem);
     this.watch = setInterval(() => {
       const silence = (performance.now() - this.heard) / 1000;
       if (silence > this.hooks.patience()) this.drop(1006, `nothing received for ${silence.toFixed()} s`);

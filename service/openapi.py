@@ -158,8 +158,8 @@ def _direct(bank: Bank) -> dict[str, Any]:
             "get": {
                 **_about(
                     "Characters over a WebSocket",
-                    "Commands are JSON text, frames are MessagePack or JSON. A request without an upgrade to a WebSocket is a "
-                    "404.",
+                    "Commands are JSON text, frames are MessagePack or JSON. A request without an upgrade to a "
+                    "WebSocket is a 404.",
                 ),
                 "operationId": "characters",
                 "parameters": _parameters(CHARACTERS),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from fastapi.responses import FileResponse
@@ -12,9 +12,8 @@ from motionsplice.motion.errors import did_you_mean
 from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
 from motionsplice.service.problems import MEDIA_TYPE, NotReadyError, RequestError, UnknownBankError
 from motionsplice.service.shared import Shared
-from motionsplice.service.wire.axes import AXES
+from motionsplice.service.wire.axes import AXES, AxesName
 
-AxesName = Literal["gltf", "unity", "unreal", "godot", "blender"]
 Responses = dict[int | str, dict[str, Any]]
 OCTETS = {"type": "string", "format": "binary"}
 

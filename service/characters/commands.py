@@ -13,7 +13,7 @@ from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
 from motionsplice.runtime.requests import Posture
 from motionsplice.service.problems import RequestError
-from motionsplice.service.wire.axes import AXES, Axes
+from motionsplice.service.wire.axes import Axes
 
 LARGEST_ID = 2**32 - 1
 FASTEST = 8.0  # times a clip's own speed
@@ -133,7 +133,7 @@ def ref_of(listed: list[Any]) -> int | float | str | None:
     return ref if type(ref) in REF_TYPES else None
 
 
-def checked(listed: list[Any], axes: Axes = AXES["gltf"]) -> list[Command]:
+def checked(listed: list[Any], axes: Axes) -> list[Command]:
     """Returns the commands of a message, with places in our axes. Raises RequestError about the first that is wrong.
 
     Args:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +22,13 @@ PARAMETERS = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FrameFormat:
-    """The format of a client's frames."""
+    """The format of a client's frames. Two of `frame_format` are equal only if they are the same object."""
 
     encoding: Encoding
     deltas: bool = False
     form: str = "msgpack"
-
-    @classmethod
-    def of(cls, values: dict[str, Any]) -> Self:
-        """Returns the format of a query that has the parameters PARAMETERS."""
-        return cls(encoding(values), values["deltas"], values["format"])
 
     @property
     def fields(self) -> dict[str, Any]:
@@ -64,9 +60,20 @@ class FrameFormat:
 
         `first` is the number of the first frame, and `time` when it is due, in seconds since 1970.
         """
-        fields: Mapping[str, Any] = {**frame_fields(first, len(frames), rate), "time": time}
+        fields = {**frame_fields(first, len(frames), rate), "time": time}
         arrays = {"ids": ids, **{name: _stacked([frame[name] for frame in frames]) for name in frames[0]}}
         return json(bank, {"event": "frames", **fields}, arrays) if self.is_text else packed(bank, fields, arrays)
+
+
+def frame_format(values: Mapping[str, Any]) -> FrameFormat:
+    """Returns the format of a query that has the parameters PARAMETERS: the same object for the same parameters."""
+    return _shared(*(values[parameter.name] for parameter in PARAMETERS))
+
+
+@cache
+def _shared(*values: Any) -> FrameFormat:
+    given = dict(zip((parameter.name for parameter in PARAMETERS), values, strict=True))
+    return FrameFormat(encoding(given), given["deltas"], given["format"])
 
 
 def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:

@@ -16,7 +16,7 @@ from motionsplice.runtime.requests import Poses
 from motionsplice.service.admission import SUBPROTOCOL
 from motionsplice.service.characters.commands import Command
 from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
-from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat
+from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
 from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.problems import BusyError, LimitError, at_most
@@ -50,7 +50,7 @@ class Hub:
     async def serve(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serves one WebSocket from its handshake to its end. Raises MotionError before the handshake is accepted."""
         values, loop = CHARACTERS.read(scope["query_string"]), asyncio.get_running_loop()
-        edition, form, rate = self._shared.serving.edition, FrameFormat.of(values), values["rate"]
+        edition, form, rate = self._shared.serving.edition, frame_format(values), values["rate"]
         scene = Scene(edition, rate, self._shared.settings.max_characters)
         play = Play(scene, 0, _next_tick(loop.time(), rate), rate, values["ahead"])
         transport = scope.get("extensions", {}).get(TRANSPORT)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 UP = 1  # our Y
+AxesName = Literal["gltf", "unity", "unreal", "godot", "blender"]
 
 
 @dataclass(frozen=True, eq=False)

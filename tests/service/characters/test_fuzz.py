@@ -20,6 +20,7 @@ from motionsplice.service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, running
 
+FORMATS = ["&axes=unreal&encoding=int16&parts=both", "&axes=blender&deltas=true&format=json"]
 CODES = {1002, 1003, 1007, 1009, 4408}
 
 ids = st.integers(0, 5) | st.lists(st.integers(0, 5), max_size=4) | st.integers() | st.none()
@@ -94,7 +95,7 @@ class Clients(RuleBasedStateMachine):
         self.player: Player | None = None
 
     @precondition(lambda self: self.player is None)
-    @rule(ahead=st.integers(1, 120), how=st.sampled_from(["", "&axes=unreal&encoding=int16&parts=both"]))
+    @rule(ahead=st.integers(1, 120), how=st.sampled_from(["", *FORMATS]))
     def connect(self, ahead: int, how: str) -> None:
         self.player = Player(self.service, f"?rate=120&ahead={ahead}{how}")
 

@@ -11,6 +11,7 @@ from motionsplice.service.characters import scene
 from motionsplice.service.characters.commands import checked, parse
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.serving import Edition
+from motionsplice.service.wire.axes import AXES
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def edition(bank: Bank) -> Edition:
 def playing(edition: Edition) -> Scene:
     found = Scene(edition, 60.0, 100)
     for command in checked(parse('[{"do": "create", "id": [5, 6], "locomotion": "walk"},'
-                                 '{"do": "act", "id": 6, "action": "wave"}]')):  # fmt: skip
+                                 '{"do": "act", "id": 6, "action": "wave"}]'), AXES["gltf"]):  # fmt: skip
         found.do(command)
     return found
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from typing import get_args
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,7 +12,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
-from motionsplice.service.wire.axes import AXES, Axes
+from motionsplice.service.wire.axes import AXES, Axes, AxesName
 from motionsplice.service.wire.encode_kernels import convert, shorten
 from motionsplice.service.wire.encoding import INT16_ERROR, Encoding
 
@@ -24,6 +26,10 @@ def matrix(axes: Axes) -> Floats:
     for row, (column, sign) in enumerate(zip(axes.order, axes.signs, strict=True)):
         found[row, column] = sign
     return found
+
+
+def test_all_axes_have_a_name_in_the_schema() -> None:
+    assert get_args(AxesName) == tuple(AXES)
 
 
 @every

@@ -1,23 +1,10 @@
 import { RigError } from './errors.js';
+import { restOf } from './rest.js';
 
 /** @import { Rig } from './rig.js' */
+/** @import { Bind, Node, Quaternion, Target } from './rest.js' */
 
-/**
- * What this module uses of three.js's Object3D and Bone.
- *
- * @typedef {object} Node
- * @property {string} name
- * @property {{ x: number, y: number, z: number, set(x: number, y: number, z: number): unknown }} position
- * @property {{ x: number, y: number, z: number, w: number, set(x: number, y: number, z: number, w: number): unknown }} quaternion
- * @property {{ x: number, y: number, z: number }} scale
- * @property {Node | null} parent
- * @property {readonly Node[]} children
- * @property {boolean} [isBone]
- */
-
-/** @typedef {Node | { bones: readonly Node[] } | readonly Node[]} Target */
-
-/** @type {WeakMap<object, Bones>} */
+/** @type {WeakMap<Rig, WeakMap<object, Bones>>} */
 const BOUND = new WeakMap();
 
 /**
@@ -28,13 +15,19 @@ const BOUND = new WeakMap();
  * @throws {RigError}
  */
 export function bind(rig, target) {
-  let bones = BOUND.get(target);
-  if (bones?.rig !== rig) {
-    bones = new Bones(rig, target);
-    BOUND.set(target, bones);
-  }
+  const targets = BOUND.get(rig) ?? new WeakMap();
+  BOUND.set(rig, targets);
+  const bones = targets.get(target) ?? new Bones(rig, target);
+  targets.set(target, bones);
   return bones;
 }
+
+/**
+ * One bone: its local rotation is `before` times the joint's times `after`. A joint's axes are those of the world in
+ * the bind pose; a bone has its own.
+ *
+ * @typedef {{ node: Node, before: Quaternion, after: Quaternion }} Bone
+ */
 
 class Bones {
   /**
@@ -43,109 +36,76 @@ class Bones {
    */
   constructor(rig, target) {
     if (rig.axes !== 'gltf' && rig.axes !== 'godot') throw new RigError(`three.js has the axes gltf, not ${rig.axes}`);
-    this.rig = rig;
-    const model = 'name' in target ? target : undefined;
-    const byName = named(model ? descendants(model) : 'bones' in target ? target.bones : /** @type {readonly Node[]} */ (target));
-    const joints = rig.joints.map((name) => byName.get(cleaned(name)));
-    const [root] = joints;
-    const isMissing = joints.map((bone) => bone === undefined);
-    const needed = new Set(); // joints above a bone: without them it would be turned too little
-    for (let joint = joints.length - 1; joint > 0; joint--) {
-      if (joints[joint] || needed.has(joint)) needed.add(rig.parents[joint]);
-    }
-    const missing = rig.joints.filter((_, joint) => isMissing[joint] && (joint === 0 || needed.has(joint)));
+    const rest = restOf(target);
+    const binds = rig.joints.map((name) => rest.find(name));
+    const root = binds[0];
+    const missing = needed(rig, binds);
     if (root === undefined || missing.length) {
       const listed = missing.slice(0, 5).join(', ') + (missing.length > 5 ? ' ...' : '');
       throw new RigError(`no bones are named ${listed}. Build the bank on this character's skeleton`);
     }
-    /** The bone of each joint; joints that end a chain may have none. */
-    this.joints = joints;
-    this.root = root;
-    this.above = above(root, model);
+    const above = rest.above(root);
+    const place = root.node.position.clone(), turn = root.node.quaternion.clone();
+    above.decompose(place, turn, root.node.scale.clone());
+    this.root = root.node;
+    /** From the world to the parent of the root's bone. */
+    this.inwards = above.clone().invert();
+    this.unit = unitOf(rig, binds);
+    this.place = place;
+    /** @type {(Bone | undefined)[]} */
+    this.bones = binds.map((one, joint) => one && {
+      node: one.node,
+      before: joint ? rest.between(/** @type {Bind} */ (binds[rig.parents[joint]]), one).invert() : turn.invert(),
+      after: one.turn,
+    });
+    this.turn = turn.clone();
   }
 
   /**
-   * @param {ArrayLike<number>} root
+   * @param {ArrayLike<number>} root position, metres
    * @param {ArrayLike<number>} rotations
    */
   set(root, rotations) {
-    for (let joint = 0, at = 0; joint < this.joints.length; joint++, at += 4) {
-      this.joints[joint]?.quaternion.set(rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]);
+    for (let joint = 0, at = 0; joint < this.bones.length; joint++, at += 4) {
+      const bone = this.bones[joint];
+      if (!bone) continue;
+      const { turn } = this;
+      turn.set(rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]);
+      bone.node.quaternion.copy(turn.premultiply(bone.before).multiply(bone.after));
     }
-    const { position, quaternion, scale } = this.above;
-    const inverse = [-quaternion[0], -quaternion[1], -quaternion[2], quaternion[3]];
-    const [x, y, z] = turned(inverse, [root[0] - position[0], root[1] - position[1], root[2] - position[2]]);
-    this.root.position.set(x / scale, y / scale, z / scale);
-    const [a, b, c, d] = product(inverse, [rotations[0], rotations[1], rotations[2], rotations[3]]);
-    this.root.quaternion.set(a, b, c, d);
+    this.place.set(this.unit * root[0], this.unit * root[1], this.unit * root[2]);
+    this.root.position.copy(this.place.applyMatrix4(this.inwards));
   }
 }
 
 /**
- * Returns the transform of the nodes between a bone and its model, as Blender's and Mixamo's armatures have, which are
- * scaled and turned. Without a model only bones are taken: what is above them is the game's own.
+ * Returns the names of joints without a bone that need one: the root, and joints above a bone, which would be turned
+ * too little. Joints that end a chain need none.
  *
- * @param {Node} bone
- * @param {Node | undefined} model
+ * @param {Rig} rig
+ * @param {(Bind | undefined)[]} binds
  */
-function above(bone, model) {
-  let position = [0, 0, 0], quaternion = [0, 0, 0, 1], scale = 1;
-  for (let node = bone.parent; node && node !== model && (model || node.isBone); node = node.parent) {
-    const { x, y, z, w } = node.quaternion;
-    const [a, b, c] = turned([x, y, z, w], position);
-    const size = node.scale.x;
-    position = [node.position.x + size * a, node.position.y + size * b, node.position.z + size * c];
-    quaternion = product([x, y, z, w], quaternion);
-    scale *= size;
+function needed(rig, binds) {
+  const above = new Set([0]);
+  for (let joint = binds.length - 1; joint > 0; joint--) {
+    if (binds[joint] || above.has(joint)) above.add(rig.parents[joint]);
   }
-  return { position, quaternion, scale };
+  return rig.joints.filter((_, joint) => !binds[joint] && above.has(joint));
 }
 
 /**
- * @param {Node} model
- * @returns {Node[]}
- */
-function descendants(model) {
-  return [model, ...model.children.flatMap(descendants)];
-}
-
-/**
- * Returns nodes by name. A bone precedes a mesh of the same name.
+ * Returns the model's units in a metre, to a power of ten: FBX has centimetres.
  *
- * @param {readonly Node[]} nodes
+ * @param {Rig} rig
+ * @param {(Bind | undefined)[]} binds
  */
-function named(nodes) {
-  /** @type {Map<string, Node>} */
-  const found = new Map();
-  for (const node of nodes) {
-    const name = cleaned(node.name);
-    if (!found.has(name) || (node.isBone && !found.get(name)?.isBone)) found.set(name, node);
+function unitOf(rig, binds) {
+  let theirs = 0, ours = 0;
+  for (let joint = 1; joint < binds.length; joint++) {
+    const bone = binds[joint], parent = binds[rig.parents[joint]];
+    if (!bone || !parent) continue;
+    theirs += bone.place.distanceTo(parent.place);
+    ours += Math.hypot(...rig.offsets.subarray(3 * joint, 3 * joint + 3));
   }
-  return found;
-}
-
-/**
- * Returns a name as three.js's loaders change it.
- *
- * @param {string} name
- */
-function cleaned(name) {
-  return name.replace(/\s/g, '_').replace(/[[\].:/]/g, '');
-}
-
-/**
- * @param {number[]} quaternion
- * @param {number[]} vector
- */
-function turned([x, y, z, w], [a, b, c]) {
-  const u = 2 * (y * c - z * b), v = 2 * (z * a - x * c), t = 2 * (x * b - y * a);
-  return [a + w * u + y * t - z * v, b + w * v + z * u - x * t, c + w * t + x * v - y * u];
-}
-
-/**
- * @param {number[]} first
- * @param {number[]} second
- */
-function product([x, y, z, w], [a, b, c, d]) {
-  return [w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a, w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c];
+  return theirs > 0 && ours > 0 ? 10 ** Math.round(Math.log10(theirs / ours)) : 1;
 }

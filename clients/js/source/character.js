@@ -4,7 +4,7 @@ import { Pose } from './pose.js';
 
 /** @import { ActOptions, Command, Fade, Locomotion, PlayOptions, Position, WearOptions } from './commands.js' */
 /** @import { Connection } from './connection.js' */
-/** @import { Target } from './bones.js' */
+/** @import { Target } from './rest.js' */
 
 /**
  * A character of a connection. Commands return a promise of the number of the first frame that shows them. It is

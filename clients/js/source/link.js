@@ -120,8 +120,7 @@ export class Link {
     this.isClosed ||= FINAL.has(code) || (!wasReady && this.tries === 0);
     const retry = this.isClosed || this.isIdle ? undefined : this.pause();
     if (retry !== undefined) this.timer = setTimeout(() => this.connect(), 1000 * retry);
-    const words = wasReady ? 'the connection was lost' : 'no connection';
-    const error = new ConnectionLostError(`${words}: ${reason || `code ${code}`}`, code);
+    const error = new ConnectionLostError(`${wasReady ? 'disconnected' : 'not connected'}: ${reason || `code ${code}`}`, code);
     this.hooks.lost(error, retry);
     for (const { reject } of this.waiting.splice(0)) reject(error);
   }

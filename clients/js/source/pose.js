@@ -3,7 +3,7 @@ import { RigError } from './errors.js';
 
 /** @import { Frames } from './frames.js' */
 /** @import { Rig } from './rig.js' */
-/** @import { Target } from './bones.js' */
+/** @import { Target } from './rest.js' */
 
 /** A character at one moment. */
 export class Pose {

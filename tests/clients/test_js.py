@@ -1,0 +1,128 @@
+"""The JavaScript client (clients/js): its unit tests, its types, and the client in Node and Chromium on a live service."""
+
+from __future__ import annotations
+
+import base64
+import json
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import make
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.serving import Edition
+from motionsplice.service.settings import Settings
+from tests.service.messages import arrays
+from tests.service.running import Running, running
+
+CLIENT = Path(__file__).parents[2] / "clients" / "js"
+MISSING = (
+    "Node is not installed"
+    if shutil.which("node") is None
+    else ""
+    if (CLIENT / "node_modules").is_dir()
+    else "its packages are not installed: npm ci --prefix clients/js"
+)
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
+MINUTES = 120.0  # seconds, far more than any script takes
+
+
+@pytest.fixture(scope="module")
+def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """A newer bank: the run is another one."""
+    clips = tmp_path_factory.mktemp("other") / "clips"
+    shutil.copytree(clip_folder, clips)
+    (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=12, seconds=4.0)))
+    build_bank([clips], clips.parent / "bank", baseline="walk", jobs=1)
+    return Bank.open(clips.parent / "bank")
+
+
+@pytest.fixture(scope="module")
+def service(bank: Bank) -> Iterator[Running]:
+    with running(bank.path, Settings()) as service:
+        yield service
+
+
+@contextmanager
+def script(name: str, *arguments: object) -> Iterator[Callable[[], dict[str, Any]]]:
+    """Runs a script of the client, and gives the function that returns what its next line says."""
+    command = ["node", str(CLIENT / "tests" / name), *map(str, arguments)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+
+        def line() -> dict[str, Any]:
+            text = process.stdout.readline()
+            assert text, process.stderr.read()
+            return dict(json.loads(text))
+
+        try:
+            yield line
+            assert process.wait(MINUTES) == 0, process.stderr.read()
+        finally:
+            process.kill()
+
+
+def npx(*arguments: object, folder: Path = CLIENT) -> str:
+    command = [str(CLIENT / "node_modules" / ".bin" / str(arguments[0])), *map(str, arguments[1:])]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=MINUTES)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_its_unit_tests_pass() -> None:
+    command = ["node", "--test", "--test-reporter=spec", "tests/"]
+    done = subprocess.run(command, cwd=CLIENT, capture_output=True, text=True, check=False, timeout=MINUTES)
+    assert done.returncode == 0, done.stdout
+
+
+def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconnection(
+    service: Running, bank: Bank, other: Bank
+) -> None:
+    front, loop = service.config.front, service.server.servers[0].get_loop()
+    newer = Edition.warm(other)
+    with script("live.mjs", service.url) as line:
+        assert line() == {"ready": True}
+        loop.call_soon_threadsafe(front.shared.serving.exchange, newer)
+        assert line() == {"exchanged": True}
+        loop.call_soon_threadsafe(lambda: [one.close(1011, "lost") for one in front.hub.connections])
+        results = line()["results"]
+    assert {(one["encoding"], one["ahead"]) for one in results} == {
+        (encoding, ahead) for encoding in ("float32", "int16") for ahead in (1, 8)
+    }
+    for one in results:
+        print({key: value for key, value in one.items() if key != "samples"})
+        assert one["frames"] >= 1000
+        assert one["banks"] == [bank.digest, other.digest]
+        assert one["worst"] < (1e-5 if one["encoding"] == "float32" else 3e-4)  # of which int16 is nearly all
+        assert (one["failed"], one["characters"]) == (0, 3)
+        assert 0.25 <= one["retry"] <= 0.5
+        assert one["jump"] < 0.15  # metres: it goes on where it was, at another phase of the stride
+        assert one["held"] < 0.15  # the delay's
+        assert len(one["samples"]) == 10
+        for sample in one["samples"]:
+            assert np.abs(expected(sample, one["encoding"]) - sample["positions"]).max() < 1e-5
+
+
+def expected(sample: dict[str, Any], encoding: str) -> Any:
+    """Returns the joints of a message, placed in 64 bits as the protocol describes, in the client's order."""
+    message = msgpack.unpackb(base64.b64decode(sample["message"]))
+    parents, offsets = sample["parents"], np.reshape(sample["offsets"], (-1, 3))
+    ids = np.frombuffer(message["ids"], "<u4")
+    found = arrays(message, len(parents), message["count"] * len(ids), short=encoding == "int16")
+    places = [found["root_positions"].astype(float)]
+    turns = [Rotation.from_quat(found["rotations"][:, 0])]
+    for joint, parent in enumerate(parents[1:], 1):
+        places.append(places[parent] + turns[parent].apply(offsets[joint]))
+        turns.append(turns[parent] * Rotation.from_quat(found["rotations"][:, joint]))
+    return np.stack(places, axis=1).ravel()

@@ -22,6 +22,7 @@ from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
+from tests.characters import character_file
 from tests.service.messages import arrays
 from tests.service.running import Running, running
 
@@ -126,3 +127,25 @@ def expected(sample: dict[str, Any], encoding: str) -> Any:
         places.append(places[parent] + turns[parent].apply(offsets[joint]))
         turns.append(turns[parent] * Rotation.from_quat(found["rotations"][:, joint]))
     return np.stack(places, axis=1).ravel()
+
+
+@pytest.fixture(scope="module", params=[(1.0, None), (100.0, 2)], ids=["plain", "turned-and-scaled"])
+def hero(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A character's file, whose bones may have axes of their own below a scaled armature, and a bank for it."""
+    folder = tmp_path_factory.mktemp("hero")
+    scale, seed = request.param
+    skeleton = make("walk", seconds=1.0).skeleton.scaled(0.8)
+    (folder / "hero.glb").write_bytes(character_file(skeleton, scale=scale, seed=seed))
+    for name, clip in {"walk": make("walk", seed=1), "carry_box": make("walk", "carry_box", seed=6)}.items():
+        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
+    clips = [folder / "walk.bvh", folder / "carry_box.bvh"]
+    build_bank(clips, folder / "bank", baseline="walk", skeleton=folder / "hero.glb")
+    return folder / "hero.glb", folder / "bank"
+
+
+def test_bones_of_a_characters_own_file_are_where_the_service_has_its_joints(hero: tuple[Path, Path]) -> None:
+    file, bank = hero
+    with running(bank, Settings()) as service, script("bones.mjs", service.url, file) as line:
+        found = line()
+    assert max(found["worst"].values()) < 1e-5, found
+    assert found["vertex"] < 0.5

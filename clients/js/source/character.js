@@ -1,9 +1,9 @@
 import { command } from './commands.js';
-import { Memory } from './memory.js';
 import { Pose } from './pose.js';
 
 /** @import { ActOptions, Command, Fade, Locomotion, PlayOptions, Position, WearOptions } from './commands.js' */
-/** @import { Connection } from './connection.js' */
+/** @import { Memory } from './memory.js' */
+/** @import { Moment } from './playback.js' */
 /** @import { Target } from './rest.js' */
 
 /**
@@ -11,21 +11,25 @@ import { Pose } from './pose.js';
  * rejected with a RefusedError if the service refuses, and with a ConnectionLostError if there is no connection.
  */
 export class Character {
+  #memory;
+  #moment;
+  #send;
+  #row = 0;
+  /** @type {Pose | undefined} */
+  #shown = undefined;
+  /** @type {Pose | undefined} */
+  #next = undefined;
+
   /**
-   * @param {Connection} connection
-   * @param {Command} created
-   * @param {number} id
-   * @param {number} frame the first one that has it
+   * @param {Memory} memory
+   * @param {() => Moment | undefined} moment what to show now
+   * @param {(command: Command) => Promise<number>} send
    */
-  constructor(connection, created, id, frame) {
-    this.connection = connection;
-    this.id = id;
-    this.memory = new Memory(created, id, frame);
-    this.row = 0;
-    /** @type {Pose | undefined} */
-    this.shown = undefined;
-    /** @type {Pose | undefined} */
-    this.next = undefined;
+  constructor(memory, moment, send) {
+    this.id = memory.id;
+    this.#memory = memory;
+    this.#moment = moment;
+    this.#send = send;
   }
 
   /**
@@ -35,7 +39,7 @@ export class Character {
    * @param {PlayOptions} [options]
    */
   play(locomotion, options) {
-    return this.do('play', { locomotion, ...options });
+    return this.#do('play', { locomotion, ...options });
   }
 
   /**
@@ -44,7 +48,7 @@ export class Character {
    * @param {Record<string, number>} weights
    */
   mix(weights) {
-    return this.do('mix', { weights });
+    return this.#do('mix', { weights });
   }
 
   /**
@@ -54,7 +58,7 @@ export class Character {
    * @param {ActOptions} [options]
    */
   act(action, options) {
-    return this.do('act', { action, ...options });
+    return this.#do('act', { action, ...options });
   }
 
   /**
@@ -63,7 +67,7 @@ export class Character {
    * @param {number} weight
    */
   weight(weight) {
-    return this.do('weight', { weight });
+    return this.#do('weight', { weight });
   }
 
   /**
@@ -72,7 +76,7 @@ export class Character {
    * @param {Fade} [options]
    */
   stop(options) {
-    return this.do('stop', { ...options });
+    return this.#do('stop', { ...options });
   }
 
   /**
@@ -82,7 +86,7 @@ export class Character {
    * @param {WearOptions} [options]
    */
   wear(hands, options) {
-    return this.do('wear', { hands, ...options });
+    return this.#do('wear', { hands, ...options });
   }
 
   /**
@@ -91,7 +95,7 @@ export class Character {
    * @param {number} speed
    */
   speed(speed) {
-    return this.do('speed', { speed });
+    return this.#do('speed', { speed });
   }
 
   /**
@@ -101,7 +105,7 @@ export class Character {
    * @param {{ heading?: number }} [options]
    */
   place(position, options) {
-    return this.do('place', { position, ...options });
+    return this.#do('place', { position, ...options });
   }
 
   /**
@@ -110,20 +114,20 @@ export class Character {
    * @param {boolean} [inPlace]
    */
   inPlace(inPlace = true) {
-    return this.do('in_place', { inPlace });
+    return this.#do('in_place', { inPlace });
   }
 
   /** Removes the character. */
   remove() {
-    return this.do('remove', {});
+    return this.#do('remove', {});
   }
 
   /**
    * @param {string} name
    * @param {object} values
    */
-  do(name, values) {
-    return this.connection.send(command(name, { id: this.id, ...values }));
+  #do(name, values) {
+    return this.#send(command(name, { id: this.id, ...values }));
   }
 
   /**
@@ -131,22 +135,22 @@ export class Character {
    * there is no connection, the last pose is returned.
    */
   pose() {
-    const moment = this.connection.moment();
-    if (!moment) return this.shown;
+    const moment = this.#moment();
+    if (!moment) return this.#shown;
     const { a, b, share } = moment;
-    const row = a.frames.rowOf(this.id, this.row);
-    if (row === undefined) return this.shown;
-    this.row = row;
-    this.shown = this.shown?.fits(a.frames) ? this.shown : Pose.for(a.frames);
-    this.shown.read(a.frames, a.index, row);
-    const jumps = this.memory.jumpsAfter(a.number);
+    const row = a.frames.rowOf(this.id, this.#row);
+    if (row === undefined) return this.#shown;
+    this.#row = row;
+    this.#shown = this.#shown?.fits(a.frames) ? this.#shown : Pose.for(a.frames);
+    this.#shown.read(a.frames, a.index, row);
+    const jumps = this.#memory.jumpsAfter(a.number);
     const rowThen = share > 0 ? b?.frames.rowOf(this.id, row) : undefined;
     if (b && rowThen !== undefined && !jumps.some((frame) => frame <= b.number)) {
-      this.next = this.next?.fits(b.frames) ? this.next : Pose.for(b.frames);
-      this.next.read(b.frames, b.index, rowThen);
-      this.shown.mix(this.next, share);
+      this.#next = this.#next?.fits(b.frames) ? this.#next : Pose.for(b.frames);
+      this.#next.read(b.frames, b.index, rowThen);
+      this.#shown.mix(this.#next, share);
     }
-    return this.shown;
+    return this.#shown;
   }
 
   /**

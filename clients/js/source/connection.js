@@ -2,16 +2,20 @@ import { address } from './address.js';
 import { Character } from './character.js';
 import { command, idsOf } from './commands.js';
 import { ConnectionLostError, FormatError, MotionSpliceError, RefusedError } from './errors.js';
+import { Events } from './events.js';
 import { Frames } from './frames.js';
 import { Link } from './link.js';
+import { Memory } from './memory.js';
 import { decode } from './msgpack.js';
 import { Playback } from './playback.js';
+import { Replies } from './replies.js';
 import { Rig } from './rig.js';
 
 /** @import { How } from './address.js' */
 /** @import { Command, CreateOptions, Locomotion, Settings } from './commands.js' */
 /** @import { WebSocketClass } from './link.js' */
 /** @import { EventMap } from './events.js' */
+/** @import { Reply } from './replies.js' */
 
 /**
  * @typedef {object} ConnectOptions
@@ -20,15 +24,8 @@ import { Rig } from './rig.js';
  * @property {WebSocketClass} [WebSocket] for Node before 22, as the package `ws` has it
  */
 
-/**
- * @typedef {object} Pending a message without a reply
- * @property {(frame: number) => void} note called before frames that the message changes arrive
- * @property {(frame: number) => void} resolve
- * @property {(error: Error) => void} reject
- */
-
 const PROTOCOL = 3;
-const SILENCE = 8; // seconds without frames after which a connection is lost; the service cuts off after as many
+const SILENCE = 8; // seconds without a message after which a connection is lost; the service cuts off after as many
 
 /**
  * Connects to a service's characters.
@@ -39,9 +36,7 @@ const SILENCE = 8; // seconds without frames after which a connection is lost; t
  * @throws {RefusedError} if the service refuses, which it can tell web pages only
  */
 export async function connect(url, options = {}) {
-  const connection = new Connection(url, options);
-  await connection.link.open();
-  return connection;
+  return new Connection(url, options).open();
 }
 
 /** A connection to the characters of a service. Made by `connect`. */
@@ -52,15 +47,34 @@ export class Connection {
    * @type {Map<number, Character>}
    */
   characters = new Map();
-  playback = new Playback();
-  /** @type {Map<number, Pending>} */
-  pending = new Map();
-  /** @type {Map<string, Set<(event: any) => void>>} */
-  listeners = new Map();
+  #playback = new Playback();
+  #replies = new Replies();
+  #events = new Events();
   /** @type {Error | undefined} */
-  refusal = undefined;
-  lastRef = 0;
-  lastId = 0;
+  #refusal = undefined;
+  #lastId = 0;
+  #encoding;
+  #axes;
+  #settings;
+  #link;
+  /**
+   * What makes each character again.
+   *
+   * @type {Map<number, Memory>}
+   */
+  #memories = new Map();
+  /**
+   * The joints of the bank whose frames arrive.
+   *
+   * @type {Rig | undefined}
+   */
+  rig = undefined;
+  /**
+   * The clips of the bank, by name.
+   *
+   * @type {Record<string, { rate: number, duration: number }>}
+   */
+  clips = {};
 
   /**
    * @param {string} url
@@ -68,25 +82,25 @@ export class Connection {
    */
   constructor(url, { token, axes = 'gltf', parts = 'local', encoding = 'float32', rate = 60, ahead = 1, WebSocket = globalThis.WebSocket }) {
     if (!WebSocket) throw new MotionSpliceError('this Node has no WebSocket. Pass that of the package ws: connect(url, { WebSocket })');
-    this.encoding = encoding;
-    /** What was asked for, which a new connection asks for again. @type {Settings} */
-    this.settings = { rate, ahead };
-    const query = { axes, parts, encoding, deltas: true };
-    this.axes = axes;
-    this.link = new Link(WebSocket, token ? ['motionsplice', `bearer.${token}`] : ['motionsplice'], {
-      url: () => address(url, '/v1/characters', { ...query, rate: this.settings.rate, ahead: this.settings.ahead }),
-      received: (data) => this.received(data),
-      patience: () => this.characters.size ? Math.max(SILENCE, (3 * (this.settings.ahead ?? 1)) / (this.settings.rate ?? 1)) : Infinity,
-      lost: (error, retry) => this.lost(error, retry),
+    this.#encoding = encoding;
+    this.#axes = axes;
+    const settings = this.#settings = /** @type {Settings & { rate: number, ahead: number }} */ ({ rate, ahead });
+    this.#link = new Link(WebSocket, token ? ['motionsplice', `bearer.${token}`] : ['motionsplice'], {
+      url: () => address(url, '/v1/characters', { axes, parts, encoding, deltas: true, rate: settings.rate, ahead: settings.ahead }),
+      received: (data) => this.#received(data),
+      patience: () => this.#patience(),
+      lost: (error, retry) => this.#lost(error, retry),
     });
-    /** The joints of the bank whose frames arrive. @type {Rig | undefined} */
-    this.rig = undefined;
-    /**
-     * The clips of the bank, by name.
-     *
-     * @type {Record<string, { rate: number, duration: number }>}
-     */
-    this.clips = {};
+  }
+
+  /**
+   * Resolves once the service has greeted.
+   *
+   * @returns {Promise<this>}
+   */
+  async open() {
+    await this.#link.open();
+    return this;
   }
 
   /**
@@ -97,9 +111,7 @@ export class Connection {
    * @param {(event: EventMap[K]) => void} listener
    */
   on(name, listener) {
-    const listeners = this.listeners.get(name) ?? new Set();
-    this.listeners.set(name, listeners.add(listener));
-    return () => void listeners.delete(listener);
+    return this.#events.on(name, listener);
   }
 
   /**
@@ -108,7 +120,7 @@ export class Connection {
    * @param {Locomotion} locomotion
    * @param {CreateOptions & { id?: number }} [options] `id`: a free one if not given
    */
-  async create(locomotion, { id = this.freeId(), ...options } = {}) {
+  async create(locomotion, { id = this.#freeId(), ...options } = {}) {
     await this.send(command('create', { id, locomotion, ...options }));
     return /** @type {Character} */ (this.characters.get(id));
   }
@@ -131,18 +143,13 @@ export class Connection {
    */
   async send(commands) {
     const listed = /** @type {Command[]} */ ([]).concat(commands);
-    if (this.link.isIdle) await this.link.open();
-    return this.ask(listed, (frame) => listed.forEach((one) => this.note(one, frame)));
+    if (this.#link.isIdle) await this.#link.open();
+    return this.#ask(listed, (frame) => listed.forEach((one) => this.#note(one, frame)));
   }
 
   /** Closes the connection for good. */
   close() {
-    this.link.close();
-  }
-
-  /** Between which frames, and where between them, characters are to be shown now; undefined before the first. */
-  moment() {
-    return this.playback.at(performance.now() / 1000);
+    this.#link.close();
   }
 
   /**
@@ -150,129 +157,138 @@ export class Connection {
    * @param {(frame: number) => void} note
    * @returns {Promise<number>}
    */
-  ask(listed, note) {
-    if (!this.link.isReady) return Promise.reject(new ConnectionLostError('no connection'));
-    return new Promise((resolve, reject) => {
-      const ref = ++this.lastRef;
-      this.pending.set(ref, { note, resolve, reject });
-      const [first, ...others] = listed;
-      this.link.send(JSON.stringify(others.length ? [{ ...first, ref }, ...others] : { ...first, ref }));
-    });
+  #ask(listed, note) {
+    if (!this.#link.isReady) return Promise.reject(new ConnectionLostError('no connection'));
+    const { ref, reply } = this.#replies.expect(note);
+    const [first, ...others] = listed;
+    this.#link.send(JSON.stringify(others.length ? [{ ...first, ref }, ...others] : { ...first, ref }));
+    return reply;
   }
 
-  freeId() {
-    do this.lastId++; while (this.characters.has(this.lastId));
-    return this.lastId;
+  /** Returns the seconds without a message after which the connection is lost. Without characters none need come. */
+  #patience() {
+    if (!this.#link.isReady) return SILENCE;
+    return this.characters.size ? Math.max(SILENCE, 3 * this.#settings.ahead / this.#settings.rate) : Infinity;
+  }
+
+  #freeId() {
+    do this.#lastId++; while (this.characters.has(this.#lastId));
+    return this.#lastId;
   }
 
   /**
    * @param {Command} done
    * @param {number} frame
    */
-  note(done, frame) {
+  #note(done, frame) {
     if (done.do === 'set') {
       const { do: _, ref: __, ...settings } = done;
-      Object.assign(this.settings, settings);
+      Object.assign(this.#settings, settings);
     }
     for (const id of idsOf(done)) {
-      if (done.do === 'create') this.characters.set(id, new Character(this, done, id, frame));
-      else if (done.do === 'remove') this.characters.delete(id);
-      else this.characters.get(id)?.memory.note(done, frame);
+      if (done.do === 'create') this.#add(new Memory(done, id, frame));
+      else if (done.do === 'remove') this.#remove(id);
+      else this.#memories.get(id)?.note(done, frame);
     }
   }
 
+  /** @param {Memory} memory */
+  #add(memory) {
+    const moment = () => this.#playback.at(performance.now() / 1000);
+    this.#memories.set(memory.id, memory);
+    this.characters.set(memory.id, new Character(memory, moment, (one) => this.send(one)));
+  }
+
+  /** @param {number} id */
+  #remove(id) {
+    this.#memories.delete(id);
+    this.characters.delete(id);
+  }
+
   /** @param {string | ArrayBuffer} data */
-  received(data) {
+  #received(data) {
     try {
-      if (typeof data === 'string') this.happened(JSON.parse(data));
-      else this.arrived(decode(new Uint8Array(data)));
+      if (typeof data === 'string') this.#happened(JSON.parse(data));
+      else this.#arrived(decode(new Uint8Array(data)));
     } catch (error) {
       if (!(error instanceof FormatError || error instanceof SyntaxError)) throw error;
-      this.emit('error', error instanceof FormatError ? error : new FormatError(`an event is not JSON: ${error.message}`));
+      const problem = error instanceof FormatError ? error : new FormatError(`an event is not JSON: ${error.message}`);
+      if (this.#link.isReady) this.#events.emit('error', problem);
+      else this.#end(problem);
     }
   }
 
   /** @param {unknown} message */
-  arrived(message) {
+  #arrived(message) {
     if (!this.rig) throw new FormatError('frames came before the event welcome');
-    const frames = new Frames(message, this.rig, this.encoding);
-    this.playback.take(frames, performance.now() / 1000, (id) => this.characters.get(id)?.memory.placed);
-    this.emit('frames', frames);
+    const frames = new Frames(message, this.rig, this.#encoding);
+    this.#playback.take(frames, performance.now() / 1000, (id) => this.#memories.get(id)?.placed);
+    this.#events.emit('frames', frames);
   }
 
   /** @param {any} event */
-  happened(event) {
-    if (event?.event === 'done' || event?.event === 'refused') this.replied(event);
+  #happened(event) {
+    if (event?.event === 'done' || event?.event === 'refused') this.#replied(event);
     if (event?.event === 'welcome' || event?.event === 'bank') {
-      this.rig = new Rig(event, this.axes);
+      this.rig = new Rig(event, this.#axes);
       this.clips = event.clips;
     }
-    if (event?.event === 'bank') this.playback.discard(event.frame);
+    if (event?.event === 'bank') this.#playback.discard(event.frame);
     if (event?.event === 'welcome') {
       if (event.protocol !== PROTOCOL) {
-        this.refusal = new MotionSpliceError(`the service speaks protocol ${event.protocol}, this client ${PROTOCOL}`);
-        this.link.close();
+        this.#end(new MotionSpliceError(`the service speaks protocol ${event.protocol}, this client ${PROTOCOL}`));
         return;
       }
-      this.link.greeted();
-      void this.restore();
+      this.#link.greeted();
+      void this.#restore();
     }
-    this.emit(event?.event, event);
+    this.#events.emit(event?.event, event);
   }
 
-  /** @param {{ event: string, ref: unknown, frame: number, type: string, detail: string }} reply */
-  replied({ event, ref, frame, type, detail }) {
-    const pending = this.pending.get(/** @type {number} */ (ref));
-    this.pending.delete(/** @type {number} */ (ref));
-    if (event === 'done') {
-      this.playback.discard(frame);
-      pending?.note(frame);
-      pending?.resolve(frame);
-    } else if (pending) pending.reject(new RefusedError(type, detail));
-    else this.refusal = new RefusedError(type, detail); // of the connection itself
+  /** @param {Error} error why there will be no connection */
+  #end(error) {
+    this.#refusal = error;
+    this.#link.close();
+  }
+
+  /** @param {Reply} reply */
+  #replied(reply) {
+    if (reply.event === 'done') this.#playback.discard(reply.frame);
+    if (this.#replies.take(reply) || reply.event === 'done') return;
+    this.#refusal = new RefusedError(reply.type, reply.detail); // of the connection itself
   }
 
   /**
    * @param {ConnectionLostError} error
    * @param {number | undefined} retry
    */
-  lost(error, retry) {
-    const last = this.playback.held.at(-1);
-    for (const character of this.characters.values()) character.memory.rest(last);
-    this.playback = new Playback();
-    const why = this.refusal ?? error;
-    this.refusal = undefined;
-    for (const { reject } of this.pending.values()) reject(why);
-    this.pending.clear();
-    this.emit(retry === undefined ? 'closed' : 'disconnected', { error: why, retry });
+  #lost(error, retry) {
+    const last = this.#playback.held.at(-1);
+    for (const memory of this.#memories.values()) memory.rest(last);
+    this.#playback = new Playback();
+    const why = this.#refusal ?? error;
+    this.#refusal = undefined;
+    this.#replies.fail(why);
+    this.#events.emit(retry === undefined ? 'closed' : 'disconnected', { error: why, retry });
+    return why;
   }
 
   /** Makes the characters again on a new connection. */
-  async restore() {
-    const { events } = this.settings;
-    if (events) this.ask([command('set', { events })], () => {}).catch(() => {});
-    if (!this.characters.size) return;
-    /** @type {{ character: Character, error: RefusedError }[]} */
+  async #restore() {
+    const { events } = this.#settings;
+    if (events) this.#ask([command('set', { events })], () => {}).catch(() => {});
+    if (!this.#memories.size) return;
+    /** @type {{ id: number, error: RefusedError }[]} */
     const failed = [];
-    await Promise.all(Array.from(this.characters.values(), async (character) => {
+    await Promise.all(Array.from(this.#memories.values(), async (memory) => {
       try {
-        await this.ask(character.memory.again(), (frame) => character.memory.begin(frame));
+        await this.#ask(memory.again(), (frame) => memory.begin(frame));
       } catch (error) {
         if (!(error instanceof RefusedError)) return; // lost again
-        this.characters.delete(character.id);
-        failed.push({ character, error });
+        this.#remove(memory.id);
+        failed.push({ id: memory.id, error });
       }
     }));
-    if (this.link.isReady) this.emit('reconnected', { failed });
-  }
-
-  /**
-   * @param {string} name
-   * @param {any} event
-   */
-  emit(name, event) {
-    const listeners = this.listeners.get(name);
-    if (name === 'error' && !listeners?.size) console.error(event);
-    listeners?.forEach((listener) => listener(event));
+    if (this.#link.isReady) this.#events.emit('reconnected', { failed });
   }
 }

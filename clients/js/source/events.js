@@ -1,6 +1,5 @@
 /** @import { Frames } from './frames.js' */
 /** @import { RigMessage } from './rig.js' */
-/** @import { Character } from './character.js' */
 /** @import { FormatError, RefusedError } from './errors.js' */
 
 /**
@@ -29,11 +28,36 @@
  * @property {Happened} stride
  * @property {Frames} frames a message of frames has arrived
  * @property {{ error: Error, retry: number }} disconnected the connection was lost; it is opened again in `retry` seconds
- * @property {{ failed: { character: Character, error: RefusedError }[] }} reconnected the characters are there again, but
+ * @property {{ failed: { id: number, error: RefusedError }[] }} reconnected the characters are there again, but
  *   for `failed`
  * @property {{ error: Error }} closed the connection was closed or refused, or has nothing to do; it is not opened again
  *   before the next command
  * @property {FormatError} error a message was not what the protocol describes, and was dropped
  */
 
-export {};
+/** Calls listeners at events. */
+export class Events {
+  /** @type {Map<string, Set<(event: any) => void>>} */
+  #listeners = new Map();
+
+  /**
+   * @param {string} name
+   * @param {(event: any) => void} listener
+   * @returns {() => void} ends it
+   */
+  on(name, listener) {
+    const listeners = this.#listeners.get(name) ?? new Set();
+    this.#listeners.set(name, listeners.add(listener));
+    return () => void listeners.delete(listener);
+  }
+
+  /**
+   * @param {string} name
+   * @param {any} event
+   */
+  emit(name, event) {
+    const listeners = this.#listeners.get(name);
+    if (name === 'error' && !listeners?.size) console.error(event);
+    listeners?.forEach((listener) => listener(event));
+  }
+}

@@ -7,8 +7,8 @@ import { ConnectionLostError } from './errors.js';
  * @property {() => URL} url to connect to
  * @property {(data: string | ArrayBuffer) => void} received
  * @property {() => number} patience seconds without a message after which the connection is lost
- * @property {(error: ConnectionLostError, retry: number | undefined) => void} lost `retry`: seconds until it is opened
- *   again; undefined if it is not
+ * @property {(error: ConnectionLostError, retry: number | undefined) => Error} lost `retry`: seconds until it is opened
+ *   again; undefined if it is not. Returns the error for those who wait
  */
 
 /** @typedef {new (url: string, protocols: string[]) => WebSocket} WebSocketClass */
@@ -23,7 +23,7 @@ export class Link {
   /** @type {WebSocket | undefined} */
   socket = undefined;
   isReady = false; // the service has greeted
-  isIdle = false;
+  isIdle = false; // opened again on demand only
   isClosed = false;
   tries = 0;
   heard = 0;
@@ -116,13 +116,13 @@ export class Link {
     }
     this.socket = undefined;
     this.isReady = false;
-    this.isIdle = code === IDLE;
-    this.isClosed ||= FINAL.has(code) || (!wasReady && this.tries === 0);
+    this.isClosed ||= FINAL.has(code);
+    this.isIdle = code === IDLE || (!wasReady && this.tries === 0); // if nobody answers `open`, nobody waits for another try
     const retry = this.isClosed || this.isIdle ? undefined : this.pause();
     if (retry !== undefined) this.timer = setTimeout(() => this.connect(), 1000 * retry);
     const error = new ConnectionLostError(`${wasReady ? 'disconnected' : 'not connected'}: ${reason || `code ${code}`}`, code);
-    this.hooks.lost(error, retry);
-    for (const { reject } of this.waiting.splice(0)) reject(error);
+    const why = this.hooks.lost(error, retry);
+    for (const { reject } of this.waiting.splice(0)) reject(why);
   }
 
   /** Returns the next pause in seconds. Part of it is random, so that clients do not come back all at once. */

@@ -14,6 +14,12 @@ import { stepped } from './ground.js';
  * @property {Float64Array} grounds place and heading of each character, [n][4]
  */
 
+/**
+ * What to show: a frame, and if they are to be interpolated the next one, and how far it is from one to the other.
+ *
+ * @typedef {{ a: Held, b: Held | undefined, share: number }} Moment
+ */
+
 const REMEMBERED = 10; // seconds of samples
 const FEW_LATER = 0.99; // share of the messages that arrive in time
 const SLEW = 0.05; // seconds by which the delay may change in a second
@@ -31,6 +37,7 @@ export class Playback {
   /** @type {number | undefined} */
   delay = undefined;
   before = 0;
+  newest = -1; // number of a frame
 
   /**
    * Takes a message.
@@ -40,9 +47,9 @@ export class Playback {
    * @param {(id: number) => Placed | undefined} placed where a character was put last
    */
   take(frames, now, placed) {
-    const last = this.held.at(-1);
     const { time = 0, frame, count, rate } = frames;
-    if (!last || frame > last.number) this.measure(now, now - time);
+    if (frame > this.newest) this.measure(now, now - time); // others repeat frames, and are sent before they are due
+    this.newest = Math.max(this.newest, frame + count - 1);
     this.discard(frame);
     for (let index = 0; index < count; index++) {
       const before = this.held.at(-1);
@@ -74,10 +81,10 @@ export class Playback {
   }
 
   /**
-   * Returns the frames between which to show characters, and how far from the first to the second; undefined before
-   * the first message. Frames that are over are dropped.
+   * Returns what to show now; undefined before the first message. Frames that are over are dropped.
    *
    * @param {number} now by the client's clock
+   * @returns {Moment | undefined}
    */
   at(now) {
     const { held } = this;

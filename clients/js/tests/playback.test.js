@@ -36,7 +36,7 @@ function played() {
   };
   const still = (moment, rate = 60) => { // at a moment of the service's, with the delay as it is
     playback.lateness = playback.delay - 1 / rate;
-    return still(moment);
+    return x(moment + playback.delay);
   };
   return { playback, memory, hero, take, x, still };
 }

@@ -22,7 +22,7 @@ def crowd(bank: Path, *, seconds: float = 8.0) -> Findings:
     """
     commands = create(CHARACTERS, names(bank, "locomotion"), names(bank, "action"))
     findings = Findings(f"One stream of {CHARACTERS} characters, {seconds:g} s")
-    with serving(bank, "--max-load", "1e9", "--max-rate", "1000") as server:
+    with serving(bank, "--max-load", "1000000000", "--max-rate", "1000") as server:
         for numbers in ("int16", "float32"):
             path = f"/v1/characters?encoding={numbers}&rate="
             (taken,), spent = taken_meanwhile(server, Job(server.port, f"{path}60", 1, seconds, commands))

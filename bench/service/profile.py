@@ -80,7 +80,7 @@ def main(
 def profile(bank: Path, load: Load, seconds: float) -> Profile:
     """Loads a server for `seconds` without the profiler, and then for as long with it."""
     file = bank.parent / "profile"
-    with profiled(bank, file, "--max-load", "1e9") as server:
+    with profiled(bank, file, "--max-load", "1000000000") as server:
         asking = Thread(target=load.ask, args=(server, bank, SETTLING + 2.0 * seconds + 1.0))
         asking.start()
         time.sleep(SETTLING)

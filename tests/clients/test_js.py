@@ -6,6 +6,7 @@ import base64
 import json
 import shutil
 import subprocess
+import tarfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,8 +15,11 @@ from typing import Any
 import msgpack
 import numpy as np
 import pytest
+from PIL import Image
+from pydantic import SecretStr
 from scipy.spatial.transform import Rotation
 
+from motionsplice import __version__
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job.job import build_bank
@@ -35,6 +39,7 @@ MISSING = (
     else "its packages are not installed: npm ci --prefix clients/js"
 )
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 MINUTES = 120.0  # seconds, far more than any script takes
 
 
@@ -149,3 +154,70 @@ def test_bones_of_a_characters_own_file_are_where_the_service_has_its_joints(her
         found = line()
     assert max(found["worst"].values()) < 1e-5, found
     assert found["vertex"] < 0.5
+
+
+def test_splices_and_streams_over_http_are_the_same_frames(bank: Bank) -> None:
+    with running(bank.path, Settings(token=SecretStr("secret-token"))) as service:
+        with script("http.mjs", service.url, "secret-token") as line:
+            found = line()
+    no_token, unknown, nobody, wrong = found["refused"]
+    assert no_token.startswith("RefusedError token the token is missing or wrong")
+    assert unknown.startswith("RefusedError unknown-clip the bank has no clip 'wlak'. Did you mean 'walk'")
+    assert nobody.startswith("ConnectionLostError  no answer from http://127.0.0.1:")
+    assert wrong == "ConnectionLostError  not connected: Unexpected server response: 401"
+    assert found["worst"]["float32"] < 1e-5
+    assert found["worst"]["int16"] < 1e-4
+    assert found["seen"] == 3
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A project that has installed the package, as npm would publish it."""
+    project = tmp_path_factory.mktemp("project")
+    copy = project / "copy"
+    shutil.copytree(CLIENT, copy, ignore=shutil.ignore_patterns("node_modules", "types"))
+    (copy / "node_modules").symlink_to(CLIENT / "node_modules")
+    subprocess.run(["npm", "pack", "--silent", "--pack-destination", project], cwd=copy, check=True, capture_output=True)
+    (archive,) = project.glob("motionsplice-*.tgz")
+    with tarfile.open(archive) as opened:
+        opened.extractall(project / "node_modules", filter="data")
+    (project / "node_modules" / "package").rename(project / "node_modules" / "motionsplice")
+    for name in ("three", "@types"):
+        (project / "node_modules" / name).symlink_to(CLIENT / "node_modules" / name)
+    return project
+
+
+def test_the_package_has_what_a_user_needs_and_no_more(package: Path) -> None:
+    installed = package / "node_modules" / "motionsplice"
+    names = {file.name for file in installed.iterdir()}
+    assert names == {"package.json", "motionsplice.js", "source", "types", "README.md", "LICENSE"}
+    assert {file.suffix for file in (installed / "source").iterdir()} == {".js"}
+    described = json.loads((installed / "package.json").read_text())
+    assert "dependencies" not in described
+    assert not {"preinstall", "install", "postinstall", "prepare"} & described["scripts"].keys()
+    assert described["version"] == __version__.replace(".dev0", "")
+
+
+def test_a_users_file_in_typescript_is_accepted(package: Path) -> None:
+    shutil.copy(CLIENT / "tests" / "user.ts", package)
+    (package / "package.json").write_text('{"type": "module"}')
+    options = ["--strict", "--noEmit", "--module", "nodenext", "--target", "es2022", "--lib", "es2022,dom,dom.asynciterable"]
+    npx("tsc", *options, "user.ts", folder=package)
+    done = subprocess.run(
+        ["node", "--input-type=module", "-e", "import { connect } from 'motionsplice'; connect.call"], cwd=package, check=False
+    )
+    assert done.returncode == 0
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_the_example_page_shows_a_character_that_moves(service: Running, tmp_path: Path) -> None:
+    with script("browser.mjs", CHROMIUM, service.url, tmp_path) as line:
+        assert line() == {"problems": [], "elsewhere": []}
+    first, second = (np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB"), int) for name in ("first", "second"))
+    for picture in (first, second):
+        orange = (picture[..., 0] > 150) & (picture[..., 2] < 60)
+        rows, columns = np.nonzero(orange)
+        assert orange.sum() > 4000
+        assert 200 < np.ptp(rows) < 330  # a standing person
+        assert 40 < np.ptp(columns) < 260
+    assert (np.abs(first - second).max(axis=2) > 60).sum() > 2000

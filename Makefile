@@ -15,7 +15,7 @@ LAST_COVER  = $(if $(COVER),--cov --cov-report= --cov-append)
 LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
 	tests/runtime/test_evaluator.py tests/service/answers tests/service/edge tests/service/test_http.py
 
-.PHONY: demo test check docs lowest newest oracles quality soak pictures clean
+.PHONY: demo test check docs lowest newest oracles clients quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -57,6 +57,13 @@ tests/oracles/node_modules: tests/oracles/package-lock.json
 	npm ci --prefix tests/oracles --no-audit --no-fund
 	touch $@
 
+clients: $(VENV)/ready clients/js/node_modules  ## the clients in other languages, on live services; needs npm
+	$(BIN)/python -m pytest -q tests/clients
+
+clients/js/node_modules: clients/js/package-lock.json
+	npm ci --prefix clients/js --no-audit --no-fund --ignore-scripts
+	touch $@
+
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
@@ -86,5 +93,5 @@ $(LOWEST)/ready: $(VENV)/ready
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(LOWEST) $(NEWEST) tests/oracles/node_modules demo example quality build dist site .coverage
+	rm -rf $(VENV) $(LOWEST) $(NEWEST) tests/oracles/node_modules clients/js/node_modules demo example quality build dist site .coverage
 	find . -name "*.nb[ic]" -delete

@@ -62,9 +62,10 @@ export class Pose {
     mixNumbers(this.root, other.root, share);
     if (this.positions && other.positions) mixNumbers(this.positions, other.positions, share);
     const { rotations } = this;
-    if (!rotations || !other.rotations) return;
+    const next = other.rotations;
+    if (!rotations || !next) return;
     for (let at = 0; at < rotations.length; at += 4) {
-      const [x, y, z, w] = other.rotations.subarray(at, at + 4);
+      const x = next[at], y = next[at + 1], z = next[at + 2], w = next[at + 3];
       const dot = rotations[at] * x + rotations[at + 1] * y + rotations[at + 2] * z + rotations[at + 3] * w;
       const theirs = dot < 0 ? -share : share;
       const ours = 1 - share;

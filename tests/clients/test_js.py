@@ -113,8 +113,8 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert one["worst"] < (1e-5 if one["encoding"] == "float32" else 3e-4)  # of which int16 is nearly all
         assert (one["failed"], one["characters"]) == (0, 3)
         assert 0.25 <= one["retry"] <= 0.5
-        assert one["jump"] < 0.15  # metres: it goes on where it was, at another phase of the stride
-        assert one["held"] < 0.15  # the delay's
+        assert one["isHeld"]
+        assert one["jump"] < 0.3  # metres: it goes on where it was, at another phase of the stride
         assert len(one["samples"]) == 10
         for sample in one["samples"]:
             assert np.abs(expected(sample, one["encoding"]) - sample["positions"]).max() < 1e-5

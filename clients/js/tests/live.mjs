@@ -39,7 +39,7 @@ class Player {
         positions.push(...places);
       }
     }
-    this.hero?.pose();
+    this.shown = Array.from(this.hero?.pose()?.root ?? []);
     this.frames += frames.count;
     this.root = Array.from(frames.rootPositions.subarray(-3 * frames.characters).subarray(0, 3));
     if (this.banks.at(-1) !== frames.rig.bank) this.banks.push(frames.rig.bank);
@@ -79,6 +79,6 @@ const reconnected = players.map(async (player) => {
 say({ exchanged: true });
 await Promise.all(reconnected);
 await Promise.all(players.map((player) => player.more()));
-say({ results: players.map(({ encoding, ahead, worst, frames, banks: seen, samples, jump, held, again }) =>
-  ({ encoding, ahead, worst, frames, banks: seen, samples, jump, held, ...again })) });
+say({ results: players.map(({ encoding, ahead, worst, frames, banks: seen, samples, jump, isHeld, again }) =>
+  ({ encoding, ahead, worst, frames, banks: seen, samples, jump, isHeld, ...again })) });
 for (const { service } of players) service.close();

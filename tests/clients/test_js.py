@@ -64,17 +64,18 @@ def script(name: str, *arguments: object) -> Iterator[Callable[[], dict[str, Any
     """Runs a script of the client, and gives the function that returns what its next line says."""
     command = ["node", str(CLIENT / "tests" / name), *map(str, arguments)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
+        output, errors = process.stdout, process.stderr
+        assert output is not None
+        assert errors is not None
 
         def line() -> dict[str, Any]:
-            text = process.stdout.readline()
-            assert text, process.stderr.read()
+            text = output.readline()
+            assert text, errors.read()
             return dict(json.loads(text))
 
         try:
             yield line
-            assert process.wait(MINUTES) == 0, process.stderr.read()
+            assert process.wait(MINUTES) == 0, errors.read()
         finally:
             process.kill()
 
@@ -101,13 +102,13 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert line() == {"ready": True}
         loop.call_soon_threadsafe(front.shared.serving.exchange, newer)
         assert line() == {"exchanged": True}
-        loop.call_soon_threadsafe(lambda: [one.close(1011, "lost") for one in front.hub.connections])
+        for connection in list(front.hub.connections):
+            loop.call_soon_threadsafe(connection.close, 1011, "lost")
         results = line()["results"]
     assert {(one["encoding"], one["ahead"]) for one in results} == {
         (encoding, ahead) for encoding in ("float32", "int16") for ahead in (1, 8)
     }
     for one in results:
-        print({key: value for key, value in one.items() if key != "samples"})
         assert one["frames"] >= 1000
         assert one["banks"] == [bank.digest, other.digest]
         assert one["worst"] < (1e-5 if one["encoding"] == "float32" else 3e-4)  # of which int16 is nearly all
@@ -177,7 +178,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     copy = project / "copy"
     shutil.copytree(CLIENT, copy, ignore=shutil.ignore_patterns("node_modules", "types"))
     (copy / "node_modules").symlink_to(CLIENT / "node_modules")
-    pack = ["npm", "pack", "--silent", "--pack-destination", project]
+    pack = ["npm", "pack", "--silent", "--pack-destination", str(project)]
     subprocess.run(pack, cwd=copy, check=True, capture_output=True)
     (archive,) = project.glob("motionsplice-*.tgz")
     with tarfile.open(archive) as opened:

@@ -103,6 +103,8 @@ export class Link {
   }
 
   /**
+   * Notes that there is no connection any more, and opens another one unless it is closed or idle.
+   *
    * @param {number} code
    * @param {string} reason
    */
@@ -117,7 +119,8 @@ export class Link {
     this.socket = undefined;
     this.isReady = false;
     this.isClosed ||= FINAL.has(code);
-    this.isIdle = code === IDLE || (!wasReady && this.tries === 0); // if nobody answers `open`, nobody waits for another try
+    const isFirst = !wasReady && this.tries === 0; // the caller of `open` is told, and may try again
+    this.isIdle = !this.isClosed && (code === IDLE || isFirst);
     const retry = this.isClosed || this.isIdle ? undefined : this.pause();
     if (retry !== undefined) this.timer = setTimeout(() => this.connect(), 1000 * retry);
     const error = new ConnectionLostError(`${wasReady ? 'disconnected' : 'not connected'}: ${reason || `code ${code}`}`, code);

@@ -69,11 +69,10 @@ await Promise.all(players.map((player) => player.more()));
 const reconnected = players.map(async (player) => {
   const { retry } = await player.event('disconnected');
   const root = player.root;
-  const shown = Array.from(player.hero.pose().root); // which is held while there is no connection
+  player.isHeld = String(Array.from(player.hero.pose().root)) === String(player.shown); // while there is no connection
   const { failed } = await player.event('reconnected');
   await player.event('frames');
   player.jump = far(root, player.root);
-  player.held = far(root, shown);
   player.again = { retry, failed: failed.length, characters: player.service.characters.size };
 });
 say({ exchanged: true });

@@ -2,7 +2,7 @@ import { RigError } from './errors.js';
 import { restOf } from './rest.js';
 
 /** @import { Rig } from './rig.js' */
-/** @import { Bind, Node, Quaternion, Target } from './rest.js' */
+/** @import { Bind, Matrix, Node, Quaternion, Target } from './rest.js' */
 
 /** @type {WeakMap<Rig, WeakMap<object, Bones>>} */
 const BOUND = new WeakMap();
@@ -23,10 +23,16 @@ export function bind(rig, target) {
 }
 
 /**
- * One bone: its local rotation is `before` times the joint's times `after`. A joint's axes are those of the world in
- * the bind pose; a bone has its own.
+ * A bone that hangs on its parent joint's: its local rotation is `before` times the joint's times `after`. A joint's
+ * axes are those of the world in the bind pose; a bone has its own.
  *
  * @typedef {{ node: Node, before: Quaternion, after: Quaternion }} Bone
+ */
+
+/**
+ * A bone that hangs on none that moves, as the root's does, and feet that are IK targets: it is placed in the world.
+ *
+ * @typedef {Bone & { joint: number, inwards: Matrix }} Free
  */
 
 class Bones {
@@ -44,21 +50,31 @@ class Bones {
       const listed = missing.slice(0, 5).join(', ') + (missing.length > 5 ? ' ...' : '');
       throw new RigError(`no bones are named ${listed}. Build the bank on this character's skeleton`);
     }
-    const above = rest.above(root);
-    const place = root.node.position.clone(), turn = root.node.quaternion.clone();
-    above.decompose(place, turn, root.node.scale.clone());
-    this.root = root.node;
-    /** From the world to the parent of the root's bone. */
-    this.inwards = above.clone().invert();
+    this.rig = rig;
     this.unit = unitOf(rig, binds);
-    this.place = place;
-    /** @type {(Bone | undefined)[]} */
-    this.bones = binds.map((one, joint) => one && {
-      node: one.node,
-      before: joint ? rest.between(/** @type {Bind} */ (binds[rig.parents[joint]]), one).invert() : turn.invert(),
-      after: one.turn,
+    this.turn = root.turn.clone();
+    this.place = root.place.clone();
+    this.places = new Float32Array(3 * binds.length);
+    /** @type {(Bone | undefined)[]} by joint */
+    this.bones = [];
+    /** @type {Free[]} */
+    this.free = [];
+    const moved = new Set(binds.flatMap((one) => one?.node ?? []));
+    binds.forEach((bone, joint) => {
+      if (!bone) return;
+      const parent = binds[rig.parents[joint]];
+      const held = holder(bone.node, moved);
+      if (held === undefined) {
+        const inwards = rest.above(bone).invert();
+        const before = bone.turn.clone();
+        inwards.decompose(bone.place.clone(), before, bone.node.scale.clone());
+        this.free.push({ joint, node: bone.node, inwards, before, after: bone.turn });
+      } else if (held === parent?.node) {
+        this.bones[joint] = { node: bone.node, before: rest.between(parent, bone).invert(), after: bone.turn };
+      } else {
+        throw new RigError(`the bone ${bone.node.name} hangs on ${held.name}, but its joint on ${parent?.node.name}`);
+      }
     });
-    this.turn = turn.clone();
   }
 
   /**
@@ -66,16 +82,33 @@ class Bones {
    * @param {ArrayLike<number>} rotations
    */
   set(root, rotations) {
-    for (let joint = 0, at = 0; joint < this.bones.length; joint++, at += 4) {
-      const bone = this.bones[joint];
-      if (!bone) continue;
-      const { turn } = this;
+    const { rig, turn, place, places, unit } = this;
+    this.bones.forEach((bone, joint) => {
+      if (!bone) return;
+      const at = 4 * joint;
       turn.set(rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]);
       bone.node.quaternion.copy(turn.premultiply(bone.before).multiply(bone.after));
+    });
+    const turns = rig.worldPositions(root, rotations, places);
+    for (const { joint, node, inwards, before, after } of this.free) {
+      turn.set(turns[4 * joint], turns[4 * joint + 1], turns[4 * joint + 2], turns[4 * joint + 3]);
+      node.quaternion.copy(turn.premultiply(before).multiply(after));
+      place.set(unit * places[3 * joint], unit * places[3 * joint + 1], unit * places[3 * joint + 2]);
+      node.position.copy(place.applyMatrix4(inwards));
     }
-    this.place.set(this.unit * root[0], this.unit * root[1], this.unit * root[2]);
-    this.root.position.copy(this.place.applyMatrix4(this.inwards));
   }
+}
+
+/**
+ * Returns the next node above a bone that moves, or undefined.
+ *
+ * @param {Node} bone
+ * @param {Set<Node>} moved
+ */
+function holder(bone, moved) {
+  let above = bone.parent;
+  while (above && !moved.has(above)) above = above.parent;
+  return above ?? undefined;
 }
 
 /**

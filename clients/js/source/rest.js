@@ -1,5 +1,3 @@
-import { RigError } from './errors.js';
-
 /**
  * What this module uses of three.js.
  *
@@ -84,10 +82,10 @@ class Rest {
   }
 
   /**
-   * Returns the transform of what is above the root's bone, as armatures of Blender and Mixamo, which are scaled and
-   * turned. Without a model it is what the bind pose has there.
+   * Returns the transform of what is above a bone that hangs on no other joint's: armatures of Blender and Mixamo, for
+   * example, are scaled and turned. Without a model it is what the bind pose has there.
    *
-   * @param {Bind} root
+   * @param {Bind} bone
    */
   above({ node, matrix }) {
     if (this.model && node.parent && node !== this.model) return this.world(node.parent);
@@ -95,19 +93,17 @@ class Rest {
   }
 
   /**
-   * Returns the turn in the bind pose of what a bone hangs on, which is another joint's bone or moves with it.
+   * Returns the turn in the bind pose of what a bone hangs on: its parent joint's bone, or others that move with it.
    *
-   * @param {Bind} joint
+   * @param {Bind} parent
    * @param {Bind} bone
    */
-  between(joint, bone) {
+  between(parent, bone) {
     const turn = bone.turn.clone().identity();
-    for (let one = bone.node.parent; one !== joint.node; one = one?.parent ?? null) {
-      const local = one && this.locals.get(one);
-      if (!local) throw new RigError(`the bone ${bone.node.name} does not hang on ${joint.node.name}, as the joint does`);
-      turn.premultiply(local.turn);
+    for (let one = bone.node.parent; one && one !== parent.node; one = one.parent) {
+      turn.premultiply(this.locals.get(one)?.turn ?? one.quaternion);
     }
-    return turn.premultiply(joint.turn);
+    return turn.premultiply(parent.turn);
   }
 
   /** @param {Node} node */

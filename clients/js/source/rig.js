@@ -49,6 +49,7 @@ export class Rig {
    * @param {ArrayLike<number>} root position of the root, [3]
    * @param {ArrayLike<number>} rotations of the joints in their parents' frames, [J][4]
    * @param {Float32Array} out receives positions, [J][3]
+   * @returns {Float64Array} the joints' rotations in the world, [J][4], which the next call changes
    */
   worldPositions(root, rotations, out) {
     const { parents, offsets, scratch } = this;
@@ -76,5 +77,6 @@ export class Rig {
       scratch[turn + 3] = pw * w - px * x - py * y - pz * z;
     }
     out.set(scratch.subarray(0, turns));
+    return scratch.subarray(turns);
   }
 }

@@ -7,8 +7,11 @@ import WebSocket from 'ws';
 import { connect } from '../motionsplice.js';
 
 globalThis.self = globalThis; // what the loader expects of a browser
+globalThis.ProgressEvent = class {};
 const [url, file] = process.argv.slice(2);
-const load = async () => (await new GLTFLoader().parseAsync(new Uint8Array(readFileSync(file)).buffer, '')).scene;
+const loader = new GLTFLoader();
+loader.register(() => ({ name: 'no textures', loadTexture: () => Promise.resolve(new THREE.Texture()) }));
+const load = async () => (await loader.parseAsync(new Uint8Array(readFileSync(file)).buffer, '')).scene;
 const inParts = (scene) => {
   const parts = { model: scene };
   scene.traverse((one) => { parts.skeleton = one.skeleton ?? parts.skeleton; });
@@ -28,12 +31,14 @@ for (let count = 0; count < 100; count++) {
   for (const [name, target] of Object.entries(targets)) {
     pose.apply(target);
     const places = pose.worldPositions(); // those that were sent, between frames, are on chords
-    const top = target.isObject3D ? target : target.bones[0].parent.parent.parent; // armature, base, root
+    let top = target.isObject3D ? target : target.bones[0];
+    while (top.parent) top = top.parent;
     top.updateMatrixWorld(true);
     const offset = name === 'moved' ? top.position : new THREE.Vector3();
     const bones = target.bones ?? inParts(target).skeleton.bones;
     for (const bone of bones) {
-      const joint = pose.rig.joints.indexOf(bone.name);
+      const joint = pose.rig.joints.findIndex((one) => THREE.PropertyBinding.sanitizeNodeName(one) === bone.name);
+      if (joint < 0) continue; // a helper
       const place = new THREE.Vector3().fromArray(places, 3 * joint).add(offset);
       worst[name] = Math.max(worst[name], place.distanceTo(new THREE.Vector3().setFromMatrixPosition(bone.matrixWorld)));
     }

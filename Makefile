@@ -17,7 +17,7 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test check docs lowest newest oracles fuzz-cpp quality soak pictures clean
+.PHONY: demo test check docs lowest newest oracles clients fuzz-cpp quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -65,6 +65,13 @@ fuzz-cpp: $(VENV)/ready        ## a million damaged banks through the evaluator 
 	clang++ $(FUZZ_CPP) -fno-sanitize-recover=all clients/cpp/tests/fuzz.cpp -o build/fuzz/fuzz
 	cd build/fuzz && ./fuzz -runs=1000000 -max_len=40000 -malloc_limit_mb=64 corpus seeds
 
+clients: $(VENV)/ready clients/js/node_modules  ## the clients in other languages, on live services; needs npm
+	$(BIN)/python -m pytest -q tests/clients
+
+clients/js/node_modules: clients/js/package-lock.json
+	npm ci --prefix clients/js --no-audit --no-fund --ignore-scripts
+	touch $@
+
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
@@ -94,5 +101,5 @@ $(LOWEST)/ready: $(VENV)/ready
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(LOWEST) $(NEWEST) tests/oracles/node_modules demo example quality build dist site .coverage
+	rm -rf $(VENV) $(LOWEST) $(NEWEST) tests/oracles/node_modules clients/js/node_modules demo example quality build dist site .coverage
 	find . -name "*.nb[ic]" -delete

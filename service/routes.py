@@ -16,9 +16,10 @@ from motionsplice.service.wire.axes import AXES, AxesName
 
 Responses = dict[int | str, dict[str, Any]]
 OCTETS = {"type": "string", "format": "binary"}
+TEXT = {"type": "string"}
 
 
-def problem_response(status: int, description: str) -> Responses:
+def problem_response(status: int | str, description: str) -> Responses:
     """Returns the entry of a problem in the schema."""
     schema = {"$ref": "#/components/schemas/Problem"}
     return {status: {"description": description, "content": {MEDIA_TYPE: {"schema": schema}}}}
@@ -129,7 +130,7 @@ def health_routes(shared: Shared) -> APIRouter:
         "/metrics",
         summary="Metrics for Prometheus",
         response_class=Response,
-        responses={200: {"description": "In Prometheus' text format", "content": {"text/plain": {}}}},
+        responses={200: {"description": "In Prometheus' text format", "content": {"text/plain": {"schema": TEXT}}}},
     )
     async def get_metrics() -> Response:
         """Frames sent and skipped, lateness of ticks, evaluation time, connections, requests (docs/operation.md)."""

@@ -49,9 +49,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
         await asyncio.gather(warming, *tasks, return_exceptions=True)
 
     # Serves the scripts and styles of the documentation pages itself; those of FastAPI come from the internet.
-    app = FastAPIOffline(
-        title="motionsplice", lifespan=lifespan, generate_unique_id_function=lambda route: route.name
-    )
+    app = FastAPIOffline(title="motionsplice", lifespan=lifespan, generate_unique_id_function=lambda route: route.name)
     front = Front(shared, app)
     app.include_router(bank_routes(shared))
     app.include_router(exchange_routes(shared, job))

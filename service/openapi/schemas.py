@@ -38,6 +38,7 @@ ENUMERATIONS: Mapping[tuple[str, ...], str] = {
     _values(POSE, "format"): "Format",
     _values(SPLICE, "format"): "SpliceFormat",
     _values(STREAM, "pace"): "Pace",
+    ("locomotion", "action"): "Kind",
 }
 
 
@@ -73,7 +74,11 @@ def _frames(title: str, description: str, *leading: None, **fields: Schema) -> S
         "description": f"{description} (docs/protocol.md, Frames). J joints; `parts` selects the arrays.",
         "required": ["bank", *fields, "root_positions"],
         "properties": {
-            "bank": {"type": "string", "description": "Digest of the bank", "example": "b6093d240d320be34211b036cccaa68d"},
+            "bank": {
+                "type": "string",
+                "description": "Digest of the bank",
+                "example": "b6093d240d320be34211b036cccaa68d",
+            },
             **fields,
             "root_positions": {**_numbers(*leading, 3), "example": root},
             "rotations": {**_numbers(*leading, ANY, 4), "example": rotations},

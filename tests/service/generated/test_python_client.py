@@ -26,10 +26,10 @@ GENERATOR = shutil.which("openapi-python-client", path=PATH)
 @pytest.mark.skipif(GENERATOR is None, reason="openapi-python-client is not installed: make generators")
 def test_every_operation_is_called_by_the_generated_client(full_service: Running, bank: Bank, folder: Path) -> None:
     assert GENERATOR is not None
-    (settings,) = re.findall(r"```yaml\n(content_type_overrides:.*?)```", PAGE, re.DOTALL)
-    (folder / "generator.yaml").write_text(settings)
+    (settings,) = re.findall(r'```json\n({"content_type_overrides".*?)```', PAGE, re.DOTALL)
+    (folder / "generator.json").write_text(settings)
     own = Path(GENERATOR).resolve().parent  # which also has Python, and ruff to format the client
-    command = [GENERATOR, "generate", "--url", f"{full_service.url}/openapi.json", "--config", "generator.yaml"]
+    command = [GENERATOR, "generate", "--url", f"{full_service.url}/openapi.json", "--config", "generator.json"]
     command += ["--meta", "none", "--output-path", "motionsplice_client", "--fail-on-warning"]
     environment = {**os.environ, "PATH": f"{own}{os.pathsep}{os.environ['PATH']}"}
     made = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=120)

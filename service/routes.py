@@ -88,7 +88,7 @@ def bank_routes(shared: Shared) -> APIRouter:
         responses={
             200: {"description": "The .npy file", "content": {"application/octet-stream": {"schema": OCTETS}}},
             206: {"description": "A range of it", "content": {"application/octet-stream": {"schema": OCTETS}}},
-            416: {"description": "A range outside the file"},
+            416: {"description": "A range outside the file", "content": {"text/plain": {"schema": TEXT}}},
             **UNKNOWN,
             **REFUSED,
         },

@@ -23,7 +23,8 @@ ABOUT = """Splices the upper body of any clip onto the lower body of any other.
 
 Right-handed, Y up, characters face Z; metres, seconds, unit quaternions xyzw. `axes` selects another engine's axes and
 units. Rotations are in the parent's frame, the root's in the world. Everything that depends only on the bank is also
-available below `/v1/banks/{digest}`, where caches may keep it for ever. `docs/protocol.md` describes the bytes.
+available below `/v1/banks/{digest}`, where caches may keep it for ever; `If-None-Match` may be answered with 304.
+`docs/protocol.md` describes the bytes.
 
 `/v1/characters` is a WebSocket, which OpenAPI cannot describe: commands are JSON text, frames are MessagePack or JSON.
 Its query:

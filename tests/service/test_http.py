@@ -262,6 +262,20 @@ def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -
             assert "default" in operation["responses"], path
 
 
+def test_generators_find_names_and_types_in_the_schema(client: TestClient) -> None:
+    document = client.get("/openapi.json").json()
+    operations = [one for methods in document["paths"].values() for one in methods.values()]
+    assert all(re.fullmatch(r"(get|post)(_[a-z]+)+", one["operationId"]) for one in operations)
+    assert "enum" not in json.dumps(document["paths"])
+    schemas, numbers = document["components"]["schemas"], {"type": "number"}
+    for name, leading in (("Pose", 0), ("Poses", 1), ("Frames", 1)):
+        for key, inner in (("root_positions", 1), ("rotations", 2), ("world_positions", 2)):
+            found = schemas[name]["properties"][key]
+            for _ in range(leading + inner):
+                found = found["items"]
+            assert found == numbers
+
+
 def test_the_examples_of_the_interactive_page_are_answered(client: TestClient) -> None:
     for path, operations in client.get("/openapi.json").json()["paths"].items():
         if path in ("/v1/job", "/v1/job/events"):

@@ -5,6 +5,7 @@ REAL   ?= ../shared/mocap/cmu
 
 LOWEST := .venv-lowest
 NEWEST := .venv-newest
+GENERATORS := .venv-generators
 
 # `make test COVER=yes` also checks the floor under the coverage, `fail_under` in pyproject.toml. CI does; on Python 3.11
 # the tracer costs a fifth of the processor time, so `make test` alone leaves it out.
@@ -17,7 +18,7 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test check docs lowest newest oracles clients fuzz-cpp quality soak pictures clean
+.PHONY: demo test check docs lowest newest oracles clients generators fuzz-cpp quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -54,6 +55,18 @@ newest: $(VENV)/ready          ## every test on the newest versions, whatever py
 
 oracles: $(VENV)/ready tests/oracles/node_modules  ## our readers and writers judged by three.js and others; needs npm
 	$(BIN)/python -m pytest -q tests/oracles
+
+generators: $(GENERATORS)/ready tests/service/generated/node_modules  ## clients generated from the schema call it; needs npm
+	$(BIN)/python -m pytest -q tests/service/generated
+
+$(GENERATORS)/ready: $(VENV)/ready  # an environment of its own: the generator limits the version of typer
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(GENERATORS)
+	$(BIN)/uv pip install --quiet --python $(GENERATORS) 'openapi-python-client>=0.29,<0.30'
+	touch $@
+
+tests/service/generated/node_modules: tests/service/generated/package-lock.json
+	npm ci --prefix tests/service/generated --no-audit --no-fund
+	touch $@
 
 tests/oracles/node_modules: tests/oracles/package-lock.json
 	npm ci --prefix tests/oracles --no-audit --no-fund
@@ -101,5 +114,7 @@ $(LOWEST)/ready: $(VENV)/ready
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(LOWEST) $(NEWEST) tests/oracles/node_modules clients/js/node_modules demo example quality build dist site .coverage
+	rm -rf $(VENV) $(LOWEST) $(NEWEST) $(GENERATORS) tests/oracles/node_modules clients/js/node_modules \
+		tests/service/generated/node_modules
+	rm -rf demo example quality build dist site .coverage
 	find . -name "*.nb[ic]" -delete

@@ -20,7 +20,7 @@ from motionsplice.service.exchange.watch import watch
 from motionsplice.service.front import Front
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
-from motionsplice.service.openapi import document
+from motionsplice.service.openapi.document import document
 from motionsplice.service.problems import MEDIA_TYPE, kind_of, problem
 from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
@@ -49,7 +49,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
         await asyncio.gather(warming, *tasks, return_exceptions=True)
 
     # Serves the scripts and styles of the documentation pages itself; those of FastAPI come from the internet.
-    app = FastAPIOffline(title="motionsplice", lifespan=lifespan)
+    app = FastAPIOffline(title="motionsplice", lifespan=lifespan, generate_unique_id_function=lambda route: route.name)
     front = Front(shared, app)
     app.include_router(bank_routes(shared))
     app.include_router(exchange_routes(shared, job))

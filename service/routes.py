@@ -7,6 +7,9 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from fastapi.responses import FileResponse
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.types import Message, Receive, Scope, Send
 
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
@@ -16,9 +19,10 @@ from motionsplice.service.wire.axes import AXES, AxesName
 
 Responses = dict[int | str, dict[str, Any]]
 OCTETS = {"type": "string", "format": "binary"}
+TEXT = {"type": "string"}
 
 
-def problem_response(status: int, description: str) -> Responses:
+def problem_response(status: int | str, description: str) -> Responses:
     """Returns the entry of a problem in the schema."""
     schema = {"$ref": "#/components/schemas/Problem"}
     return {status: {"description": description, "content": {MEDIA_TYPE: {"schema": schema}}}}
@@ -36,6 +40,20 @@ def only_known_parameters(request: Request) -> None:
         if name not in known:
             mend = did_you_mean(name[:40], known) if known else "This request has no parameters"
             raise RequestError(f"unknown parameter {name[:40]!r}", mend=mend)
+
+
+class TableResponse(FileResponse):
+    """A file. A range that cannot be answered is a problem, not text as in FileResponse."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def send_or_raise(message: Message) -> None:
+            if message["type"] == "http.response.start" and (status := message["status"]) >= 400:
+                detail = "the range is outside the file" if status == 416 else "the header Range is malformed"
+                found = Headers(raw=message["headers"]).get("content-range")
+                raise HTTPException(status, detail, {"content-range": found} if found else None)
+            await send(message)
+
+        await super().__call__(scope, receive, send_or_raise)
 
 
 def bank_routes(shared: Shared) -> APIRouter:
@@ -87,7 +105,7 @@ def bank_routes(shared: Shared) -> APIRouter:
         responses={
             200: {"description": "The .npy file", "content": {"application/octet-stream": {"schema": OCTETS}}},
             206: {"description": "A range of it", "content": {"application/octet-stream": {"schema": OCTETS}}},
-            416: {"description": "A range outside the file"},
+            **problem_response(416, "A range outside the file"),
             **UNKNOWN,
             **REFUSED,
         },
@@ -101,7 +119,7 @@ def bank_routes(shared: Shared) -> APIRouter:
             found = os.stat(files[name])
         except FileNotFoundError:
             raise UnknownBankError("the table is no longer on disk", mend="Request it from the newest bank") from None
-        return FileResponse(files[name], media_type="application/octet-stream", stat_result=found)
+        return TableResponse(files[name], media_type="application/octet-stream", stat_result=found)
 
     return router
 
@@ -129,7 +147,7 @@ def health_routes(shared: Shared) -> APIRouter:
         "/metrics",
         summary="Metrics for Prometheus",
         response_class=Response,
-        responses={200: {"description": "In Prometheus' text format", "content": {"text/plain": {}}}},
+        responses={200: {"description": "In Prometheus' text format", "content": {"text/plain": {"schema": TEXT}}}},
     )
     async def get_metrics() -> Response:
         """Frames sent and skipped, lateness of ticks, evaluation time, connections, requests (docs/operation.md)."""

@@ -1,0 +1,128 @@
+"""Schemas of what the direct route reads and writes: enumerations, frames, and a batch of poses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, get_args
+
+from motionsplice.runtime.requests import Method, Posture
+from motionsplice.service.answers.pose import POSE
+from motionsplice.service.answers.splice import SPLICE
+from motionsplice.service.answers.stream import STREAM
+from motionsplice.service.problems import Problem
+from motionsplice.service.wire.axes import AxesName
+from motionsplice.service.wire.encoding import NUMBERS, PARTS
+from motionsplice.service.wire.query import Query
+
+Schema = dict[str, Any]
+
+ANY = None  # any length of a list
+
+
+def reference(name: str) -> Schema:
+    """Returns a reference to a schema of `SCHEMAS`."""
+    return {"$ref": f"#/components/schemas/{name}"}
+
+
+def _values(query: Query, name: str) -> tuple[str, ...]:
+    return tuple(query.parameters[name].schema["enum"])
+
+
+ENUMERATIONS: Mapping[tuple[str, ...], str] = {
+    get_args(AxesName): "Axes",
+    NUMBERS: "Encoding",
+    PARTS: "Parts",
+    get_args(Method): "Method",
+    get_args(Posture): "Posture",
+    tuple(posture for posture in get_args(Posture) if posture != "running"): "BatchPosture",
+    _values(POSE, "format"): "Format",
+    _values(SPLICE, "format"): "SpliceFormat",
+    _values(STREAM, "pace"): "Pace",
+    ("locomotion", "action"): "Kind",
+}
+
+
+def with_named_enumerations(schema: Any) -> Any:
+    """Returns a part of the document with references to `ENUMERATIONS`, so that a client has each of them once."""
+    if isinstance(schema, list):
+        return [with_named_enumerations(one) for one in schema]
+    if not isinstance(schema, dict):
+        return schema
+    name = ENUMERATIONS.get(tuple(schema["enum"])) if isinstance(schema.get("enum"), list) else None
+    if name is None:
+        return {key: with_named_enumerations(one) for key, one in schema.items()}
+    others = {key: one for key, one in schema.items() if key not in ("type", "enum", "title")}
+    return {**reference(name), **others}
+
+
+def _numbers(*lengths: int | None) -> Schema:
+    """Returns the schema of nested lists of numbers, the outermost first."""
+    schema: Schema = {"type": "number"}
+    for length in reversed(lengths):
+        fixed = {} if length is ANY else {"minItems": length, "maxItems": length}
+        schema = {"type": "array", "items": schema, **fixed}
+    return schema
+
+
+def _frames(title: str, description: str, *leading: None, **fields: Schema) -> Schema:
+    """Returns the schema of a map of frames, whose arrays have the dimensions `leading` before their own."""
+    example: list[Any] = [[0.603, 0.964, 1.602], [[0.032, 0.314, -0.006, 0.949], [-0.067, 0.022, -0.012, 0.997]]]
+    root, rotations = [[one] for one in example] if leading else example
+    return {
+        "type": "object",
+        "title": title,
+        "description": f"{description} (docs/protocol.md, Frames). J joints; `parts` selects the arrays.",
+        "required": ["bank", *fields, "root_positions"],
+        "properties": {
+            "bank": {
+                "type": "string",
+                "description": "Digest of the bank",
+                "example": "b6093d240d320be34211b036cccaa68d",
+            },
+            **fields,
+            "root_positions": {**_numbers(*leading, 3), "example": root},
+            "rotations": {**_numbers(*leading, ANY, 4), "example": rotations},
+            "world_positions": _numbers(*leading, ANY, 3),
+        },
+    }
+
+
+def _indices(description: str) -> Schema:
+    return {"type": "array", "items": {"type": "integer"}, "description": f"[n] indices into clips{description}"}
+
+
+def _seconds(description: str) -> Schema:
+    return {"type": "array", "items": {"type": "number"}, "description": f"[n] seconds into the {description}"}
+
+
+SCHEMAS: Mapping[str, Schema] = {
+    **{name: {"type": "string", "title": name, "enum": list(values)} for values, name in ENUMERATIONS.items()},
+    "Problem": Problem.model_json_schema(),
+    "Pose": _frames("Pose", "One frame of one character"),
+    "Poses": _frames("Poses", "One frame of n characters: lists [n, ...]", ANY),
+    "Frames": _frames(
+        "Frames",
+        "F frames of one character: lists [F, ...]",
+        ANY,
+        frame={"type": "integer", "description": "Number of the first frame"},
+        count={"type": "integer", "description": "F"},
+        rate={"type": "number", "description": "Frames per second"},
+    ),
+    "Batch": {
+        "type": "object",
+        "title": "Batch",
+        "description": "What n characters play",
+        "additionalProperties": False,
+        "required": ["clips", "locomotion", "time"],
+        "properties": {
+            "clips": {"type": "array", "items": {"type": "string"}},
+            "locomotion": _indices(""),
+            "time": _seconds("locomotion"),
+            "action": _indices("; -1: none"),
+            "hands": _indices("; -1: its own"),
+            "start": _seconds("action"),
+            "method": reference("Method"),
+            "posture": reference("BatchPosture"),
+        },
+    },
+}

@@ -1,0 +1,35 @@
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgpack
+import numpy as np
+import pytest
+from pydantic import SecretStr
+
+from motionsplice.runtime.bank import Bank
+from motionsplice.service.settings import Settings
+from tests.service.generated.live import TOKEN
+from tests.service.running import Running, running
+
+
+@pytest.fixture(scope="module")
+def full_service(clip_folder: Path, bank: Bank, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    """A running service that answers every operation: it has a token, and accepts clips."""
+    folder = tmp_path_factory.mktemp("service")
+    shutil.copytree(clip_folder, folder / "clips")
+    shutil.copytree(bank.path, folder / "bank")
+    with running(folder / "bank", Settings(token=SecretStr(TOKEN), clips=folder / "clips")) as service:
+        yield service
+
+
+@pytest.fixture
+def folder(tmp_path: Path, clip_folder: Path) -> Path:
+    """A folder with what the clients send."""
+    shutil.copy(clip_folder / "wave.bvh", tmp_path)
+    columns = {"locomotion": np.array([0, 0], "<i4"), "action": np.array([1, -1], "<i4"), "time": np.full(2, 0.5)}
+    batch = {"clips": ["walk", "wave"], "posture": "absolute"} | {key: one.tobytes() for key, one in columns.items()}
+    (tmp_path / "batch.msgpack").write_bytes(msgpack.packb(batch))
+    return tmp_path

@@ -136,12 +136,11 @@ namespace MotionSplice
             Check("ids", ids, 4 * Characters);
             Check("root_positions", positions, 12 * poses);
             Check("rotations", rotations, (isShort ? 8 : 16) * joints);
-            if (steps.Length + turns.Length > 0) Check("root_steps", steps, 12 * poses);
-            if (steps.Length + turns.Length > 0) Check("root_turns", turns, 4 * poses);
+            Check("root_steps", steps, 12 * poses);
+            Check("root_turns", turns, 4 * poses);
             if (worlds.Length > 0) Check("world_positions", worlds, 12 * joints);
         }
 
-        public bool HasRootMotion => turns.Length > 0;
         public ReadOnlySpan<uint> Ids => View<uint>(ids);
         public ReadOnlySpan<Vector3> RootPositions(int frame) => View<Vector3>(positions).Slice(frame * Characters, Characters);
         public ReadOnlySpan<Vector3> RootSteps(int frame) => View<Vector3>(steps).Slice(frame * Characters, Characters);
@@ -492,8 +491,7 @@ namespace MotionSplice
                     lock (gate) playback.Take(frames, arrival.At, id => characters.TryGetValue(id, out Character found) ? found : null);
                     FramesReceived?.Invoke(frames);
                 }
-                else if (arrival.What is ServerEvent told && told.Name == "done") playback.Discard(told.Frame);
-                else if (arrival.What is ServerEvent other) EventReceived?.Invoke(other);
+                else if (arrival.What is ServerEvent told) EventReceived?.Invoke(told);
                 else if (arrival.What is MotionSpliceException problem) Failed?.Invoke(problem);
                 else Reconnected?.Invoke();
             }
@@ -658,6 +656,7 @@ namespace MotionSplice
                     }
                     replied.Done(told.Frame);
                     replied.Reply.SetResult(told.Frame);
+                    return;
                 }
             }
             Put(told);
@@ -749,7 +748,8 @@ namespace MotionSplice
         const double Remembered = 10, InTime = 0.99, Slew = 0.05, FirstDelay = 0.1, LongestGap = 0.25;
         readonly LinkedList<Held> held = new LinkedList<Held>(); // the first is shown
         readonly Queue<KeyValuePair<double, double>> samples = new Queue<KeyValuePair<double, double>>(); // when, and its value
-        Held last; // the newest frame, which stays when it is no longer held
+        Held past; // the frame before the first
+        Held last; // the newest frame
         Held next; // what is shown is between the first and this one; null: the first
         float share;
         double offset, lateness, delay = FirstDelay, before = double.NaN;
@@ -769,36 +769,34 @@ namespace MotionSplice
             {
                 held.Clear();
                 samples.Clear();
-                last = null;
+                past = last = null;
             }
-            if (last == null || frames.Number > last.Number) Measure(now, now - frames.Time);
-            Discard(frames.Number);
+            if (last == null || frames.Number > last.Number) samples.Enqueue(new KeyValuePair<double, double>(now, now - frames.Time));
+            while (held.Count > 0 && held.Last.Value.Number >= frames.Number) held.RemoveLast(); // a command has changed them
             frames.Rows = last != null && frames.Ids.SequenceEqual(last.Frames.Ids) ? last.Frames.Rows : RowsOf(frames);
             for (int index = 0; index < frames.Count; index++)
             {
                 var one = new Held { Frames = frames, Index = index, Due = frames.Time + index / frames.Rate };
-                one.Grounds = Step(one, characters);
+                one.Grounds = Step(one, held.Last?.Value ?? past, characters);
                 held.AddLast(one);
                 last = one;
             }
         }
 
-        /// <summary>Forgets the frames from a number on, which a command has changed.</summary>
-        public void Discard(long number)
-        {
-            while (held.Count > 1 && held.Last.Value.Number >= number) held.RemoveLast();
-            if (held.Count > 0) last = held.Last.Value;
-        }
-
         public void MoveTo(double now)
         {
             if (held.Count == 0) return;
+            Measure(now);
             if (double.IsNaN(before)) before = now;
             double most = Slew * (now - before), goal = 1 / last.Frames.Rate + lateness;
             delay += Math.Max(-most, Math.Min(most, goal - delay));
             before = now;
             double moment = now - offset - delay;
-            while (held.Count > 1 && held.First.Next.Value.Due <= moment) held.RemoveFirst();
+            while (held.Count > 1 && held.First.Next.Value.Due <= moment)
+            {
+                past = held.First.Value;
+                held.RemoveFirst();
+            }
             Held a = held.First.Value, b = held.First.Next?.Value;
             bool isCut = b == null || a.Frames.Rig != b.Frames.Rig || b.Number > a.Number + 1 && b.Due - a.Due > LongestGap;
             next = isCut ? null : b;
@@ -815,8 +813,7 @@ namespace MotionSplice
             if (isBetween && next.Frames.Rows.TryGetValue(character.Id, out int rowThere))
             {
                 pose.BlendTo(next.Frames, next.Index, rowThere, share);
-                if (next.Frames.HasRootMotion)
-                    ground = ground.Stepped(next.Frames.RootSteps(next.Index)[rowThere], next.Frames.RootTurns(next.Index)[rowThere], share, pose.Rig.Axes);
+                ground = ground.Stepped(next.Frames.RootSteps(next.Index)[rowThere], next.Frames.RootTurns(next.Index)[rowThere], share, pose.Rig.Axes);
             }
             pose.Ground = ground.Position;
             pose.Heading = (float)ground.Heading;
@@ -826,18 +823,17 @@ namespace MotionSplice
         public Ground? LastGround(uint id) =>
             last != null && last.Frames.Rows.TryGetValue(id, out int row) ? last.Grounds[row] : (Ground?)null;
 
-        void Measure(double now, double sample)
+        void Measure(double now)
         {
-            samples.Enqueue(new KeyValuePair<double, double>(now, sample));
-            while (now - samples.Peek().Key > Remembered) samples.Dequeue();
+            while (samples.Count > 1 && now - samples.Peek().Key > Remembered) samples.Dequeue();
             double[] sorted = samples.Select(one => one.Value).ToArray();
             Array.Sort(sorted);
             offset = sorted[0];
             lateness = sorted[(int)(InTime * (sorted.Length - 1))] - offset;
         }
 
-        /// <summary>Returns where the characters are in a frame that follows the last one: root motion added up.</summary>
-        Ground[] Step(Held one, Func<uint, Character> characters)
+        /// <summary>Returns where the characters are in a frame that follows another: root motion added up.</summary>
+        Ground[] Step(Held one, Held former, Func<uint, Character> characters)
         {
             Frames frames = one.Frames;
             var grounds = new Ground[frames.Characters];
@@ -846,11 +842,10 @@ namespace MotionSplice
                 uint id = frames.Ids[row];
                 Character character = characters(id);
                 int rowBefore = 0;
-                bool isKnown = last != null && last.Frames.Rows.TryGetValue(id, out rowBefore);
-                bool isPlaced = character != null && character.PlacedFrame <= one.Number && (last == null || character.PlacedFrame > last.Number);
+                bool isKnown = former != null && former.Frames.Rows.TryGetValue(id, out rowBefore);
+                bool isPlaced = character != null && character.PlacedFrame <= one.Number && (former == null || character.PlacedFrame > former.Number);
                 if (isPlaced || !isKnown) grounds[row] = character?.Placed ?? default(Ground);
-                else if (!frames.HasRootMotion) grounds[row] = last.Grounds[rowBefore];
-                else grounds[row] = last.Grounds[rowBefore].Stepped(frames.RootSteps(one.Index)[row], frames.RootTurns(one.Index)[row], 1, frames.Rig.Axes);
+                else grounds[row] = former.Grounds[rowBefore].Stepped(frames.RootSteps(one.Index)[row], frames.RootTurns(one.Index)[row], 1, frames.Rig.Axes);
             }
             return grounds;
         }

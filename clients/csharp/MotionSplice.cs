@@ -748,6 +748,7 @@ namespace MotionSplice
         const double Remembered = 10, InTime = 0.99, Slew = 0.05, FirstDelay = 0.1, LongestGap = 0.25;
         readonly LinkedList<Held> held = new LinkedList<Held>(); // the first is shown
         readonly Queue<KeyValuePair<double, double>> samples = new Queue<KeyValuePair<double, double>>(); // when, and its value
+        readonly List<double> sorted = new List<double>();
         Held past; // the frame before the first
         Held last; // the newest frame
         Held next; // what is shown is between the first and this one; null: the first
@@ -826,10 +827,11 @@ namespace MotionSplice
         void Measure(double now)
         {
             while (samples.Count > 1 && now - samples.Peek().Key > Remembered) samples.Dequeue();
-            double[] sorted = samples.Select(one => one.Value).ToArray();
-            Array.Sort(sorted);
+            sorted.Clear();
+            foreach (var sample in samples) sorted.Add(sample.Value);
+            sorted.Sort();
             offset = sorted[0];
-            lateness = sorted[(int)(InTime * (sorted.Length - 1))] - offset;
+            lateness = sorted[(int)(InTime * (sorted.Count - 1))] - offset;
         }
 
         /// <summary>Returns where the characters are in a frame that follows another: root motion added up.</summary>

@@ -95,7 +95,11 @@ def test_malformed_frames_are_errors_and_nothing_else(program: Path) -> None:
         for _ in range(2000):
             changed = bytearray(whole)
             for _ in range(random.integers(1, 4)):  # most of them in heads, fields and ids
-                at = random.integers(len(whole)) if random.random() < 0.2 else random.choice(starts) - random.integers(1, 40)
+                at = (
+                    random.integers(len(whole))
+                    if random.random() < 0.2
+                    else random.choice(starts) - random.integers(1, 40)
+                )
                 changed[max(int(at), 0)] = random.integers(256)
             messages.append(bytes(changed))
     messages += [random.bytes(random.integers(200)) for _ in range(1000)]
@@ -106,7 +110,9 @@ def test_malformed_frames_are_errors_and_nothing_else(program: Path) -> None:
     assert all(error.startswith("malformed frames: ") for error in errors)
 
 
-def message_of(number: int, rate: float, count: int, bank: str, random: np.random.Generator, form: FrameFormat) -> bytes:
+def message_of(
+    number: int, rate: float, count: int, bank: str, random: np.random.Generator, form: FrameFormat
+) -> bytes:
     """Returns a message of one character, with random rotations and root motion."""
     frames = []
     for _ in range(count):
@@ -123,7 +129,9 @@ def test_pictures_are_those_of_the_protocols_playback(program: Path, tmp_path: P
     random = np.random.default_rng(ahead)
     form = FrameFormat(Encoding(AXES["gltf"], "float32", "local"), deltas=True)
     (page,) = re.findall(r"^class Playback:\n.*?(?=\n\n\nwith )", (ROOT / "docs/protocol.md").read_text(), re.M | re.S)
-    (imports,) = re.findall(r"^import json, struct, time\n.*?namedtuple\(.*?\)\n", (ROOT / "docs/protocol.md").read_text(), re.M | re.S)
+    (imports,) = re.findall(
+        r"^import json, struct, time\n.*?namedtuple\(.*?\)\n", (ROOT / "docs/protocol.md").read_text(), re.M | re.S
+    )
     names: dict[str, Any] = {}
     exec(imports + page, names)
     timeline: list[tuple[float, bytes | None]] = []
@@ -137,7 +145,9 @@ def test_pictures_are_those_of_the_protocols_playback(program: Path, tmp_path: P
             timeline.append((due + 0.02, message_of(number + 1, rate, ahead, bank, random, form)))
     timeline += [(moment, None) for moment in np.arange(100.1, 115.0, 1 / 144)]
     timeline.sort(key=lambda one: one[0])
-    lines = [f"message {now!r} {base64_of(message)}" if message else f"picture {float(now)!r}" for now, message in timeline]
+    lines = [
+        f"message {now!r} {base64_of(message)}" if message else f"picture {float(now)!r}" for now, message in timeline
+    ]
     found = iter(printed(program, "playback", GOLDEN / "rig.gltf.json", lines=lines))
     playback, before, blended = names["Playback"](rate), None, 0
     for now, message in timeline:
@@ -152,3 +162,164 @@ def test_pictures_are_those_of_the_protocols_playback(program: Path, tmp_path: P
         blended += not isinstance(root, tuple)
     assert next(found, None) is None
     assert blended > 1000
+
+
+def test_root_motion_is_added_up_and_jumps_are_not_interpolated(program: Path) -> None:
+    random = np.random.default_rng(5)
+    form = FrameFormat(Encoding(AXES["gltf"], "float32", "local"), deltas=True)
+    messages = [message_of(number, 10.0, 1, "a" * 32, random, form) for number in range(12)]
+    lines = [f"message {100 + number / 10} {base64_of(message)}" for number, message in enumerate(messages[:6])]
+    lines += ["picture 100.5", "place 100.5 7"]
+    lines += [f"message {100 + number / 10} {base64_of(message)}" for number, message in enumerate(messages[6:], 6)]
+    moments = [101.1, 101.15, 101.45, 101.46, 101.75]
+    lines += [f"picture {moment}" for moment in moments]
+    first, *found = printed(program, "playback", GOLDEN / "rig.gltf.json", lines=lines)
+    assert first["found"]
+    steps, turns, roots = [], [], []
+    for message in map(msgpack.unpackb, messages):
+        read = arrays(message, 22, 1, 1)
+        steps.append(read["root_steps"].reshape(3).astype(float))
+        turns.append(float(read["root_turns"].item()))
+        roots.append(read["root_positions"].reshape(3))
+    ground, heading, grounds = np.zeros(3), 0.0, [(np.zeros(3), 0.0)]
+    for number in range(1, 12):
+        if number == 7:
+            ground, heading = np.array([5.0, 0.0, 0.0]), 1.0
+        else:
+            ground = ground + Rotation.from_rotvec([0.0, heading, 0.0]).apply(steps[number])
+            heading += turns[number]
+        grounds.append((ground, heading))
+    shares = []
+    for picture in found:  # the delay is not known here: which share of which step is shown is read from the root
+        pairs = [(a, a + 1) for a in range(11) if a != 6]
+        share, a = min(
+            (
+                (
+                    float(
+                        np.dot(np.subtract(picture["root"], roots[a]), roots[b] - roots[a])
+                        / np.sum((roots[b] - roots[a]) ** 2)
+                    ),
+                    a,
+                )
+                for a, b in pairs
+            ),
+            key=lambda one: (
+                np.abs(roots[one[1]] + one[0] * (roots[one[1] + 1] - roots[one[1]]) - picture["root"]).max()
+                + 10.0 * (not -1e-4 <= one[0] <= 1.0001)
+            ),
+        )
+        shares.append((a, share))
+        place, heading = grounds[a]
+        there = place + share * Rotation.from_rotvec([0.0, heading, 0.0]).apply(steps[a + 1])
+        np.testing.assert_allclose(picture["ground"], [*there, heading + share * turns[a + 1]], atol=1e-4)
+    print(shares)
+
+
+@pytest.fixture(scope="module")
+def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """A newer bank: the run is another one."""
+    clips = tmp_path_factory.mktemp("other") / "clips"
+    shutil.copytree(clip_folder, clips)
+    (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=12, seconds=4.0)))
+    build_bank([clips], clips.parent / "bank", baseline="walk", jobs=1)
+    return Bank.open(clips.parent / "bank")
+
+
+@pytest.fixture(scope="module")
+def service(bank: Bank) -> Iterator[Running]:
+    with running(bank.path, Settings()) as service:
+        yield service
+
+
+@contextmanager
+def started(program: Path, *arguments: object) -> Iterator[Callable[[], dict[str, Any]]]:
+    """Runs the program, and gives the function that returns the next map that it prints."""
+    command = ["mono", "--debug", str(program), *map(str, arguments)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+
+        def line() -> dict[str, Any]:
+            text = process.stdout.readline()
+            assert text, process.stderr.read()
+            return dict(json.loads(text))
+
+        try:
+            yield line
+            assert process.wait(MINUTES) == 0, process.stderr.read()
+        finally:
+            process.kill()
+
+
+def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconnection(
+    program: Path, bank: Bank, other: Bank
+) -> None:
+    newer = Edition.warm(other)
+    with running(bank.path, Settings()) as service, started(program, "live", service.url) as line:
+        front, loop = service.config.front, service.server.servers[0].get_loop()
+        assert line() == {"do": "", "ready": True}
+        loop.call_soon_threadsafe(front.shared.serving.exchange, newer)
+        assert line() == {"do": "", "exchanged": True}
+        loop.call_soon_threadsafe(lambda: [one.close(1011, "lost") for one in front.hub.connections])
+        results = line()["results"]
+    assert [(one["encoding"], one["ahead"]) for one in results] == [
+        (encoding, ahead) for encoding in ("float32", "int16") for ahead in (1, 8)
+    ]
+    for one in results:
+        print({key: value for key, value in one.items() if key != "samples"})
+        assert one["frames"] >= 1000
+        assert one["banks"] == [bank.digest, other.digest]
+        assert one["worst"] < (1e-5 if one["encoding"] == "float32" else 3e-4)  # of which int16 is nearly all
+        assert one["characters"] == 3
+        assert one["failures"] == ["the connection is lost: closed with code 1011 lost"]
+        assert 0.2 <= one["away"] <= 1.0
+        assert one["jump"] < 0.15  # metres: it goes on where it was, at another phase of the stride
+        assert one["held"] < 0.15  # the delay's
+        assert len(one["samples"]) == 10
+        for sample in one["samples"]:
+            assert np.abs(placed(sample, one["encoding"]) - sample["positions"]).max() < 1e-5
+
+
+def placed(sample: dict[str, Any], encoding: str) -> Any:
+    """Returns the joints of a message, placed in 64 bits as the protocol describes, in the client's order."""
+    message = msgpack.unpackb(base64.b64decode(sample["message"]))
+    parents, offsets = sample["parents"], np.reshape(sample["offsets"], (-1, 3))
+    ids = np.frombuffer(message["ids"], "<u4")
+    found = arrays(message, len(parents), message["count"] * len(ids), short=encoding == "int16")
+    places = [found["root_positions"].astype(float)]
+    turns = [Rotation.from_quat(found["rotations"][:, 0])]
+    for joint, parent in enumerate(parents[1:], 1):
+        places.append(places[parent] + turns[parent].apply(offsets[joint]))
+        turns.append(turns[parent] * Rotation.from_quat(found["rotations"][:, joint]))
+    return np.stack(places, axis=1).ravel()
+
+
+def test_every_command_is_done_and_refusals_say_why(program: Path, service: Running) -> None:
+    found, *failed = printed(program, "commands", service.url)
+    assert len(found["frames"]) == 9
+    assert found["frames"] == sorted(found["frames"])
+    assert found["removed"] > found["frames"][-1]
+    assert "stride" in found["events"]
+    assert [text.partition(" ")[0].removeprefix("urn:motionsplice:") for text in found["refused"]] == [
+        "unknown-clip",
+        "request",
+        "request",
+        "unknown-clip",
+    ]
+    assert "Did you mean 'walk'?" in found["refused"][0]
+    assert 'no "hands" \\ é' in found["refused"][3]
+    assert found["heading"] == pytest.approx(-1.0, abs=0.3)  # placed there, and walking in centimetres since
+    assert np.abs(np.subtract(found["ground"], [50.0, 60.0, 0.0])).max() < 100.0
+    assert len(failed) == 2
+    assert all(one["error"].startswith("cannot connect to ") for one in failed)
+
+
+def test_unity_bones_with_axes_of_their_own_are_where_the_joints_are(program: Path, service: Running) -> None:
+    (found,) = printed(program, "unity", service.url, "none")
+    assert not found["errors"]
+    assert found["pictures"] == 300
+    assert found["worst"] < 1e-5
+    assert np.linalg.norm(np.subtract(found["end"], found["start"])) > 0.5  # metres: root motion moves the object
+    joints = json.loads(urllib.request.urlopen(f"{service.url}/v1/skeleton").read())["joints"]
+    (found,) = printed(program, "unity", service.url, joints[2])
+    assert found["errors"] == [f"hero: no bones are named {joints[2]}. Build the bank on this character's skeleton."]

@@ -395,6 +395,7 @@ namespace MotionSplice
     public sealed class Connection : IDisposable
     {
         const double Patience = 10, Silence = 8, ShortestWait = 0.25, LongestWait = 5; // seconds
+        const int MostArrivals = 1000; // that are kept if nobody calls Update
         readonly string address;
         readonly Settings settings;
         readonly object gate = new object();
@@ -491,7 +492,7 @@ namespace MotionSplice
                     lock (gate) playback.Take(frames, arrival.At, id => characters.TryGetValue(id, out Character found) ? found : null);
                     FramesReceived?.Invoke(frames);
                 }
-                else if (arrival.What is ServerEvent told) EventReceived?.Invoke(told);
+                else if (arrival.What is ServerEvent news) EventReceived?.Invoke(news);
                 else if (arrival.What is MotionSpliceException problem) Failed?.Invoke(problem);
                 else Reconnected?.Invoke();
             }
@@ -522,7 +523,7 @@ namespace MotionSplice
         {
             lock (gate)
             {
-                if (stop.IsCancellationRequested) throw new ObjectDisposedException(nameof(Connection));
+                if (stop.IsCancellationRequested) return Task.FromException<long>(new ObjectDisposedException(nameof(Connection)));
                 Pending message = Message(commands, done);
                 pending.Add(message);
                 toSend.Release();
@@ -628,38 +629,38 @@ namespace MotionSplice
                 try
                 {
                     if (message.Text != null) Take(new ServerEvent(Json.Parse(message.Text)));
-                    else inbox.Enqueue(new Arrival { What = new Frames(message.Bytes, RigOf) { Session = session }, At = now });
+                    else Put(new Frames(message.Bytes, RigOf) { Session = session }, now);
                 }
                 catch (MotionSpliceException problem) { Put(problem); }
             }
         }
 
-        void Take(ServerEvent told)
+        void Take(ServerEvent news)
         {
             lock (gate)
             {
-                if (told.Name == "bank")
+                if (news.Name == "bank")
                 {
-                    var rig = new Rig(told, settings.Axes);
+                    var rig = new Rig(news, settings.Axes);
                     rigs[rig.Bank] = Rig = rig;
                 }
-                if (told.Name == "done" || told.Name == "refused")
+                if (news.Name == "done" || news.Name == "refused")
                 {
-                    if (sent == 0 || !Equals(told.Fields["ref"], (double)pending[0].Ref)) throw new MotionSpliceException("a reply without a command");
+                    if (sent == 0 || !Equals(news.Fields["ref"], (double)pending[0].Ref)) throw new MotionSpliceException("a reply without a command");
                     Pending replied = pending[0];
                     pending.RemoveAt(0);
                     sent--;
-                    if (told.Name == "refused")
+                    if (news.Name == "refused")
                     {
-                        replied.Reply.SetException(new MotionSpliceException(told.Text("detail"), told.Text("type")));
+                        replied.Reply.SetException(new MotionSpliceException(news.Text("detail"), news.Text("type")));
                         return;
                     }
-                    replied.Done(told.Frame);
-                    replied.Reply.SetResult(told.Frame);
+                    replied.Done(news.Frame);
+                    replied.Reply.SetResult(news.Frame);
                     return;
                 }
             }
-            Put(told);
+            Put(news);
         }
 
         /// <summary>Puts the commands that make all characters again before those that have no reply yet.</summary>
@@ -689,7 +690,11 @@ namespace MotionSplice
             lock (gate) return rigs.TryGetValue(bank, out Rig rig) ? rig : null;
         }
 
-        void Put(object what) => inbox.Enqueue(new Arrival { What = what });
+        void Put(object what, double now = 0)
+        {
+            inbox.Enqueue(new Arrival { What = what, At = now });
+            if (inbox.Count > MostArrivals) inbox.TryDequeue(out _);
+        }
     }
 
     /// <summary>Reads whole messages of a socket.</summary>
@@ -777,10 +782,9 @@ namespace MotionSplice
             frames.Rows = last != null && frames.Ids.SequenceEqual(last.Frames.Ids) ? last.Frames.Rows : RowsOf(frames);
             for (int index = 0; index < frames.Count; index++)
             {
-                var one = new Held { Frames = frames, Index = index, Due = frames.Time + index / frames.Rate };
-                one.Grounds = Step(one, held.Last?.Value ?? past, characters);
-                held.AddLast(one);
-                last = one;
+                last = new Held { Frames = frames, Index = index, Due = frames.Time + index / frames.Rate };
+                last.Grounds = Step(last, held.Last?.Value ?? past, characters);
+                held.AddLast(last);
             }
         }
 
@@ -835,9 +839,9 @@ namespace MotionSplice
         }
 
         /// <summary>Returns where the characters are in a frame that follows another: root motion added up.</summary>
-        Ground[] Step(Held one, Held former, Func<uint, Character> characters)
+        Ground[] Step(Held held, Held former, Func<uint, Character> characters)
         {
-            Frames frames = one.Frames;
+            Frames frames = held.Frames;
             var grounds = new Ground[frames.Characters];
             for (int row = 0; row < grounds.Length; row++)
             {
@@ -845,9 +849,9 @@ namespace MotionSplice
                 Character character = characters(id);
                 int rowBefore = 0;
                 bool isKnown = former != null && former.Frames.Rows.TryGetValue(id, out rowBefore);
-                bool isPlaced = character != null && character.PlacedFrame <= one.Number && (former == null || character.PlacedFrame > former.Number);
+                bool isPlaced = character != null && character.PlacedFrame <= held.Number && (former == null || character.PlacedFrame > former.Number);
                 if (isPlaced || !isKnown) grounds[row] = character?.Placed ?? default(Ground);
-                else grounds[row] = former.Grounds[rowBefore].Stepped(frames.RootSteps(one.Index)[row], frames.RootTurns(one.Index)[row], 1, frames.Rig.Axes);
+                else grounds[row] = former.Grounds[rowBefore].Stepped(frames.RootSteps(held.Index)[row], frames.RootTurns(held.Index)[row], 1, frames.Rig.Axes);
             }
             return grounds;
         }

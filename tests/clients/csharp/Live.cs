@@ -44,7 +44,7 @@ sealed class Live
         var settings = new Settings { Encoding = encoding, Ahead = ahead, Rate = 120, WorldPositions = true };
         connection = await Connection.ConnectAsync(url, settings);
         connection.FramesReceived += Check;
-        connection.EventReceived += told => isExchanged |= told.Name == "bank";
+        connection.EventReceived += news => isExchanged |= news.Name == "bank";
         connection.Failed += problem =>
         {
             failures.Add(problem.Message);
@@ -61,17 +61,17 @@ sealed class Live
         await Task.WhenAll(hero.ActAsync("carry_box", when: "left_foot"), third.ActAsync("wave", mask: "right_arm", blendOut: 0.2));
     }
 
-    void Check(Frames some)
+    void Check(Frames received)
     {
-        var places = new Vector3[some.Rig.Joints.Count];
+        var places = new Vector3[received.Rig.Joints.Count];
         var all = new List<float>();
-        for (int frame = 0; frame < some.Count; frame++)
+        for (int frame = 0; frame < received.Count; frame++)
         {
-            for (int row = 0; row < some.Characters; row++)
+            for (int row = 0; row < received.Characters; row++)
             {
                 pose.Read(some, frame, row);
                 pose.WorldPositions(places);
-                ReadOnlySpan<Vector3> theirs = some.WorldPositions(frame, row);
+                ReadOnlySpan<Vector3> theirs = received.WorldPositions(frame, row);
                 for (int joint = 0; joint < places.Length; joint++)
                 {
                     Vector3 off = Vector3.Abs(places[joint] - theirs[joint]);
@@ -80,19 +80,19 @@ sealed class Live
                 all.AddRange(places.SelectMany(Program.Numbers));
             }
         }
-        Vector3 now = some.RootPositions(0)[0];
+        Vector3 now = received.RootPositions(0)[0];
         if (reconnections == 1 && jump < 0)
         {
             jump = Vector3.Distance(root, now);
             found = Seconds;
         }
-        root = some.RootPositions(some.Count - 1)[0];
-        frames += some.Count;
-        characters = some.Characters;
-        if (banks.Count == 0 || banks[banks.Count - 1] != some.Bank) banks.Add(some.Bank);
+        root = received.RootPositions(received.Count - 1)[0];
+        frames += received.Count;
+        characters = received.Characters;
+        if (banks.Count == 0 || banks[banks.Count - 1] != received.Bank) banks.Add(received.Bank);
         if (samples.Count < Samples * banks.Count)
-            samples.Add(Character.Fields("", "message", Convert.ToBase64String(some.Message), "positions", all,
-                "parents", some.Rig.Parents, "offsets", some.Rig.Offsets.SelectMany(Program.Numbers)));
+            samples.Add(Character.Fields("", "message", Convert.ToBase64String(received.Message), "positions", all,
+                "parents", received.Rig.Parents, "offsets", received.Rig.Offsets.SelectMany(Program.Numbers)));
     }
 
     static async Task Until(List<Live> players, Func<Live, bool> holds)
@@ -113,7 +113,7 @@ sealed class Live
         using (Connection connection = await Connection.ConnectAsync(url, new Settings { Axes = "unreal", Encoding = "int16", Ahead = 2 }))
         {
             var events = new List<string>();
-            connection.EventReceived += told => events.Add(told.Name);
+            connection.EventReceived += news => events.Add(news.Name);
             await connection.SetAsync(rate: 30, ahead: 1, events: new[] { "action_began", "stride" });
             Character hero = await connection.CreateAsync("walk", new Vector3(100, 200, 0), 0.5, time: 0.25, loop: true, speed: 1.5, inPlace: false, id: 9);
             var mix = new Dictionary<string, double> { ["walk"] = 1, ["run"] = 2 };
@@ -135,7 +135,7 @@ sealed class Live
             long removed = await hero.RemoveAsync();
             Program.Say("frames", frames, "removed", removed, "refused", refused, "events", events, "ground", Program.Numbers(pose.Ground), "heading", pose.Heading);
         }
-        foreach (string wrong in new[] { url.Replace("http://", "http://nowhere.invalid:1/"), url + "/nothing" })
+        foreach (string wrong in new[] { "http://127.0.0.1:1", url + "/nothing" })
         {
             try { await Connection.ConnectAsync(wrong); }
             catch (MotionSpliceException problem) { Program.Say("error", problem.Message); }

@@ -8,6 +8,8 @@ namespace UnityEngine
 {
     public sealed class DefaultExecutionOrder : Attribute { public DefaultExecutionOrder(int order) { } }
 
+    public struct Pose { } // the client has a class of this name
+
     public static class Mathf { public const float Rad2Deg = (float)(180 / Math.PI); }
 
     public static class Debug

@@ -563,7 +563,7 @@ namespace MotionSplice
                 catch (Exception error)
                 {
                     socket.Dispose();
-                    throw error as MotionSpliceException ?? new MotionSpliceException($"cannot connect to {address}: {error.Message}", "", error);
+                    throw error as MotionSpliceException ?? new MotionSpliceException($"cannot connect to {address}: {error.Message}. Does `motionsplice serve` run there?", "", error);
                 }
             }
         }

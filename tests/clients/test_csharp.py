@@ -15,12 +15,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import msgpack
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from websockets.sync.server import ServerConnection, serve
 
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
@@ -253,15 +255,14 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert one["banks"] == [bank.digest, other.digest]
         assert one["worst"] < (1e-5 if one["encoding"] == "float32" else 3e-4)  # of which int16 is nearly all
         assert one["characters"] == 3
+        assert one["late"] >= 0  # a command that was given without a connection
         assert one["failures"] == ["the connection is lost: closed with code 1011 lost"]
         assert 0.2 <= one["away"] <= 1.0
         assert one["jump"] < 0.15  # metres: it goes on where it was, at another phase of the stride
         assert one["held"] < 0.15  # the delay's
         assert len(one["samples"]) == 10
         for sample in one["samples"]:
-            off = np.abs(placed(sample, one["encoding"]) - sample["positions"]).max()
-            print(off)
-            assert off < 1e-5
+            assert np.abs(placed(sample, one["encoding"]) - sample["positions"]).max() < 1e-5
 
 
 def placed(sample: dict[str, Any], encoding: str) -> Any:
@@ -276,6 +277,28 @@ def placed(sample: dict[str, Any], encoding: str) -> Any:
         places.append(places[parent] + turns[parent].apply(offsets[joint]))
         turns.append(turns[parent] * Rotation.from_quat(found["rotations"][:, joint]))
     return np.stack(places, axis=1).ravel()
+
+
+def test_a_service_that_misbehaves_is_reported_and_left(program: Path) -> None:
+    """A malformed message, then silence; another protocol on the next connection."""
+    welcome = {**json.loads((GOLDEN / "rig.gltf.json").read_text()), "event": "welcome", "protocol": 3}
+    protocols = iter((3, 4))
+
+    def misbehave(socket: ServerConnection) -> None:
+        socket.send(json.dumps({**welcome, "protocol": next(protocols)}))
+        for text in socket:
+            (command,) = json.loads(text)
+            socket.send(json.dumps({"event": "done", "ref": command["ref"], "frame": 0}))
+            socket.send(b"\x80")
+
+    with serve(misbehave, "127.0.0.1", 0) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        (found,) = printed(program, "failures", f"http://127.0.0.1:{server.socket.getsockname()[1]}")
+    assert found["failures"] == [
+        "malformed frames: found no frame, rate or time. Are client and service of one version?",
+        "the connection is lost: no message for a while",
+        "expected protocol 3, found 4",
+    ]
 
 
 def test_every_command_is_done_and_refusals_say_why(program: Path, service: Running) -> None:

@@ -21,6 +21,7 @@ sealed class Live
     double worst, jump = -1, held = -1, lost, found = -1;
     int frames, characters, reconnections;
     bool isExchanged;
+    Task<long> late;
 
     Live(string encoding, int ahead) { this.encoding = encoding; this.ahead = ahead; }
 
@@ -32,10 +33,10 @@ sealed class Live
         Program.Say("ready", true);
         await Until(players, player => player.isExchanged && player.frames >= 2 * Enough && player.banks.Count == 2);
         Program.Say("exchanged", true);
-        await Until(players, player => player.reconnections == 1 && player.frames >= 3 * Enough);
+        await Until(players, player => player.reconnections == 1 && player.late.IsCompleted && player.frames >= 3 * Enough);
         Program.Say("results", players.Select(player => Character.Fields("", "encoding", player.encoding, "ahead", player.ahead,
             "worst", player.worst, "frames", player.frames, "banks", player.banks, "samples", player.samples, "jump", player.jump,
-            "held", player.held, "away", player.found - player.lost, "failures", player.failures, "characters", player.characters)));
+            "held", player.held, "away", player.found - player.lost, "failures", player.failures, "characters", player.characters, "late", player.late.Result)));
         foreach (Live player in players) player.connection.Dispose();
     }
 
@@ -49,6 +50,7 @@ sealed class Live
         {
             failures.Add(problem.Message);
             lost = Seconds;
+            late = hero.SpeedAsync(0.9); // sent on the next connection
             hero.TryGetPose(shown);
             held = Vector3.Distance(shown.Root, root);
         };
@@ -69,7 +71,7 @@ sealed class Live
         {
             for (int row = 0; row < received.Characters; row++)
             {
-                pose.Read(some, frame, row);
+                pose.Read(received, frame, row);
                 pose.WorldPositions(places);
                 ReadOnlySpan<Vector3> theirs = received.WorldPositions(frame, row);
                 for (int joint = 0; joint < places.Length; joint++)
@@ -106,6 +108,19 @@ sealed class Live
     }
 
     public static double Seconds => System.Diagnostics.Stopwatch.GetTimestamp() / (double)System.Diagnostics.Stopwatch.Frequency;
+
+    /// <summary>Prints what fails on a service that misbehaves, until three things did.</summary>
+    public static async Task Failures(string url)
+    {
+        using (Connection connection = await Connection.ConnectAsync(url))
+        {
+            var failures = new List<string>();
+            connection.Failed += problem => failures.Add(problem.Message);
+            await connection.CreateAsync("walk");
+            for (double end = Seconds + 30; failures.Count < 3 && Seconds < end; await Task.Delay(5)) connection.Update();
+            Program.Say("failures", failures);
+        }
+    }
 
     /// <summary>Sends every command, and some that are refused.</summary>
     public static async Task Commands(string url)

@@ -16,6 +16,7 @@ static class Program
             case "playback": Play(arguments[1]); break;
             case "live": Live.Run(arguments[1]).Wait(); break;
             case "commands": Live.Commands(arguments[1]).Wait(); break;
+            case "failures": Live.Failures(arguments[1]).Wait(); break;
             case "unity": Scene.Run(arguments[1], arguments[2]).Wait(); break;
             default: throw new ArgumentException(arguments[0]);
         }

@@ -110,7 +110,7 @@ def test_malformed_frames_are_errors_and_nothing_else(program: Path) -> None:
                 )
                 changed[max(int(at), 0)] = random.integers(256)
             messages.append(bytes(changed))
-    messages += [random.bytes(random.integers(200)) for _ in range(1000)]
+    messages += [random.bytes(int(random.integers(200))) for _ in range(1000)]
     found = printed(program, "frames", GOLDEN / "rig.gltf.json", lines=list(map(base64_of, messages)))
     assert len(found) == len(messages)
     errors = [one["error"] for one in found if "error" in one]
@@ -192,9 +192,9 @@ def test_root_motion_is_added_up_and_jumps_are_not_interpolated(program: Path) -
         expected.append((here["root_positions"], there["root_positions"], ground, step, heading, turn))
         ground, heading = ground + step, heading + turn
     for moment, picture in zip(moments, pictures, strict=True):
-        number, share = divmod((moment - 100.1) * 10.0, 1.0)
-        share = 0.0 if number == 6.0 else share
-        a, b, ground, step, heading, turn = expected[int(number)]
+        position = float(moment - 100.1) * 10.0
+        share = 0.0 if int(position) == 6 else position % 1.0
+        a, b, ground, step, heading, turn = expected[int(position)]
         np.testing.assert_allclose(picture["root"], (a + share * (b - a))[0, 0], atol=1e-4)
         np.testing.assert_allclose(picture["ground"], [*(ground + share * step), heading + share * turn], atol=1e-4)
 
@@ -220,17 +220,18 @@ def started(program: Path, *arguments: object) -> Iterator[Callable[[], dict[str
     """Runs the program, and gives the function that returns the next map that it prints."""
     command = ["mono", "--debug", str(program), *map(str, arguments)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
+        output, errors = process.stdout, process.stderr
+        assert output is not None
+        assert errors is not None
 
         def line() -> dict[str, Any]:
-            text = process.stdout.readline()
-            assert text, process.stderr.read()
+            text = output.readline()
+            assert text, errors.read()
             return dict(json.loads(text))
 
         try:
             yield line
-            assert process.wait(MINUTES) == 0, process.stderr.read()
+            assert process.wait(MINUTES) == 0, errors.read()
         finally:
             process.kill()
 
@@ -244,7 +245,8 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert line() == {"do": "", "ready": True}
         loop.call_soon_threadsafe(front.shared.serving.exchange, newer)
         assert line() == {"do": "", "exchanged": True}
-        loop.call_soon_threadsafe(lambda: [one.close(1011, "lost") for one in front.hub.connections])
+        for connection in tuple(front.hub.connections):
+            loop.call_soon_threadsafe(connection.close, 1011, "lost")
         results = line()["results"]
     assert [(one["encoding"], one["ahead"]) for one in results] == [
         (encoding, ahead) for encoding in ("float32", "int16") for ahead in (1, 8)

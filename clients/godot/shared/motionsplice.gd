@@ -64,12 +64,6 @@ func detach(id):
 	_puppets.erase(id)
 
 
-# Returns the position of a character's root and the rotations of its joints, as they are now; null if it is not there.
-func pose(id):
-	var picture = _playback.at(Native.now(), 0.0)
-	return null if picture == null else _playback.pose(picture, id)
-
-
 func _process(passed):
 	_waited += passed
 	if _socket == null:

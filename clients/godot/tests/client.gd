@@ -1,13 +1,15 @@
 # A client that compares each frame with the service's world positions, and what it shows with what it should show.
 extends "addons/motionsplice/motionsplice.gd"
 
+const JUMP = 4.0
 const Message = preload("addons/motionsplice/message.gd")
 
 var counts = [0]  # frames of each part: a part ends with a bank or a connection
 var worst = 0.0  # distance of a frame's bones from the service's world positions, in metres
+var farthest = 0.0  # the largest distance of such a position from the origin
 var shown = 0  # pictures
-var step = 0.0  # the most that the root of character 1 moved from picture to picture, in metres
-var jumped = 0.0  # that of character 2, which is placed elsewhere
+var jumps = 0  # pictures at which character 2 was at its new place, JUMP metres away
+var parts_of_jumps = 0  # pictures that show it on the way
 var banks = []
 var events = {}
 var log_of_playback = []  # messages and pictures, as a twin can replay them
@@ -15,7 +17,7 @@ var _own_rig
 var _skeleton
 var _puppet
 var _twin = Playback.new()
-var _before = {}
+var _before = null
 
 
 func on_event(fields):
@@ -31,13 +33,14 @@ func on_event(fields):
 		_puppet = Puppet.new(skeleton, skeleton)
 		_skeleton = skeleton
 	if fields.event == "welcome":
-		_before = {}
+		_before = null
 		send([
 			{"do": "create", "id": 1, "locomotion": "walk"},
 			{"do": "create", "id": [2, 4294967295], "locomotion": {"walk": 1, "run": 2}, "position": [3, 0, 1]},
+			{"do": "speed", "id": 2, "speed": 0.25},
+			{"do": "in_place", "id": 4294967295, "in_place": true},
 			{"do": "act", "id": 2, "action": "wave", "when": "phase"},
 		])
-		send({"do": "place", "id": 2, "position": [-20, 0, 0], "heading": 1.0})
 		send({"do": "create", "id": 9, "locomotion": "wlak"})
 
 
@@ -51,7 +54,7 @@ func on_rig_changed(rig):
 func result():
 	return {
 		"encoding": encoding, "ahead": ahead, "counts": counts, "worst": worst, "banks": banks, "events": events,
-		"shown": shown, "step": step, "jumped": jumped, "log": log_of_playback, "delay": _playback.delay,
+		"shown": shown, "farthest": farthest, "jumps": jumps, "parts_of_jumps": parts_of_jumps, "log": log_of_playback, "delay": _playback.delay,
 	}
 
 
@@ -73,7 +76,12 @@ func _take_frames(bytes):
 			for joint in range(joints):
 				var k = 3 * ((i * ids.size() + row) * joints + joint)
 				var place = Vector3(worlds[k], worlds[k + 1], worlds[k + 2])
+				farthest = max(farthest, place.length())
 				worst = max(worst, _skeleton.get_bone_global_pose(joint).origin.distance_to(place))
+	if counts[-1] < 100 and counts[-1] + message.count >= 100:
+		var root = frames[-1].roots[2]
+		var side = -1 if root.x > 0 else 1
+		send({"do": "place", "id": 2, "position": [root.x + side * JUMP, 0, root.z]})
 	counts[-1] += message.count
 	if log_of_playback.size() < 400 and counts.size() == 1:
 		var now = Native.now()
@@ -87,16 +95,13 @@ func _show(passed):
 	if picture == null:
 		return
 	shown += 1
-	for id in [1, 2]:
-		var found = _playback.pose(picture, id)
-		if found != null and _before.has(id):
-			var moved = found[0].distance_to(_before[id])
-			if id == 1:
-				step = max(step, moved)
-			elif moved > jumped:
-				jumped = moved
-		if found != null:
-			_before[id] = found[0]
+	var placed = _playback.pose(picture, 2)
+	if placed != null:
+		if _before != null:
+			var moved = placed[0].distance_to(_before)
+			jumps += int(moved > JUMP - 1)
+			parts_of_jumps += int(moved > 1 and moved < JUMP - 1)
+		_before = placed[0]
 	if log_of_playback.size() < 400 and counts.size() == 1:
 		var now = Native.now()
 		var twins = _twin.at(now, passed)

@@ -31,15 +31,18 @@ func _idle(delta):
 	passed += delta
 	if passed > PATIENCE:
 		quit(1)
+	if stage > 3:
+		return false
 	for client in clients:
 		if client.counts[-1] < ENOUGH or client.counts.size() < stage:
 			return false
-	if stage < 3:
+	stage += 1
+	if stage <= 3:
 		print(Native.json({"stage": stage}))
-		stage += 1
 		return false
 	var results = []
 	for client in clients:
 		results.append(client.result())
 	print(Native.json(results))
-	return true
+	quit()
+	return false

@@ -5,6 +5,7 @@ A splice is imported as GLB by Blender's own importer. The preview receives fram
 """
 
 import base64
+import contextlib
 import http.client
 import json
 import os
@@ -50,7 +51,7 @@ def request(address, path, token, **headers):
         if answer.status not in (200, 101):
             raise ServiceError(json.loads(answer.read())["detail"])
     except (OSError, http.client.HTTPException, ValueError, KeyError) as error:
-        raise ServiceError(f"no answer from {address} ({error!r}). Start the service: motionsplice serve BANK") from error
+        raise ServiceError(f"no answer from {address}: {error!r}. Start it: motionsplice serve BANK") from error
     return connection, answer
 
 
@@ -61,17 +62,16 @@ class Link:
         fields = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13"}
         fields["Sec-WebSocket-Key"] = base64.b64encode(os.urandom(16)).decode()
         connection, answer = request(address, path, token, **fields)
-        self.socket, self.reader = connection.sock, answer.fp
+        self.socket = connection.sock
+        self.answer = answer  # kept, because it would close its file, from which messages are read
         self.lock = threading.Lock()
 
     def send(self, value):
         self._write(TEXT, json.dumps(value).encode())
 
     def close(self):
-        try:
+        with contextlib.suppress(OSError):
             self.socket.shutdown(socket.SHUT_RDWR)  # which ends a read of another thread
-        except OSError:
-            pass
         self.socket.close()
 
     def __iter__(self):
@@ -96,7 +96,7 @@ class Link:
             return
 
     def _read(self, size):
-        data = self.reader.read(size)
+        data = self.answer.fp.read(size)
         if len(data) < size:
             raise ConnectionError
         return data
@@ -115,7 +115,7 @@ def apply(armature, rig, root, rotations):
     The service's joints have the world's axes in the bind pose; a bone's rest may have any, and it follows its joint.
     """
     worlds = []
-    for (x, y, z, w), parent in zip(rotations, rig["parents"]):
+    for (x, y, z, w), parent in zip(rotations, rig["parents"], strict=True):
         own = Quaternion((w, x, y, z))
         worlds.append(own if parent < 0 else worlds[parent] @ own)
     joints = {name: joint for joint, name in enumerate(rig["joints"])}
@@ -212,7 +212,7 @@ class ImportSplice(bpy.types.Operator):
 
     bl_idname = "motionsplice.import_splice"
     bl_label = "Import splice"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
     def execute(self, context):
         settings = context.scene.motionsplice

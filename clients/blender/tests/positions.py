@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import motionsplice
 
 LIVE = 1000  # frames
-PATIENCE = 120.0  # seconds
+PATIENCE = 60.0  # seconds
 
 
 def main(golden, url):
@@ -39,10 +39,10 @@ def of_golden_files(folder):
         scale = 32767 if encoding == "int16" else 1
         for name, armature in (("plain", built(rig, 0.0)), ("turned", built(rig, 0.7))):
             worst = 0.0
-            for roots, poses, worlds in zip(*(message[key] for key in ("root_positions", "rotations", "world_positions"))):
-                for root, rotations, world in zip(roots, poses, worlds):
-                    motionsplice.apply(armature, rig, root, [[x / scale for x in turn] for turn in rotations])
-                    worst = max(worst, distance(armature, rig["joints"], world))
+            poses = (sum(message[key], []) for key in ("root_positions", "rotations", "world_positions"))
+            for root, rotations, world in zip(*poses, strict=True):
+                motionsplice.apply(armature, rig, root, [[x / scale for x in turn] for turn in rotations])
+                worst = max(worst, distance(armature, rig["joints"], world))
             found[f"{encoding} {name}"] = worst
     return found
 
@@ -77,7 +77,7 @@ def distance(armature, joints, world):
     """Returns how far bones are at most from where joints should be."""
     bpy.context.view_layer.update()
     heads = (armature.matrix_world @ armature.pose.bones[name].head for name in joints)
-    return max((head - Vector(place)).length for head, place in zip(heads, world))
+    return max((head - Vector(place)).length for head, place in zip(heads, world, strict=True))
 
 
 def of_splice(url):

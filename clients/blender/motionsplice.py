@@ -39,7 +39,7 @@ class ServiceError(Exception):
 
 
 def request(address, path, token, **headers):
-    """Sends a request. Returns the connection and the answer."""
+    """Sends a request. Returns the connection and the answer. Raises ServiceError."""
     url = urlsplit(address)
     kind = http.client.HTTPSConnection if url.scheme == "https" else http.client.HTTPConnection
     if token:
@@ -155,9 +155,8 @@ class Preview:
     def play(self, locomotion, action):
         """Shows a splice: creates the character, or changes what it plays."""
         do = "play" if self.created else "create"
-        commands = [{"do": do, "id": CHARACTER, "locomotion": locomotion}]
-        commands.append({"do": "act", "id": CHARACTER, "action": action} if action else {"do": "stop", "id": CHARACTER})
-        self.link.send(commands)
+        act = {"do": "act", "id": CHARACTER, "action": action} if action else {"do": "stop", "id": CHARACTER}
+        self.link.send([{"do": do, "id": CHARACTER, "locomotion": locomotion}, act])
 
     def stop(self, status):
         self.link.close()
@@ -216,11 +215,10 @@ class ImportSplice(bpy.types.Operator):
 
     def execute(self, context):
         settings = context.scene.motionsplice
-        query = {"locomotion": settings.locomotion, "format": "glb"}
-        if settings.action:
-            query["action"] = settings.action
+        action = {"action": settings.action} if settings.action else {}
+        query = urlencode({"locomotion": settings.locomotion, **action, "format": "glb"})
         try:
-            _, answer = request(settings.address, "/v1/splice?" + urlencode(query), settings.token)
+            _, answer = request(settings.address, f"/v1/splice?{query}", settings.token)
             splice = answer.read()
         except (ServiceError, OSError, http.client.HTTPException) as error:
             self.report({"ERROR"}, str(error))

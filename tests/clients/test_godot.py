@@ -15,13 +15,11 @@ import msgpack
 import numpy as np
 import pytest
 
-from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.procedural.library import make
-from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
 from tests.clients.godot import CLIENT, GODOT, MINUTES, project, script
+from tests.clients.newer import newer_bank
 from tests.service.running import Running, running
 
 ROOT = Path(__file__).parents[2]
@@ -31,12 +29,7 @@ needs_godot = pytest.mark.skipif(GODOT is None, reason="Godot 3 is not installed
 
 @pytest.fixture(scope="module")
 def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    """A newer bank: the run is another one."""
-    clips = tmp_path_factory.mktemp("other") / "clips"
-    shutil.copytree(clip_folder, clips)
-    (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=12, seconds=4.0)))
-    build_bank([clips], clips.parent / "bank", baseline="walk", jobs=1)
-    return Bank.open(clips.parent / "bank")
+    return newer_bank(clip_folder, tmp_path_factory.mktemp("other"))
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ import json
 import sys
 import time
 import urllib.request
+from itertools import chain
 from pathlib import Path
 
 import bpy
@@ -28,6 +29,7 @@ def main(golden, url):
     found["frames"], found["live"], found["exchanged"] = live()
     settings.locomotion = "wlak"
     found["refused"] = refusals()
+    motionsplice.unregister()
     print(json.dumps(found), flush=True)
 
 
@@ -39,7 +41,7 @@ def of_golden_files(folder):
         scale = 32767 if encoding == "int16" else 1
         for name, armature in (("plain", built(rig, 0.0)), ("turned", built(rig, 0.7))):
             worst = 0.0
-            poses = (sum(message[key], []) for key in ("root_positions", "rotations", "world_positions"))
+            poses = (chain(*message[key]) for key in ("root_positions", "rotations", "world_positions"))
             for root, rotations, world in zip(*poses, strict=True):
                 motionsplice.apply(armature, rig, root, [[x / scale for x in turn] for turn in rotations])
                 worst = max(worst, distance(armature, rig["joints"], world))

@@ -1,0 +1,302 @@
+"""An add-on for Blender 4.2 and newer: imports splices of a motionsplice service, and plays its characters live.
+
+A splice is imported as GLB by Blender's own importer. The preview receives frames as JSON over a WebSocket
+(docs/protocol.md), for which Python's library has no client: `Link` is one.
+"""
+
+import base64
+import contextlib
+import http.client
+import json
+import os
+import queue
+import socket
+import tempfile
+import threading
+from urllib.parse import urlencode, urlsplit
+
+import bpy
+from mathutils import Quaternion, Vector
+
+bl_info = {
+    "name": "motionsplice",
+    "description": "Import splices of a motionsplice service, and preview its characters live",
+    "author": "The motionsplice authors",
+    "version": (0, 2, 0),
+    "blender": (4, 2, 0),
+    "location": "3D View > Sidebar > motionsplice",
+    "category": "Animation",
+}
+PROTOCOL = 3
+PATIENCE = 10.0  # seconds
+TICK = 1 / 60  # seconds between two looks for new frames
+CHARACTER = 1  # the id of the previewed character
+TEXT, CLOSE, PING, PONG = 0x1, 0x8, 0x9, 0xA  # opcodes of RFC 6455
+
+
+class ServiceError(Exception):
+    """A request that the service refused, or did not answer."""
+
+
+def request(address, path, token, **headers):
+    """Sends a request. Returns the connection and the answer. Raises ServiceError."""
+    url = urlsplit(address)
+    kind = http.client.HTTPSConnection if url.scheme == "https" else http.client.HTTPConnection
+    if token:
+        headers["Authorization"] = f"Bearer {token}"
+    try:
+        connection = kind(url.netloc, timeout=PATIENCE)
+        connection.request("GET", path, headers=headers)
+        answer = connection.getresponse()
+        if answer.status not in (200, 101):
+            raise ServiceError(json.loads(answer.read())["detail"])
+    except (OSError, http.client.HTTPException, ValueError, KeyError) as error:
+        raise ServiceError(f"no answer from {address}: {error!r}. Start it: motionsplice serve BANK") from error
+    return connection, answer
+
+
+class Link:
+    """A WebSocket that sends and receives JSON. Iterate over it to receive."""
+
+    def __init__(self, address, path, token=""):
+        fields = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13"}
+        fields["Sec-WebSocket-Key"] = base64.b64encode(os.urandom(16)).decode()
+        connection, answer = request(address, path, token, **fields)
+        self.socket = connection.sock
+        self.answer = answer  # kept, because it would close its file, from which messages are read
+        self.lock = threading.Lock()
+
+    def send(self, value):
+        self._write(TEXT, json.dumps(value).encode())
+
+    def close(self):
+        with contextlib.suppress(OSError):
+            self.socket.shutdown(socket.SHUT_RDWR)  # which ends a read of another thread
+        self.socket.close()
+
+    def __iter__(self):
+        """Yields what arrives until the connection ends."""
+        text = b""
+        try:
+            while True:
+                first, size = self._read(2)
+                if size >= 126:
+                    size = int.from_bytes(self._read(2 if size == 126 else 8), "big")
+                payload, opcode = self._read(size), first & 0xF
+                if opcode == CLOSE:
+                    return
+                if opcode == PING:
+                    self._write(PONG, payload)
+                elif opcode != PONG:
+                    text += payload
+                    if first & 0x80:  # the last fragment
+                        yield json.loads(text)
+                        text = b""
+        except OSError:
+            return
+
+    def _read(self, size):
+        data = self.answer.fp.read(size)
+        if len(data) < size:
+            raise ConnectionError
+        return data
+
+    def _write(self, opcode, payload):
+        size, mask = len(payload), os.urandom(4)
+        head = bytes((size,)) if size < 126 else b"\x7e" + size.to_bytes(2, "big")  # commands have at most 64 KiB
+        masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(payload))
+        with self.lock:
+            self.socket.sendall(bytes((0x80 | opcode, head[0] | 0x80)) + head[1:] + mask + masked)
+
+
+def apply(armature, rig, root, rotations):
+    """Poses an armature by the names of its bones.
+
+    The service's joints have the world's axes in the bind pose; a bone's rest may have any, and it follows its joint.
+    """
+    worlds = []
+    for (x, y, z, w), parent in zip(rotations, rig["parents"], strict=True):
+        own = Quaternion((w, x, y, z))
+        worlds.append(own if parent < 0 else worlds[parent] @ own)
+    joints = {name: joint for joint, name in enumerate(rig["joints"])}
+    rests, turned = {None: Quaternion()}, {None: Quaternion()}  # in the armature's space
+    for bone in sorted(armature.data.bones, key=lambda bone: len(bone.parent_recursive)):
+        above = bone.parent.name if bone.parent else None
+        rest = rests[bone.name] = bone.matrix_local.to_quaternion()
+        unposed = turned[above] @ rests[above].inverted() @ rest
+        joint = joints.get(bone.name)
+        if joint is None:
+            turned[bone.name] = unposed
+            continue
+        turned[bone.name] = worlds[joint] @ rest
+        pose = armature.pose.bones[bone.name]
+        pose.rotation_mode = "QUATERNION"
+        pose.rotation_quaternion = unposed.inverted() @ turned[bone.name]
+        if joint == 0:
+            pose.location = rest.inverted() @ (Vector(root) - bone.head_local)
+
+
+class Preview:
+    """A character of the service, shown on an armature."""
+
+    running = None
+    status = ""
+
+    def __init__(self, armature, address, token):
+        self.armature = armature.name
+        self.rig = None
+        self.created = False
+        self.events = queue.SimpleQueue()
+        self.frame = None  # the newest one that has not been shown
+        self.link = Link(address, "/v1/characters?rate=60&axes=blender&format=json", token)
+        threading.Thread(target=self._receive, daemon=True).start()
+        Preview.running, Preview.status = self, "connected"
+
+    def play(self, locomotion, action):
+        """Shows a splice: creates the character, or changes what it plays."""
+        do = "play" if self.created else "create"
+        act = {"do": "act", "id": CHARACTER, "action": action} if action else {"do": "stop", "id": CHARACTER}
+        self.link.send([{"do": do, "id": CHARACTER, "locomotion": locomotion}, act])
+
+    def stop(self, status):
+        self.link.close()
+        Preview.running, Preview.status = None, status
+
+    def tick(self):
+        """Shows the newest frame. Returns the seconds until the next call; None ends the timer."""
+        armature = bpy.data.objects.get(self.armature)
+        while not self.events.empty():
+            self._take(self.events.get())
+        if armature is None:
+            self.stop("the armature was deleted")
+        if Preview.running is not self:
+            return None
+        frame = self.frame
+        if frame is not None and frame["bank"] == self.rig["bank"]:
+            apply(armature, self.rig, frame["root_positions"][-1][0], frame["rotations"][-1][0])
+            self.frame = None
+        return TICK
+
+    def _take(self, event):
+        if event is None:
+            if Preview.running is self:
+                self.stop("the connection was lost")
+        elif event["event"] in ("welcome", "bank"):
+            self.rig = event
+            if event.get("protocol", PROTOCOL) != PROTOCOL:
+                self.stop(f"the service has protocol {event['protocol']}, this add-on {PROTOCOL}")
+        elif event["event"] == "done":
+            self.created, Preview.status = True, "playing"
+        elif event["event"] == "refused":
+            Preview.status = event["detail"]
+
+    def _receive(self):
+        for event in self.link:
+            if event["event"] == "frames":
+                self.frame = event
+            else:
+                self.events.put(event)
+        self.events.put(None)
+
+
+class Settings(bpy.types.PropertyGroup):
+    address: bpy.props.StringProperty(name="Address", default="http://127.0.0.1:8000")
+    token: bpy.props.StringProperty(name="Token", subtype="PASSWORD")
+    locomotion: bpy.props.StringProperty(name="Locomotion", default="walk")
+    action: bpy.props.StringProperty(name="Action", default="carry_box")
+
+
+class ImportSplice(bpy.types.Operator):
+    """Import a splice as an armature with an action"""
+
+    bl_idname = "motionsplice.import_splice"
+    bl_label = "Import splice"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+
+    def execute(self, context):
+        settings = context.scene.motionsplice
+        action = {"action": settings.action} if settings.action else {}
+        query = urlencode({"locomotion": settings.locomotion, **action, "format": "glb"})
+        try:
+            _, answer = request(settings.address, f"/v1/splice?{query}", settings.token)
+            splice = answer.read()
+        except (ServiceError, OSError, http.client.HTTPException) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "splice.glb")
+            with open(path, "wb") as file:
+                file.write(splice)
+            return bpy.ops.import_scene.gltf(filepath=path)
+
+
+class StartPreview(bpy.types.Operator):
+    """Play the splice live on the selected armature"""
+
+    bl_idname = "motionsplice.preview"
+    bl_label = "Preview"
+
+    @classmethod
+    def poll(cls, context):
+        return Preview.running is not None or (context.object is not None and context.object.type == "ARMATURE")
+
+    def execute(self, context):
+        settings = context.scene.motionsplice
+        try:
+            if Preview.running is None:
+                preview = Preview(context.object, settings.address, settings.token)
+                bpy.app.timers.register(preview.tick)
+            Preview.running.play(settings.locomotion, settings.action)
+        except (ServiceError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class StopPreview(bpy.types.Operator):
+    """End the live preview"""
+
+    bl_idname = "motionsplice.stop"
+    bl_label = "Stop"
+
+    @classmethod
+    def poll(cls, _context):
+        return Preview.running is not None
+
+    def execute(self, _context):
+        Preview.running.stop("")
+        return {"FINISHED"}
+
+
+class Panel(bpy.types.Panel):
+    bl_idname = "VIEW3D_PT_motionsplice"
+    bl_label = "motionsplice"
+    bl_category = "motionsplice"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+
+    def draw(self, context):
+        settings = context.scene.motionsplice
+        for name in ("address", "token", "locomotion", "action"):
+            self.layout.prop(settings, name)
+        self.layout.operator(ImportSplice.bl_idname)
+        self.layout.operator(StartPreview.bl_idname)
+        self.layout.operator(StopPreview.bl_idname)
+        self.layout.label(text=Preview.status)
+
+
+CLASSES = (Settings, ImportSplice, StartPreview, StopPreview, Panel)
+
+
+def register():
+    for one in CLASSES:
+        bpy.utils.register_class(one)
+    bpy.types.Scene.motionsplice = bpy.props.PointerProperty(type=Settings)
+
+
+def unregister():
+    if Preview.running is not None:
+        Preview.running.stop("")
+    del bpy.types.Scene.motionsplice
+    for one in reversed(CLASSES):
+        bpy.utils.unregister_class(one)

@@ -259,9 +259,9 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert one["characters"] == 3
         assert one["late"] >= 0  # a command that was given without a connection
         assert one["failures"] == ["the connection is lost: closed with code 1011 lost"]
-        assert 0.2 <= one["away"] <= 1.0
-        assert one["jump"] < 0.15  # metres: it goes on where it was, at another phase of the stride
-        assert one["held"] < 0.15  # the delay's
+        assert one["away"] >= 0.25  # seconds
+        assert one["jump"] < 0.3  # metres, of 5.8 to the origin: it goes on where it was, at another phase of the stride
+        assert one["held"] < 0.5  # the delay's
         assert len(one["samples"]) == 10
         for sample in one["samples"]:
             assert np.abs(placed(sample, one["encoding"]) - sample["positions"]).max() < 1e-5

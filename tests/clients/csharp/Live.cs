@@ -99,7 +99,7 @@ sealed class Live
 
     static async Task Until(List<Live> players, Func<Live, bool> holds)
     {
-        for (double end = Seconds + 60; !players.All(holds);)
+        for (double end = Seconds + 120; !players.All(holds);)
         {
             if (Seconds > end) throw new TimeoutException();
             foreach (Live player in players) player.connection.Update();

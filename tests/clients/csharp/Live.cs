@@ -18,7 +18,7 @@ sealed class Live
     Connection connection;
     Character hero;
     Vector3 root;
-    double worst, jump = -1, held = -1, lost, found = -1;
+    double worst, jump = -1, held = -1;
     int frames, characters, reconnections;
     bool isExchanged;
     Task<long> late;
@@ -36,7 +36,7 @@ sealed class Live
         await Until(players, player => player.reconnections == 1 && player.late.IsCompleted && player.frames >= 3 * Enough);
         Program.Say("results", players.Select(player => Character.Fields("", "encoding", player.encoding, "ahead", player.ahead,
             "worst", player.worst, "frames", player.frames, "banks", player.banks, "samples", player.samples, "jump", player.jump,
-            "held", player.held, "away", player.found - player.lost, "failures", player.failures, "characters", player.characters, "late", player.late.Result)));
+            "held", player.held, "failures", player.failures, "characters", player.characters, "late", player.late.Result)));
         foreach (Live player in players) player.connection.Dispose();
     }
 
@@ -49,7 +49,6 @@ sealed class Live
         connection.Failed += problem =>
         {
             failures.Add(problem.Message);
-            lost = Seconds;
             late = hero.SpeedAsync(0.9); // sent on the next connection
             hero.TryGetPose(shown);
             held = Vector3.Distance(shown.Root, root);
@@ -83,11 +82,7 @@ sealed class Live
             }
         }
         Vector3 now = received.RootPositions(0)[0];
-        if (reconnections == 1 && jump < 0)
-        {
-            jump = Vector3.Distance(root, now);
-            found = Seconds;
-        }
+        if (reconnections == 1 && jump < 0) jump = Vector3.Distance(root, now);
         root = received.RootPositions(received.Count - 1)[0];
         frames += received.Count;
         characters = received.Characters;
@@ -99,7 +94,7 @@ sealed class Live
 
     static async Task Until(List<Live> players, Func<Live, bool> holds)
     {
-        for (double end = Seconds + 60; !players.All(holds);)
+        for (double end = Seconds + 120; !players.All(holds);)
         {
             if (Seconds > end) throw new TimeoutException();
             foreach (Live player in players) player.connection.Update();

@@ -1,4 +1,4 @@
-// The tests' program: "Program.exe MODE ...". test_csharp.py says what each mode prints.
+// The tests' program: "Program.exe MODE ...". the tests in Python say what each mode prints.
 using System;
 using System.Collections.Generic;
 using System.IO;

@@ -8,15 +8,20 @@ import msgpack
 import numpy as np
 
 
-def unpacked(stream: bytes) -> list[dict[str, Any]]:
+def framed(stream: bytes) -> list[bytes]:
     """Returns the messages of a length-delimited stream."""
     read = []
     while stream:
         size = int.from_bytes(stream[:4], "big")
         assert len(stream) >= 4 + size
-        read.append(msgpack.unpackb(stream[4 : 4 + size]))
+        read.append(stream[4 : 4 + size])
         stream = stream[4 + size :]
     return read
+
+
+def unpacked(stream: bytes) -> list[dict[str, Any]]:
+    """Returns the messages of a length-delimited stream, decoded."""
+    return [msgpack.unpackb(message) for message in framed(stream)]
 
 
 def arrays(message: dict[str, Any], joints: int, *leading: int, short: bool = False) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from motionsplice.service.answers.frames import Frames
 from motionsplice.service.answers.stream import STREAM, Clock, messages
 from motionsplice.service.serving import Edition
 from motionsplice.service.wire.encoding import Encoding
-from tests.service.messages import arrays, unpacked
+from tests.service.messages import arrays, blob_offsets, framed, unpacked
 
 
 @pytest.mark.parametrize("method", ["splice", "naive", "none"])
@@ -139,6 +139,26 @@ def test_a_splice_as_gltf_is_the_same_motion(
     joints = [bank.skeleton.index(name) for name in clip.skeleton.names]
     assert len(joints) == bank.skeleton.joint_count
     np.testing.assert_allclose(joint_positions(clip), positions[:, joints], atol=1e-5)
+
+
+@pytest.mark.parametrize("parts", ["local", "world", "both"])
+@pytest.mark.parametrize("encoding", ["float32", "int16"])
+def test_arrays_of_every_answer_begin_at_multiples_of_four_bytes(client: TestClient, parts: str, encoding: str) -> None:
+    how = f"&parts={parts}&encoding={encoding}"
+    batch = {"clips": ["walk"], "locomotion": [0] * 5, "time": [0.5] * 5}
+    _, *streamed = framed(client.get(f"/v1/stream?locomotion=walk&rate=200&ahead=70{how}").content)
+    messages = [
+        client.get(f"/v1/pose?locomotion=walk&time=1&format=msgpack{how}").content,
+        client.post(f"/v1/poses?format=msgpack{how}", json=batch).content,
+        client.get(f"/v1/splice?locomotion=walk&count=1&format=msgpack{how}").content,
+        client.get(f"/v1/splice?locomotion=walk&rate=200&format=msgpack{how}").content,  # more than 64 KiB an array
+        *streamed,
+    ]
+    assert len(messages) > 10
+    for message in messages:
+        offsets = blob_offsets(message)
+        assert len(offsets) == (3 if parts == "both" else 2)
+        assert not any(offset % 4 for offset in offsets.values())
 
 
 @pytest.mark.parametrize(("ahead", "count"), [(1, 150), (7, 22), (100, 2)])

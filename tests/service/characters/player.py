@@ -11,7 +11,7 @@ import msgpack
 import numpy as np
 from websockets.sync.client import connect
 
-from tests.service.messages import arrays
+from tests.service.messages import arrays, blob_offsets
 from tests.service.running import PATIENCE, Running
 
 
@@ -39,6 +39,7 @@ class Player:
         message = self.socket.recv(timeout=PATIENCE)
         if isinstance(message, bytes):
             frame = msgpack.unpackb(message)
+            assert not any(offset % 4 for offset in blob_offsets(message).values())
             ids = np.frombuffer(frame["ids"], "<u4")
             short = self.welcome["encoding"] == "int16"
             decoded = arrays(frame, len(self.welcome["joints"]), frame["count"], len(ids), short=short)

@@ -49,7 +49,8 @@ def request(address, path, token, **headers):
         connection.request("GET", path, headers=headers)
         answer = connection.getresponse()
         if answer.status not in (200, 101):
-            raise ServiceError(json.loads(answer.read())["detail"])
+            with contextlib.closing(connection):
+                raise ServiceError(json.loads(answer.read())["detail"])
     except (OSError, http.client.HTTPException, ValueError, KeyError) as error:
         raise ServiceError(f"no answer from {address}: {error!r}. Start it: motionsplice serve BANK") from error
     return connection, answer
@@ -77,7 +78,7 @@ class Link:
     def __iter__(self):
         """Yields what arrives until the connection ends."""
         text = b""
-        try:
+        with contextlib.suppress(OSError):
             while True:
                 first, size = self._read(2)
                 if size >= 126:
@@ -92,8 +93,6 @@ class Link:
                     if first & 0x80:  # the last fragment
                         yield json.loads(text)
                         text = b""
-        except OSError:
-            return
 
     def _read(self, size):
         data = self.answer.fp.read(size)
@@ -171,10 +170,9 @@ class Preview:
             self.stop("the armature was deleted")
         if Preview.running is not self:
             return None
-        frame = self.frame
-        if frame is not None and frame["bank"] == self.rig["bank"]:
+        if self.frame is not None and self.frame["bank"] == self.rig["bank"]:
+            frame, self.frame = self.frame, None
             apply(armature, self.rig, frame["root_positions"][-1][0], frame["rotations"][-1][0])
-            self.frame = None
         return TICK
 
     def _take(self, event):
@@ -218,8 +216,9 @@ class ImportSplice(bpy.types.Operator):
         action = {"action": settings.action} if settings.action else {}
         query = urlencode({"locomotion": settings.locomotion, **action, "format": "glb"})
         try:
-            _, answer = request(settings.address, f"/v1/splice?{query}", settings.token)
-            splice = answer.read()
+            connection, answer = request(settings.address, f"/v1/splice?{query}", settings.token)
+            with contextlib.closing(connection):
+                splice = answer.read()
         except (ServiceError, OSError, http.client.HTTPException) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -279,9 +278,8 @@ class Panel(bpy.types.Panel):
         settings = context.scene.motionsplice
         for name in ("address", "token", "locomotion", "action"):
             self.layout.prop(settings, name)
-        self.layout.operator(ImportSplice.bl_idname)
-        self.layout.operator(StartPreview.bl_idname)
-        self.layout.operator(StopPreview.bl_idname)
+        for operator in (ImportSplice, StartPreview, StopPreview):
+            self.layout.operator(operator.bl_idname)
         self.layout.label(text=Preview.status)
 
 

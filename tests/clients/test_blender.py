@@ -51,8 +51,8 @@ def test_its_websocket_receives_what_the_service_sends(addon: dict[str, Any], se
     link.send({"do": "create", "id": 0, "locomotion": "walk"})
     assert next(events)["event"] == "done"
     assert next(events)["ids"] == [0]
-    link.send({"do": "create", "id": list(range(1, 60)), "locomotion": "run"})  # a long message, longer answers
-    frame = next(event for event in events if len(event.get("ids", ())) == 60)
+    link.send({"do": "create", "id": list(range(1, 80)), "locomotion": "run"})  # a long message, longer answers
+    frame = next(event for event in events if len(event.get("ids", ())) == 80)
     assert len(json.dumps(frame)) > 65_536
     service.server.servers[0].get_loop().call_soon_threadsafe(lose_connections, service.config.front.hub)
     assert {event["event"] for event in events} <= {"frames"}  # and it ends

@@ -114,7 +114,11 @@ def first_alone(message: bytes) -> bytes:
 
 
 @pytest.mark.skipif(GDPARSE is None, reason="gdtoolkit is not installed: pip install gdtoolkit")
-@pytest.mark.parametrize("file", sorted([*CLIENT.glob("shared/*.gd"), *CLIENT.glob("godot4/*.gd")]), ids=lambda file: f"{file.parent.name}-{file.stem}")
+@pytest.mark.parametrize(
+    "file",
+    sorted([*CLIENT.glob("shared/*.gd"), *CLIENT.glob("godot4/*.gd")]),
+    ids=lambda file: f"{file.parent.name}-{file.stem}",
+)
 def test_the_syntax_is_godot_4s(file: Path) -> None:
     assert GDPARSE is not None
     subprocess.run([GDPARSE, str(file)], check=True, capture_output=True, timeout=MINUTES)

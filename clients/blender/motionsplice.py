@@ -226,7 +226,7 @@ class ImportSplice(bpy.types.Operator):
             path = os.path.join(folder, "splice.glb")
             with open(path, "wb") as file:
                 file.write(splice)
-            return bpy.ops.import_scene.gltf(filepath=path)
+            return bpy.ops.import_scene.gltf(filepath=path, bone_heuristic="FORTUNE")
 
 
 class StartPreview(bpy.types.Operator):

@@ -19,7 +19,7 @@ import pytest
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
-from tests.clients.newer import lose_connections, newer_bank
+from tests.clients.happenings import lose, newer_bank
 from tests.service.running import Running, running
 
 ROOT = Path(__file__).parents[2]
@@ -54,7 +54,7 @@ def test_its_websocket_receives_what_the_service_sends(addon: dict[str, Any], se
     link.send({"do": "create", "id": list(range(1, 80)), "locomotion": "run"})  # a long message, longer answers
     frame = next(event for event in events if len(event.get("ids", ())) == 80)
     assert len(json.dumps(frame)) > 65_536
-    service.server.servers[0].get_loop().call_soon_threadsafe(lose_connections, service.config.front.hub)
+    service.server.servers[0].get_loop().call_soon_threadsafe(lose, service.config.front)
     assert {event["event"] for event in events} <= {"frames"}  # and it ends
     link.close()
 

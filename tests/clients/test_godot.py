@@ -19,7 +19,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
 from tests.clients.godot import CLIENT, GODOT, MINUTES, project, script
-from tests.clients.newer import lose_connections, newer_bank
+from tests.clients.happenings import lose, newer_bank
 from tests.service.running import Running, running
 
 ROOT = Path(__file__).parents[2]
@@ -66,7 +66,7 @@ def test_bones_are_where_the_service_has_them_through_an_exchange_and_a_reconnec
             if '"stage":2' in line:
                 loop.call_soon_threadsafe(front.shared.serving.exchange, newer)
             elif '"stage":3' in line:
-                loop.call_soon_threadsafe(lose_connections, front.hub)
+                loop.call_soon_threadsafe(lose, front)
         assert process.wait(MINUTES) == 0, printed
     assert not [line for line in printed if "SCRIPT ERROR" in line], printed
     results = next(json.loads(line) for line in printed if line.startswith("[{"))
@@ -114,8 +114,11 @@ def first_alone(message: bytes) -> bytes:
 
 
 @pytest.mark.skipif(GDPARSE is None, reason="gdtoolkit is not installed: pip install gdtoolkit")
-@pytest.mark.parametrize("file", sorted(CLIENT.glob("*/*.gd")), ids=lambda file: f"{file.parent.name}-{file.stem}")
-def test_its_syntax_is_gdscripts(file: Path) -> None:
+@pytest.mark.parametrize(
+    "file",
+    sorted([*CLIENT.glob("shared/*.gd"), *CLIENT.glob("godot4/*.gd")]),
+    ids=lambda file: f"{file.parent.name}-{file.stem}",
+)
+def test_the_syntax_is_godot_4s(file: Path) -> None:
     assert GDPARSE is not None
-    if file.parent.name in ("shared", "godot4"):
-        subprocess.run([GDPARSE, str(file)], check=True, capture_output=True, timeout=MINUTES)
+    subprocess.run([GDPARSE, str(file)], check=True, capture_output=True, timeout=MINUTES)

@@ -86,7 +86,8 @@ func _receive():
 			_take_event(Native.parsed(message))
 		else:
 			_take_frames(message)
-	if _socket.is_closed() or (_puppets.size() > 0 and _waited > SILENCE):
+	var is_silent = _waited > SILENCE and _puppets.size() > 0 and _playback.frames.size() > 0
+	if _socket.is_closed() or is_silent:
 		push_warning("motionsplice: no connection to %s. Trying again in %s s" % [url, _wait])
 		_socket = null
 		_welcomed = false

@@ -75,7 +75,8 @@ func _bind(rig):
 			_joints[bone] = joint
 	_root = _joints.find(0)
 	if _root < 0:
-		push_error("motionsplice: %s has no bone '%s'. Build the bank for this model: --skeleton MODEL" % [_skeleton.name, rig.joints[0]])
+		var names = [_skeleton.name, bone_name(rig.joints[0])]
+		push_error("motionsplice: %s has no bone '%s'. Build the bank for this model: --skeleton MODEL" % names)
 	_order = []
 	while _order.size() < count:
 		for bone in range(count):

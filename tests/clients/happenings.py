@@ -1,4 +1,4 @@
-"""What clients must survive: a newer bank than that of `tests/conftest.py`, and lost connections."""
+"""What happens to clients of a service: a newer bank, and lost connections."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
-from motionsplice.service.characters.hub import Hub
+from motionsplice.service.front import Front
 
 
 def newer_bank(clip_folder: Path, folder: Path) -> Bank:
@@ -20,7 +20,7 @@ def newer_bank(clip_folder: Path, folder: Path) -> Bank:
     return Bank.open(folder / "bank")
 
 
-def lose_connections(hub: Hub) -> None:
-    """Closes all connections, on the service's event loop, as a network that fails does."""
-    for connection in list(hub.connections):
-        connection.close(1011, "lost")
+def lose(front: Front) -> None:
+    """Closes all WebSockets, in the service's thread."""
+    for one in front.hub.connections:
+        one.close(1011, "lost")

@@ -62,6 +62,7 @@ def test_ctrl_c_ends_it_with_a_report(bank: Bank, listeners: tuple[socket.socket
     sending = subprocess.Popen(
         [*command, "--vmc", f"127.0.0.1:{port(vmc)}", "--loop"], cwd=ROOT, stdout=subprocess.PIPE, text=True,
         env={**os.environ, "COLUMNS": "200"},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a test run in the background ignores it
     )  # fmt: skip
     vmc.settimeout(60.0)
     for _ in range(20):

@@ -49,8 +49,10 @@ class TableResponse(FileResponse):
         async def send_or_raise(message: Message) -> None:
             if message["type"] == "http.response.start" and (status := message["status"]) >= 400:
                 detail = "the range is outside the file" if status == 416 else "the header Range is malformed"
-                found = Headers(raw=message["headers"]).get("content-range")
-                raise HTTPException(status, detail, {"content-range": found} if found else None)
+                size = Headers(raw=message["headers"]).get("content-range")  # old versions of Starlette omit "bytes"
+                raise HTTPException(
+                    status, detail, {"content-range": f"bytes {size.removeprefix('bytes ')}"} if size else None
+                )
             await send(message)
 
         await super().__call__(scope, receive, send_or_raise)

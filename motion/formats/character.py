@@ -21,7 +21,8 @@ from motionsplice.motion.formats.gltf.reader import animation_names, malformed, 
 from motionsplice.motion.formats.legs import with_legs_in_place
 from motionsplice.motion.formats.names import numbered
 from motionsplice.motion.formats.reading import root_of
-from motionsplice.motion.formats.scene import joints_of, nodes_of, rotations_of
+from motionsplice.motion.formats.scene import joints_of, nodes_of
+from motionsplice.motion.formats.transforms import rotations_of
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles

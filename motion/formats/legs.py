@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.formats.scene import Scene, rotations_of
+from motionsplice.motion.formats.scene import Scene
+from motionsplice.motion.formats.transforms import rotations_of
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import NOTHING_GIVEN, limbs_by_name
 from motionsplice.motion.skeleton import Integers, chain

@@ -17,6 +17,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean
 from motionsplice.motion.formats.fold import Nodes, listed
 from motionsplice.motion.formats.names import numbered
+from motionsplice.motion.formats.transforms import rotations_of
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
@@ -164,18 +165,3 @@ def _translations(at: Floats, world: Floats, parents: Integers, offsets: Floats)
         if np.abs(moved - offsets[joint]).max() > STEADY * longest:
             found[joint] = moved
     return found
-
-
-def rotations_of(transforms: Floats) -> Floats:
-    """Returns the rotations [..., 4] of transforms [..., 3, 4]: their axes without scale, made orthogonal."""
-    axes = np.moveaxis(transforms, (-2, -1), (1, 0))[:3]
-    x = _unit(axes[0])
-    y = _unit(axes[1] - np.sum(x * axes[1], axis=0) * x)
-    z = x[[1, 2, 0]] * y[[2, 0, 1]] - x[[2, 0, 1]] * y[[1, 2, 0]]
-    return quaternion.from_matrices(np.moveaxis(np.stack([x, y, z], axis=1), (0, 1), (-2, -1)))
-
-
-def _unit(v: Floats) -> Floats:
-    """Returns vectors [3, ...] at length 1, or 0 if they have none."""
-    length = np.sqrt(np.sum(v * v, axis=0))
-    return v / np.where(length > 0.0, length, 1.0)

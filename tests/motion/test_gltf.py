@@ -22,7 +22,8 @@ from motionsplice.motion.formats.gltf.reader import animation_names, read_scene
 from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.reading import read_clip
-from motionsplice.motion.formats.scene import nodes_of, rotations_of
+from motionsplice.motion.formats.scene import nodes_of
+from motionsplice.motion.formats.transforms import rotations_of
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from tests.glb_files import edited

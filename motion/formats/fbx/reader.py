@@ -5,18 +5,18 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.fold import listed
 from motionsplice.motion.formats.scene import Scene, most_transforms, unknown_animation
+from motionsplice.motion.formats.transforms import in_the_world, local_transforms
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.skeleton import Integers
 
 WORKER = Path(__file__).with_name("worker.py")
 SECONDS, SECONDS_PER_BYTE = 20.0, 1e-5  # limits of a child: far more than it needs, since the machine may be busy
@@ -83,15 +83,17 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
     count, frames, bound = len(answer["names"]), answer["frames"], answer["bound"]
     parents = np.array(answer["parents"], np.int64)
     bind, rest, moved = np.split(numbers, np.cumsum([12 * len(bound), 10 * count]))
-    stated = dict(zip(bound, bind.reshape(-1, 4, 3).transpose(0, 2, 1), strict=True))
-    world = _world(_matrices(moved.reshape(frames, count, 10)), parents, {})
+    stated = dict(zip(bound, bind.reshape(-1, 4, 3).transpose(0, 2, 1)[..., None], strict=True))
+    unstated = parents.copy()
+    unstated[bound] = -1
+    at_rest = (stated.get(node, local) for node, local in enumerate(_locals(rest.reshape(1, count, 10))))
     notes = [f"left out, not joints: {listed(answer['left_out'])}"] if answer["left_out"] else []
     return Scene(
         names=tuple(name or f"node {place}" for place, name in enumerate(answer["names"])),
         parents=parents,
         joints=np.array(answer["joints"], np.bool_),
-        bind=_world(_matrices(rest.reshape(1, count, 10)), parents, stated)[0],
-        world=world,
+        bind=in_the_world(at_rest, unstated, 1)[0],
+        world=in_the_world(_locals(moved.reshape(frames, count, 10)), parents, frames),
         rate=answer["rate"],
         roles={},
         unit=answer["unit"],
@@ -100,20 +102,7 @@ def _scene(answer: dict[str, Any], numbers: Floats) -> Scene:
     )
 
 
-def _matrices(local: Floats) -> Floats:
-    """Returns transforms [F, N, 3, 4] from translations, rotations and scales [F, N, 10]."""
-    axes = quaternion.rotate(local[..., None, 3:7], np.eye(3))  # one after the other
-    return np.concatenate([np.swapaxes(axes, -1, -2) * local[..., None, 7:], local[..., :3, None]], axis=-1)
-
-
-def _world(local: Floats, parents: Integers, stated: dict[int, Floats]) -> Floats:
-    """Returns world transforms [F, N, 3, 4] from those to the parents; `stated` ones [3, 4] replace them."""
-    world = local.copy()
-    for node, parent in enumerate(parents.tolist()):
-        if node in stated:
-            world[:, node] = stated[node]
-        elif parent >= 0:
-            above = world[:, parent]
-            world[:, node] = above[..., :3] @ local[:, node]
-            world[:, node, :, 3] += above[..., 3]
-    return world
+def _locals(values: Floats) -> Iterator[Floats]:
+    """Yields each node's transforms to its parent [3, 4, F], from translations, rotations and scales [F, N, 10]."""
+    for node in range(values.shape[1]):
+        yield local_transforms(*np.split(values[:, node], (3, 7), axis=1))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, partial
 from typing import Any
@@ -11,7 +11,6 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.gltf.accessors import read_accessor
 from motionsplice.motion.formats.gltf.container import EXPORT, Container, open_container, read_document
@@ -19,6 +18,7 @@ from motionsplice.motion.formats.gltf.humanoid import human_bones, humanoid_node
 from motionsplice.motion.formats.gltf.tracks import Track, key_rate
 from motionsplice.motion.formats.names import numbered
 from motionsplice.motion.formats.scene import Scene, most_transforms, unknown_animation
+from motionsplice.motion.formats.transforms import in_the_world, local_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
@@ -115,8 +115,8 @@ def _posed(
     container: Container, order: list[int], parents: Integers, tracks: Tracks, times: Floats, rate: float
 ) -> Scene:
     document, nodes = container.document, container.document["nodes"]
-    rest = _world((_local(nodes[node], node, {}, times) for node in order), parents, 1)[0]
-    world = _world((_local(nodes[node], node, tracks, times) for node in order), parents, len(times))
+    rest = in_the_world((_local(nodes[node], node, {}, times) for node in order), parents, 1)[0]
+    world = in_the_world((_local(nodes[node], node, tracks, times) for node in order), parents, len(times))
     places = {node: place for place, node in enumerate(order)}
     roles = humanoid_nodes(document)
     joints, bind = _skeleton(container, places, parents, rest)
@@ -191,26 +191,7 @@ def _local(node: dict[str, Any], number: int, tracks: Tracks, times: Floats) -> 
     values = {
         path: moved.get(path, np.array([node.get(path, DEFAULTS[path])], np.float64)) for path in PATHS
     }  # [F or 1, width]
-    local = np.empty((3, 4, max(len(value) for value in values.values())))
-    axes = quaternion.to_matrices(values["rotation"]).transpose(1, 2, 0)
-    local[:, :3], local[:, 3] = axes * values["scale"].T, values["translation"].T
-    return local
-
-
-def _world(locals_: Iterable[Floats], parents: Integers, frames: int) -> Floats:
-    """Returns world transforms [F, N, 3, 4] of nodes with transforms to their parents [3, 4, F or 1].
-
-    In memory all frames of a number lie together, because the work goes from node to node.
-    """
-    world = np.empty((len(parents), 3, 4, frames))
-    for node, local in enumerate(locals_):
-        if parents[node] < 0:
-            world[node] = local
-        else:
-            above = world[parents[node]]
-            world[node] = above[:, 0, None] * local[0] + above[:, 1, None] * local[1] + above[:, 2, None] * local[2]
-            world[node, :, 3] += above[:, 3]
-    return world.transpose(3, 0, 1, 2)
+    return local_transforms(values["translation"], values["rotation"], values["scale"])
 
 
 def _skeleton(container: Container, places: dict[int, int], parents: Integers, rest: Floats) -> tuple[Any, Floats]:

@@ -7,11 +7,11 @@ from collections.abc import Iterable
 from pydantic import BaseModel, Field
 
 from motionsplice import __version__
+from motionsplice.motion.axes import AXES, Axes
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import FEET, Contact
 from motionsplice.runtime.format.manifest import ClipEntry
 from motionsplice.service.settings import Settings
-from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
 from motionsplice.service.wire.messages import PROTOCOL
 from motionsplice.service.wire.rig import rig_fields

@@ -11,11 +11,11 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import Message, Receive, Scope, Send
 
+from motionsplice.motion.axes import AXES, AxesName
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
 from motionsplice.service.problems import MEDIA_TYPE, NotReadyError, RequestError, UnknownBankError
 from motionsplice.service.shared import Shared
-from motionsplice.service.wire.axes import AXES, AxesName
 
 Responses = dict[int | str, dict[str, Any]]
 OCTETS = {"type": "string", "format": "binary"}

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from motionsplice.motion.axes import Axes
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 from motionsplice.service.problems import NotReadyError
-from motionsplice.service.wire.axes import Axes
 from motionsplice.service.wire.encoding import warm as warm_encoding
 from motionsplice.service.wire.rig import rig_fields
 

@@ -9,15 +9,15 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
+from motionsplice.motion.axes import AXES
 from motionsplice.motion.errors import SkeletonError
-from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Skeleton
 
 PORT = 54321
 MOST = 65_507  # bytes that a datagram can have
 SUBJECT = "motionsplice"
-ORDER, SIGNS, TURNS = [2, 0, 1], np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0, 1.0])  # Unreal's axes
-CENTIMETRES = 100.0
+UNREAL = AXES["unreal"]
+ORDER, SIGNS = [*UNREAL.order, 3], np.array([*UNREAL.turns, 1.0])  # of a rotation there
 
 
 class LiveLink:
@@ -27,7 +27,7 @@ class LiveLink:
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
-        self._locations = _location(skeleton.offsets).astype(np.float32, order="C")
+        self._locations = UNREAL.positions(skeleton.offsets).astype(np.float32, order="C")
         self._bones = [
             # in ASCII, because the plugin reads each byte as a character
             {"Name": orjson.Fragment(json.dumps(name)), "Parent": parent, "Location": location, "Scale": [1, 1, 1]}
@@ -45,8 +45,8 @@ class LiveLink:
         Raises:
             SkeletonError: The rig has too many joints for a datagram.
         """
-        self._locations[0] = _location(root_position)
-        turned = (rotations[:, [*ORDER, 3]] * TURNS).astype(np.float32, order="C")
+        self._locations[0] = UNREAL.positions(root_position.astype(np.float64))
+        turned = (rotations[:, ORDER] * SIGNS).astype(np.float32, order="C")
         for bone, rotation in zip(self._bones, turned, strict=True):
             bone["Rotation"] = rotation
         datagram = orjson.dumps({SUBJECT: self._bones}, option=orjson.OPT_SERIALIZE_NUMPY)
@@ -54,7 +54,3 @@ class LiveLink:
             problem = f"{len(self._bones)} joints take {len(datagram)} bytes, but a datagram has at most {MOST}"
             raise SkeletonError(problem, mend="Use --vmc, or a rig with fewer joints")
         return [datagram]
-
-
-def _location(ours: NDArray[Any]) -> Floats:
-    return np.asarray(ours, np.float64)[..., ORDER] * SIGNS * CENTIMETRES

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion.axes import AXES
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.gltf.humanoid_pose import Humanoid
 from motionsplice.motion.formats.gltf.t_pose import t_pose
@@ -16,7 +17,7 @@ from motionsplice.sending.osc import bundled, message
 
 PORT = 39539
 MOST = 1452  # bytes of a datagram that Ethernet carries whole: 1,500 without the headers of IPv6 and UDP
-UNITY = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0])  # signs of a position and a rotation in left-handed axes
+UNITY = np.array([*AXES["unity"].signs, *AXES["unity"].turns, 1.0])  # signs of a position and a rotation there
 THUMB = {"Metacarpal": "Proximal", "Proximal": "Intermediate", "Distal": "Distal"}  # VRM 1.0's names, and Unity's
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 

@@ -9,11 +9,11 @@ from typing import Any, get_args
 
 import orjson
 
+from motionsplice.motion.axes import Axes
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
 from motionsplice.runtime.requests import Posture
 from motionsplice.service.problems import RequestError
-from motionsplice.service.wire.axes import Axes
 
 LARGEST_ID = 2**32 - 1
 FASTEST = 8.0  # times a clip's own speed

@@ -8,6 +8,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
 from motionsplice import __version__
+from motionsplice.motion.axes import AXES
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.admission import OPEN
 from motionsplice.service.characters.hub import CHARACTERS
@@ -16,7 +17,6 @@ from motionsplice.service.openapi.direct import direct_operations, parameters
 from motionsplice.service.openapi.schemas import SCHEMAS, with_named_enumerations
 from motionsplice.service.routes import problem_response
 from motionsplice.service.shared import Shared
-from motionsplice.service.wire.axes import AXES
 from motionsplice.service.wire.messages import JSON
 
 ABOUT = """Splices the upper body of any clip onto the lower body of any other.

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, get_args
 
+from motionsplice.motion.axes import AxesName
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.splice import SPLICE
 from motionsplice.service.answers.stream import STREAM
 from motionsplice.service.problems import Problem
-from motionsplice.service.wire.axes import AxesName
 from motionsplice.service.wire.encoding import NUMBERS, PARTS
 from motionsplice.service.wire.query import Query
 

@@ -9,9 +9,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion.axes import AXES, Axes
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Poses
-from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.encode_kernels import convert, shorten
 
 Numbers = Literal["float32", "int16"]

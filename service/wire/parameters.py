@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, get_args
 
+from motionsplice.motion.axes import AXES
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
-from motionsplice.service.wire.axes import AXES
 from motionsplice.service.wire.encoding import NUMBERS, PARTS, Encoding
 from motionsplice.service.wire.query import REQUIRED, Parameter, choice, number, text
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from motionsplice.motion.axes import Axes
 from motionsplice.runtime.bank import Bank
-from motionsplice.service.wire.axes import Axes
 
 DIGITS = 7  # of offsets after the point: finer than float32
 

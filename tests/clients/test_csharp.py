@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from motionsplice.motion.axes import AXES
 from motionsplice.service.characters.frame_format import FrameFormat
-from motionsplice.service.wire.axes import AXES
 from motionsplice.service.wire.encoding import NUMBERS, Encoding
 from tests.clients.mono import GOLDEN, ROOT, SOURCES, compiled, needs_mono, printed
 from tests.service.messages import arrays, blob_offsets

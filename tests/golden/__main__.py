@@ -19,13 +19,13 @@ import orjson
 from fastapi.testclient import TestClient
 
 from bench.clips import bank_of
+from motionsplice.motion.axes import AXES
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.app import create_app
 from motionsplice.service.characters.commands import checked, parse
 from motionsplice.service.characters.frame_format import FrameFormat
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.serving import Edition
-from motionsplice.service.wire.axes import AXES
 from motionsplice.service.wire.encoding import NUMBERS, Arrays, Encoding
 
 FILES = Path(__file__).with_name("files")

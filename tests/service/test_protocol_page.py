@@ -14,6 +14,7 @@ from fastapi.testclient import TestClient
 from websockets.sync.client import connect
 from websockets.typing import Origin
 
+from motionsplice.motion.axes import AXES, Axes
 from motionsplice.runtime.characters.state import EVENT_NAMES
 from motionsplice.service.answers.batch import COLUMNS
 from motionsplice.service.characters.commands import KEYS, NEEDED
@@ -21,7 +22,6 @@ from motionsplice.service.characters.hub import CHARACTERS
 from motionsplice.service.exchange.job import JobInfo
 from motionsplice.service.problems import PROBLEMS
 from motionsplice.service.serving import Edition
-from motionsplice.service.wire.axes import AXES, Axes
 from motionsplice.service.wire.messages import PROTOCOL
 from tests.service.characters.player import Player
 from tests.service.running import Running

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.axes import AXES
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.procedural.hand_rig import with_fingers
@@ -16,7 +17,6 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
 from motionsplice.sending.live_link import LiveLink
-from motionsplice.service.wire.axes import AXES
 
 
 def world_positions(bones: list[dict[str, object]]) -> Floats:

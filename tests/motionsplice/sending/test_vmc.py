@@ -9,6 +9,7 @@ from pythonosc.osc_bundle import OscBundle
 from bench.retarget.kinds import KINDS
 from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
+from motionsplice.motion.axes import AXES
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.hand_rig import with_fingers
@@ -17,7 +18,6 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.sending.vmc import MOST, Vmc
-from motionsplice.service.wire.axes import AXES
 
 WALK = make("walk", "wave", seconds=2.0)
 RIGS = {name: on_rig(WALK, kind) for name, kind in KINDS.items()}

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from motionsplice.motion.axes import AXES, Axes
 from motionsplice.service.characters.commands import checked
 from motionsplice.service.settings import Settings
-from motionsplice.service.wire.axes import AXES, Axes
 from tests.service.characters.player import Player
 from tests.service.running import Running, running
 

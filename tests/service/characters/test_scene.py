@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from motionsplice.motion.axes import AXES
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.service.characters import scene
 from motionsplice.service.characters.commands import checked, parse
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.serving import Edition
-from motionsplice.service.wire.axes import AXES
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from motionsplice.motion.axes import AXES, Axes, AxesName
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
-from motionsplice.service.wire.axes import AXES, Axes, AxesName
 from motionsplice.service.wire.encode_kernels import convert, shorten
 from motionsplice.service.wire.encoding import INT16_ERROR, Encoding
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from numpy.typing import NDArray
 
@@ -79,26 +80,44 @@ def _unreadable(cache: Cache) -> MotionError:
     return MotionError("the cache cannot be read back after writing", file=str(cache.folder), mend=mend)
 
 
-def identify(source: Source) -> Identified:
-    """Computes the digests of a clip's files, without parsing them. Raises MotionError if they cannot be read."""
+class Contents(NamedTuple):
+    """The size of a file in bytes, and the digests of all files that are read with it, its own first."""
+
+    size: int
+    digests: tuple[str, ...]
+
+
+def contents_of(file: Path) -> Contents:
+    """Reads a file and those that are read with it, without parsing them. Raises MotionError."""
     try:
-        contents = [read_bytes(file) for file in files_behind(source.file)]
+        contents = [read_bytes(one) for one in files_behind(file)]
     except MotionError as error:
-        raise error.within(str(source.file)) from None
+        raise error.within(str(file)) from None
+    return Contents(len(contents[0]), tuple(map(content_digest, contents)))
+
+
+def identify(source: Source, contents: Contents) -> Identified:
+    """Returns a source with its digests, given the contents of its file."""
     reading = {**source.settings.reading, "roles": sorted(source.settings.roles.items())}
-    digests = [content_digest(data) for data in contents]
     settings = (source.file.suffix.lower(), source.animation, reading)
-    key = key_of(version_of("motion", "runtime", "precompute"), digests, settings)
-    return Identified(source, len(contents[0]), digests[0], key)
+    key = key_of(version_of("motion", "runtime", "precompute"), contents.digests, settings)
+    return Identified(source, contents.size, contents.digests[0], key)
 
 
 def read(one: Identified) -> Reading:
     """Reads a clip. Raises MotionError if it cannot be read, or if its files have changed since `identify`."""
     source = one.source
     reading = read_clip(source.file, animation=source.animation, **source.settings.reading)
-    if identify(one.source).reading_key != one.reading_key:
-        raise ClipError("it changed while it was read", file=str(one.source.file), mend="Start again")
+    if identify(source, contents_of(source.file)).reading_key != one.reading_key:
+        raise ClipError("it changed while it was read", file=str(source.file), mend="Start again")
     return reading
+
+
+def stored_reading(cache: Cache, one: Identified) -> Reading:
+    """Returns the reading that `StrideSearch` stored, or reads the clip. Raises MotionError."""
+    name = one.source.name
+    found = cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
+    return read(one) if found is None else found
 
 
 @dataclass(frozen=True)
@@ -161,10 +180,7 @@ class Preparation:
 
     def run(self, one: Identified) -> None:
         """Prepares the clip and stores it. Raises MotionError if it cannot be read or does not fit the bank."""
-        name = one.source.name
-        reading = self.cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
-        if reading is None:
-            reading = read(one)
+        reading = stored_reading(self.cache, one)
         made = prepare(reading.clip, reading.roles, self.rig, self.ring, retargeting=self.retargeting)
         made = replace(made, notes=(*reading.notes, *made.notes), file_warnings=reading.warnings)
         self.cache.store(self.key(one), *pack_prepared(made))

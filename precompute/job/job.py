@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import TypeVar
@@ -20,6 +21,7 @@ from motionsplice.precompute.job.clip_work import (
     Preparation,
     StrideSearch,
     Work,
+    contents_of,
     identify,
     load_or_run,
 )
@@ -139,9 +141,10 @@ class Job:
     def find_clips(self) -> list[HandsOnBody]:
         """Finds the files, digests them and separates the hands clips. Returns which hands go on which bodies."""
         sources = find_sources(self.paths, self.roles, self.settings)
+        contents = cache(contents_of)  # a file may hold many clips
         for source in sources:
             try:
-                self.clips[source.name] = identify(source)
+                self.clips[source.name] = identify(source, contents(source.file))
             except MotionError as error:
                 self.failed[source.name] = error
         pairs = all_hands(self.hands, sources)

@@ -12,7 +12,7 @@ from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.body.common_skeleton import onto_rig
 from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.cache import Cache, key_of
-from motionsplice.precompute.job.clip_work import Identified, read
+from motionsplice.precompute.job.clip_work import Identified, stored_reading
 from motionsplice.precompute.job.entries import FoundStride, StrideSearched, pack_rig, pack_stride, unpack_stride
 from motionsplice.runtime.bank import Bank
 
@@ -42,7 +42,7 @@ class StrideOnSkeleton:
 
     def run(self, one: Identified) -> None:
         """Stores the stride. Raises MotionError."""
-        reading, rig = read(one), self.rig
+        reading, rig = stored_reading(self.cache, one), self.rig
         try:
             fitted = onto_rig(reading.clip, reading.roles, rig, retargeting=self.retargeting).clip
         except SkeletonError as error:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings, settings_for
@@ -34,6 +35,7 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
 
     Raises ClipError if there are no clips, or two of one name; SettingsError for a bad `clips.toml`.
     """
+    clips_of = cache(_clips_of)  # a file is listed as a source and for the settings of its folder, but read once
     found: dict[str, tuple[Path, str | None]] = {}
     others: list[str] = []
     for path in paths:
@@ -41,7 +43,7 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
             raise ClipError("file or folder not found", file=str(path))
         others += [file.name for file in other_files(path)] if path.is_dir() else []
         for file in clip_files(path) if path.is_dir() else [path]:
-            for name, animation in _clips_in(file).items():
+            for name, animation in (clips_of(file) or {file.stem: None}).items():  # an unread file fails under its name
                 other, _ = found.setdefault(name, (file, animation))
                 if other.resolve() != file.resolve():
                     raise ClipError(f"two clips are named {name!r}: {other} and {file}", mend="Rename one of them")
@@ -52,28 +54,29 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
     settings: dict[str, ClipSettings] = {}
     for folder in sorted({file.parent for file, _ in found.values()}):
         if (folder / FILE_NAME).is_file():
-            settings |= _settings_of(folder)
+            settings |= _settings_of(folder, clips_of)
     sources = [Source(name, *found[name], settings_for(name, settings, default)) for name in sorted(found)]
     return [replace(one, settings=replace(one.settings, roles=one.settings.roles or roles)) for one in sources]
 
 
-def _clips_in(file: Path) -> dict[str, str | None]:
-    """Returns the clips of a file; the file itself for one that cannot be read, which then fails under its name."""
+def _clips_of(file: Path) -> dict[str, str | None] | None:
+    """Returns the clips of a file, or None for a file that cannot be read."""
     try:
         return clips_in(file)
     except FormatError:
-        return {file.stem: None}
+        return None
 
 
-def _settings_of(folder: Path) -> dict[str, ClipSettings]:
+def _settings_of(folder: Path, clips_of: Callable[[Path], Mapping[str, str | None] | None]) -> dict[str, ClipSettings]:
     """Reads a folder's `clips.toml`. Raises SettingsError if it is bad, or lists a clip that is not in the folder."""
     settings = read_clip_settings(folder / FILE_NAME)
     names, unread = list[str](), set[str]()
     for file in clip_files(folder):
-        try:
-            names += [file.stem, *clips_in(file)]
-        except FormatError:  # the clip fails, not the job
+        clips = clips_of(file)
+        if clips is None:  # the clip fails, not the job
             unread.add(file.stem)
+        else:
+            names += [file.stem, *clips]
     for name in settings:
         if name not in names and name.partition(":")[0] not in unread:
             problem = f"clip {name!r} not found in its folder"

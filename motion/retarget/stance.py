@@ -47,13 +47,16 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
     their mean. If only feet point down in the bind pose, they alone are found from the motion.
     """
     pose = np.tile(_upright(skeleton, roles), (skeleton.joint_count, 1))
-    if motion is None:
+    standing = stands(skeleton, roles)
+    sides = _steep_feet(skeleton, roles, pose[0]) if standing else SIDES
+    if motion is None or not sides:
         return pose
-    if stands(skeleton, roles):
-        for joint, turn in _feet(skeleton, roles, motion, pose[0], _steep_feet(skeleton, roles, pose[0])).items():
-            pose[joint] = turn
+    moved = world_transforms(skeleton, motion.root_positions, motion.rotations)
+    feet = _feet(skeleton, roles, *moved, pose[0], sides)
+    if standing:
+        pose[list(feet)] = list(feet.values())
         return pose
-    found = _limbs(skeleton, roles, motion, pose[0]) | _feet(skeleton, roles, motion, pose[0], SIDES)
+    found = _limbs(skeleton, roles, *moved, pose[0]) | feet
     segments = segments_of(skeleton, roles)
     free = {joint for name in segments if name.endswith(FREE) for joint in segments[name].joints}
     for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
@@ -83,11 +86,13 @@ def _steep_feet(skeleton: Skeleton, roles: Roles, body: Floats) -> list[Side]:
     return [side for side, foot in feet.items() if np.any(foot) and heading(foot) is None]
 
 
-def _feet(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats, sides: Sequence[Side]) -> dict[int, Floats]:
-    """Returns the rotations [4] of the feet's joints as they stand in a motion; `body` [4] is that of the root."""
-    if not sides:
-        return {}
-    positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
+def _feet(
+    skeleton: Skeleton, roles: Roles, positions: Floats, world: Floats, body: Floats, sides: Sequence[Side]
+) -> dict[int, Floats]:
+    """Returns the rotations [4] of the feet's joints as they stand in a motion.
+
+    positions, world: [F, J, 3] and [F, J, 4] of the joints in the motion. body: [4] the root's in the standing pose.
+    """
     found = {}
     for side in sides:
         ankle = int(getattr(roles, f"{side}_ankle"))
@@ -98,12 +103,11 @@ def _feet(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats, sides: S
     return found
 
 
-def _limbs(skeleton: Skeleton, roles: Roles, motion: Clip, body: Floats) -> dict[int, Floats]:
+def _limbs(skeleton: Skeleton, roles: Roles, positions: Floats, world: Floats, body: Floats) -> dict[int, Floats]:
     """Returns the rotations [4] of hips and shoulders in the standing pose, and of knees and elbows that do not bend.
 
-    body: [4] the rotation of the root in the standing pose.
+    positions, world, body: as in `_feet`.
     """
-    positions, world = world_transforms(skeleton, motion.root_positions, motion.rotations)
     rest, found = bind_positions(skeleton), {}
     for side in SIDES:
         outwards = LEFT if side == "left" else -LEFT

@@ -5,19 +5,20 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.clients import processes
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT / "tests" / "golden" / "files"
 SOURCES = [*(ROOT / "clients" / "csharp").rglob("*.cs"), *(ROOT / "tests" / "clients" / "csharp").glob("*.cs")]
 MISSING = shutil.which("mcs") is None or shutil.which("mono") is None
 needs_mono = pytest.mark.skipif(MISSING, reason="mono is not installed: apt-get install mono-mcs mono-runtime")
-MINUTES = 120.0  # seconds, far more than any run takes
 
 
 def compiled(file: Path, sources: list[Path]) -> Path:
@@ -33,27 +34,11 @@ def printed(program: Path, *arguments: object, lines: list[str] | None = None) -
     """Runs the program, and returns the maps that it prints."""
     command = ["mono", "--debug", str(program), *map(str, arguments)]
     text = "\n".join(lines or [])
-    done = subprocess.run(command, input=text, capture_output=True, text=True, check=False, timeout=MINUTES)
+    done = subprocess.run(command, input=text, capture_output=True, text=True, check=False, timeout=processes.MINUTES)
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-@contextmanager
-def started(program: Path, *arguments: object) -> Iterator[Callable[[], dict[str, Any]]]:
+def started(program: Path, *arguments: object) -> AbstractContextManager[Callable[[], dict[str, Any]]]:
     """Runs the program, and gives the function that returns the next map that it prints."""
-    command = ["mono", "--debug", str(program), *map(str, arguments)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        output, errors = process.stdout, process.stderr
-        assert output is not None
-        assert errors is not None
-
-        def line() -> dict[str, Any]:
-            text = output.readline()
-            assert text, errors.read()
-            return dict(json.loads(text))
-
-        try:
-            yield line
-            assert process.wait(MINUTES) == 0, errors.read()
-        finally:
-            process.kill()
+    return processes.started("mono", "--debug", program, *arguments)

@@ -5,31 +5,25 @@ The Unity components are compiled and run against the stand-in for UnityEngine i
 
 from __future__ import annotations
 
-import base64
 import json
 import re
-import shutil
 import subprocess
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 from threading import Thread
-from typing import Any
 
-import msgpack
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 from websockets.sync.server import ServerConnection, serve
 
-from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.procedural.library import make
-from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
-from tests.clients.mono import GOLDEN, MINUTES, ROOT, SOURCES, compiled, needs_mono, printed, started
-from tests.service.messages import arrays
+from tests.clients.happenings import lose, newer_bank
+from tests.clients.mono import GOLDEN, ROOT, SOURCES, compiled, needs_mono, printed, started
+from tests.clients.processes import MINUTES
+from tests.clients.samples import placed
 from tests.service.running import Running, running
 
 pytestmark = needs_mono
@@ -44,11 +38,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """A newer bank: the run is another one."""
-    clips = tmp_path_factory.mktemp("other") / "clips"
-    shutil.copytree(clip_folder, clips)
-    (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=12, seconds=4.0)))
-    build_bank([clips], clips.parent / "bank", baseline="walk", jobs=1)
-    return Bank.open(clips.parent / "bank")
+    return newer_bank(clip_folder, tmp_path_factory.mktemp("other"))
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +56,7 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert line() == {"do": "", "ready": True}
         loop.call_soon_threadsafe(front.shared.serving.exchange, newer)
         assert line() == {"do": "", "exchanged": True}
-        for connection in tuple(front.hub.connections):
-            loop.call_soon_threadsafe(connection.close, 1011, "lost")
+        loop.call_soon_threadsafe(lose, front)
         results = line()["results"]
     assert [(one["encoding"], one["ahead"]) for one in results] == [
         (encoding, ahead) for encoding in ("float32", "int16") for ahead in (1, 8)
@@ -85,20 +74,6 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert len(one["samples"]) == 10
         for sample in one["samples"]:
             assert np.abs(placed(sample, one["encoding"]) - sample["positions"]).max() < 1e-5
-
-
-def placed(sample: dict[str, Any], encoding: str) -> Any:
-    """Returns the joints of a message, placed in 64 bits as the protocol describes, in the client's order."""
-    message = msgpack.unpackb(base64.b64decode(sample["message"]))
-    parents, offsets = sample["parents"], np.reshape(sample["offsets"], (-1, 3))
-    ids = np.frombuffer(message["ids"], "<u4")
-    found = arrays(message, len(parents), message["count"] * len(ids), short=encoding == "int16")
-    places = [found["root_positions"].astype(float)]
-    turns = [Rotation.from_quat(found["rotations"][:, 0])]
-    for joint, parent in enumerate(parents[1:], 1):
-        places.append(places[parent] + turns[parent].apply(offsets[joint]))
-        turns.append(turns[parent] * Rotation.from_quat(found["rotations"][:, joint]))
-    return np.stack(places, axis=1).ravel()
 
 
 def test_a_service_that_misbehaves_is_reported_and_left(program: Path) -> None:

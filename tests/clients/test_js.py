@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import shutil
 import subprocess
 import tarfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-import msgpack
 import numpy as np
 import pytest
 from PIL import Image
 from pydantic import SecretStr
-from scipy.spatial.transform import Rotation
 
 from motionsplice import __version__
 from motionsplice.motion.formats.bvh import dump_bvh
@@ -27,8 +24,10 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
 from tests.characters import character_file
+from tests.clients.happenings import lose, newer_bank
+from tests.clients.processes import MINUTES, started
+from tests.clients.samples import placed
 from tests.oracles.three import shared_rig
-from tests.service.messages import arrays
 from tests.service.running import Running, running
 
 CLIENT = Path(__file__).parents[2] / "clients" / "js"
@@ -41,17 +40,12 @@ MISSING = (
 )
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-MINUTES = 120.0  # seconds, far more than any script takes
 
 
 @pytest.fixture(scope="module")
 def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """A newer bank: the run is another one."""
-    clips = tmp_path_factory.mktemp("other") / "clips"
-    shutil.copytree(clip_folder, clips)
-    (clips / "run.bvh").write_bytes(dump_bvh(make("run", seed=12, seconds=4.0)))
-    build_bank([clips], clips.parent / "bank", baseline="walk", jobs=1)
-    return Bank.open(clips.parent / "bank")
+    return newer_bank(clip_folder, tmp_path_factory.mktemp("other"))
 
 
 @pytest.fixture(scope="module")
@@ -60,25 +54,9 @@ def service(bank: Bank) -> Iterator[Running]:
         yield service
 
 
-@contextmanager
-def script(name: str, *arguments: object) -> Iterator[Callable[[], dict[str, Any]]]:
+def script(name: str, *arguments: object) -> AbstractContextManager[Callable[[], dict[str, Any]]]:
     """Runs a script of the client, and gives the function that returns what its next line says."""
-    command = ["node", str(CLIENT / "tests" / name), *map(str, arguments)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        output, errors = process.stdout, process.stderr
-        assert output is not None
-        assert errors is not None
-
-        def line() -> dict[str, Any]:
-            text = output.readline()
-            assert text, errors.read()
-            return dict(json.loads(text))
-
-        try:
-            yield line
-            assert process.wait(MINUTES) == 0, errors.read()
-        finally:
-            process.kill()
+    return started("node", CLIENT / "tests" / name, *arguments)
 
 
 def npx(*arguments: object, folder: Path = CLIENT) -> str:
@@ -103,8 +81,7 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert line() == {"ready": True}
         loop.call_soon_threadsafe(front.shared.serving.exchange, newer)
         assert line() == {"exchanged": True}
-        for connection in list(front.hub.connections):
-            loop.call_soon_threadsafe(connection.close, 1011, "lost")
+        loop.call_soon_threadsafe(lose, front)
         results = line()["results"]
     assert {(one["encoding"], one["ahead"]) for one in results} == {
         (encoding, ahead) for encoding in ("float32", "int16") for ahead in (1, 8)
@@ -119,21 +96,7 @@ def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconne
         assert one["jump"] < 0.3  # metres: it goes on where it was, at another phase of the stride
         assert len(one["samples"]) == 10
         for sample in one["samples"]:
-            assert np.abs(expected(sample, one["encoding"]) - sample["positions"]).max() < 1e-5
-
-
-def expected(sample: dict[str, Any], encoding: str) -> Any:
-    """Returns the joints of a message, placed in 64 bits as the protocol describes, in the client's order."""
-    message = msgpack.unpackb(base64.b64decode(sample["message"]))
-    parents, offsets = sample["parents"], np.reshape(sample["offsets"], (-1, 3))
-    ids = np.frombuffer(message["ids"], "<u4")
-    found = arrays(message, len(parents), message["count"] * len(ids), short=encoding == "int16")
-    places = [found["root_positions"].astype(float)]
-    turns = [Rotation.from_quat(found["rotations"][:, 0])]
-    for joint, parent in enumerate(parents[1:], 1):
-        places.append(places[parent] + turns[parent].apply(offsets[joint]))
-        turns.append(turns[parent] * Rotation.from_quat(found["rotations"][:, joint]))
-    return np.stack(places, axis=1).ravel()
+            assert np.abs(placed(sample, one["encoding"]) - sample["positions"]).max() < 1e-5
 
 
 MADE = {"plain": (1.0, None), "turned and scaled": (100.0, 2)}  # scale of an armature, seed of the bones' own axes

@@ -167,8 +167,7 @@ class Front:
         return 200
 
     async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
-        identity = self.next_request_id()
-        request_id.set(identity)
+        request_id.set(self.next_request_id())
         try:
             self._admission.check(scope)
             if scope["path"] == CHARACTERS:
@@ -177,10 +176,8 @@ class Front:
             status, kind, detail = 404, "http", f"no WebSocket here. Connect to {CHARACTERS}."
         except MotionError as error:
             (status, kind), detail = kind_of(error), str(error)
-        if origin_of(scope) is None:
-            await _refuse_handshake(send, status, kind, detail, identity)
-        else:
-            await _refuse_page(scope, receive, send, status, kind, detail)
+        logger.info("refused", extra={"path": scope["path"], "status": status, "detail": detail})
+        await _refuse_websocket(scope, receive, send, status, kind, detail)
 
 
 async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
@@ -212,15 +209,9 @@ async def _refuse(send: Send, status: int, kind: str, detail: str, headers: Head
     await Answer(body, MEDIA_TYPE.encode(), status).send(send, more)
 
 
-async def _refuse_page(scope: Scope, receive: Receive, send: Send, status: int, kind: str, detail: str) -> None:
-    """Accepts the WebSocket of a web page to refuse it: a page cannot read why a handshake failed."""
+async def _refuse_websocket(scope: Scope, receive: Receive, send: Send, status: int, kind: str, detail: str) -> None:
+    """Accepts a WebSocket to refuse it: web pages and most engines cannot read why a handshake failed."""
     await accept(scope, receive, send)
     event = event_message("refused", ref=None, type=URN + kind, detail=detail)
     await send({"type": "websocket.send", "text": event.decode()})
     await send({"type": "websocket.close", "code": REFUSED + status, "reason": kind})
-
-
-async def _refuse_handshake(send: Send, status: int, kind: str, detail: str, identity: str) -> None:
-    headers = [(b"content-type", MEDIA_TYPE.encode()), (b"x-request-id", identity.encode())]
-    await send({"type": "websocket.http.response.start", "status": status, "headers": headers})
-    await send({"type": "websocket.http.response.body", "body": problem(status, kind, detail, identity)})

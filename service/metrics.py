@@ -39,6 +39,12 @@ class Metrics:
         self.exchanges = Counter(
             "motionsplice_bank_exchanges", "New banks that were served or refused", ["result"], registry=self._registry
         )
+        self._datagrams = Counter(
+            "motionsplice_datagrams",
+            "Datagrams to receivers of VMC and JSON Live Link: sent, or refused by the system",
+            ["receiver", "result"],
+            registry=self._registry,
+        )
         self._connections = Gauge(
             "motionsplice_connections",
             "Open connections: http counts all, stream and characters the streaming ones",
@@ -65,6 +71,11 @@ class Metrics:
         """Counts a connection while the context lasts."""
         with self.connections(kind).track_inprogress():
             yield
+
+    def datagrams(self, receiver: str, sent: int, refused: int) -> None:
+        """Counts datagrams to a kind of receiver."""
+        self._datagrams.labels(receiver, "sent").inc(sent)
+        self._datagrams.labels(receiver, "refused").inc(refused)
 
     def answered(self, route: str, status: int) -> None:
         """Counts a request. `route` is one of a few constants, never text from a client."""

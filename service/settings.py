@@ -10,6 +10,7 @@ from pydantic_core import ErrorDetails
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from motionsplice.motion.errors import SettingsError
+from motionsplice.sending.receiver import PORTS, Kind, host_and_port
 
 PREFIX = "MOTIONSPLICE_"
 SECOND = Annotated[float, Field(gt=0.0, le=3600.0, allow_inf_nan=False)]
@@ -32,6 +33,11 @@ class Settings(BaseSettings):
     )
     origins: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(), description="Web origins whose pages may send requests, comma-separated; * for all"
+    )
+
+    vmc: str | None = Field(default=None, description="HOST[:PORT] of a program that receives characters as VMC")
+    livelink: str | None = Field(
+        default=None, description="HOST[:PORT] of a program that receives characters as JSON Live Link"
     )
 
     max_header: int = Field(default=16 * 1024, ge=1024, description="Bytes of a request line and headers")
@@ -69,13 +75,28 @@ class Settings(BaseSettings):
             values["origins"] = tuple(one.strip() for one in origins.split(",") if one.strip())
         return values
 
+    @model_validator(mode="after")
+    def _check_receivers(self) -> Self:
+        for kind, address in self.receivers.items():
+            host_and_port(address, PORTS[kind], f"{variable(kind)} {address}")
+        if self.receivers and self.workers > 1:
+            problem = f"{variable('workers')} is {self.workers}, but only one process can send to a receiver"
+            raise SettingsError(problem, mend="Set it to 1, or name no receiver")
+        return self
+
+    @property
+    def receivers(self) -> dict[Kind, str]:
+        """The addresses of receivers, by kind."""
+        addresses: dict[Kind, str | None] = {"vmc": self.vmc, "livelink": self.livelink}
+        return {kind: address for kind, address in addresses.items() if address is not None}
+
     @model_validator(mode="wrap")
     @classmethod
     def _or_settings_error(cls, values: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
         try:
             return handler(values)
         except ValidationError as error:
-            wrong = [f"{_variable(one['loc'])} {_problem(one)}" for one in error.errors()]
+            wrong = [f"{variable(*one['loc'])} {_problem(one)}" for one in error.errors()]
             raise SettingsError("; ".join(wrong), mend="Set another value, or unset it") from None
 
 
@@ -83,5 +104,6 @@ def _problem(error: ErrorDetails) -> str:
     return "is too short" if "token" in error["loc"] else f"is {error['input']!r}: {error['msg']}"
 
 
-def _variable(place: tuple[int | str, ...]) -> str:
+def variable(*place: int | str) -> str:
+    """Returns the environment variable of a setting."""
     return PREFIX + ".".join(map(str, place)).upper()

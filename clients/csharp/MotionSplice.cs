@@ -337,6 +337,9 @@ namespace MotionSplice
             jumps.Add(frame);
         });
 
+        /// <summary>Sends the character to these receivers of the service's settings ("vmc", "livelink"), and to no others.</summary>
+        public Task<long> SendToAsync(params string[] to) => Send(Fields("send", "to", to), frame => { });
+
         /// <summary>Removes the character.</summary>
         public Task<long> RemoveAsync() => Send(Fields("remove"), frame => connection.Forget(this));
 

@@ -14,12 +14,12 @@ from rich.console import Console
 
 from motionsplice.commands.outputs import print_sentences
 from motionsplice.motion.errors import SettingsError
-from motionsplice.sending.receiver import Receiver
+from motionsplice.sending.receiver import PORTS, Receiver
 from motionsplice.sending.schedule import Schedule
 
 if TYPE_CHECKING:
-    from motionsplice.sending.live_link import LiveLink
-    from motionsplice.sending.vmc import Vmc
+    from motionsplice.sending.packing import Packer
+    from motionsplice.sending.receiver import Kind
 
 console = Console(emoji=False)
 
@@ -57,19 +57,16 @@ def send_command(
     if action is not None:
         opened.clip(action)
     schedule = Schedule(rate, None if loop else entry.duration)
-    from motionsplice.sending import live_link
-    from motionsplice.sending import vmc as vmc_protocol
+    from motionsplice.sending.packing import packer
+    from motionsplice.sending.performance import perform
 
     with ExitStack() as stack:
-        outputs: list[tuple[Vmc | LiveLink, Receiver]] = []
-        if vmc is not None:
-            receiver = stack.enter_context(closing(Receiver(vmc, vmc_protocol.PORT, "--vmc")))
-            outputs.append((vmc_protocol.Vmc(opened.motion(opened.baseline.clip), opened.roles), receiver))
-        if livelink is not None:
-            receiver = stack.enter_context(closing(Receiver(livelink, live_link.PORT, "--livelink")))
-            outputs.append((live_link.LiveLink(opened.skeleton), receiver))
-        from motionsplice.sending.performance import perform
-
+        outputs: list[tuple[Packer, Receiver]] = []
+        addresses: dict[Kind, str | None] = {"vmc": vmc, "livelink": livelink}
+        for kind, address in addresses.items():
+            if address is not None:
+                receiver = stack.enter_context(closing(Receiver(address, PORTS[kind], f"--{kind}")))
+                outputs.append((packer(kind, opened), receiver))
         what = f"{locomotion!r} with {action!r}" if action else repr(locomotion)
         names = " and ".join(receiver.name for _, receiver in outputs)
         text = f"Sending {what} to {names}, {rate:g} frames per second (stop with Ctrl-C)"
@@ -78,8 +75,7 @@ def send_command(
         try:
             for frame in perform(opened, locomotion, action, schedule):
                 for protocol, receiver in outputs:
-                    receiver.send(protocol.datagrams(*frame))
-                    if receiver.unsent and receiver not in refused:
+                    if receiver.send(protocol.datagrams(*frame)) and receiver not in refused:
                         refused.add(receiver)
                         note = f"{receiver.name}: {receiver.reason}. Does the receiver run? Sending goes on."
                         print_sentences(console, "yellow", [note])

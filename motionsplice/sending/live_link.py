@@ -13,7 +13,6 @@ from motionsplice.motion.axes import AXES
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.skeleton import Skeleton
 
-PORT = 54321
 MOST = 65_507  # bytes that a datagram can have
 SUBJECT = "motionsplice"
 UNREAL = AXES["unreal"]
@@ -24,9 +23,14 @@ class LiveLink:
     """Packs poses of one rig: all joints, each in its parent's frame, in Unreal's axes and centimetres.
 
     A frame is one datagram, however large, because the plugin takes each datagram for a whole skeleton.
+
+    Args:
+        skeleton: The rig.
+        subject: The name under which Live Link lists it.
     """
 
-    def __init__(self, skeleton: Skeleton) -> None:
+    def __init__(self, skeleton: Skeleton, subject: str = SUBJECT) -> None:
+        self._subject = subject
         self._locations = UNREAL.positions(skeleton.offsets).astype(np.float32, order="C")
         self._bones = [
             # in ASCII, because the plugin reads each byte as a character
@@ -49,7 +53,7 @@ class LiveLink:
         turned = (rotations[:, ORDER] * SIGNS).astype(np.float32, order="C")
         for bone, rotation in zip(self._bones, turned, strict=True):
             bone["Rotation"] = rotation
-        datagram = orjson.dumps({SUBJECT: self._bones}, option=orjson.OPT_SERIALIZE_NUMPY)
+        datagram = orjson.dumps({self._subject: self._bones}, option=orjson.OPT_SERIALIZE_NUMPY)
         if len(datagram) > MOST:
             problem = f"{len(self._bones)} joints take {len(datagram)} bytes, but a datagram has at most {MOST}"
             raise SkeletonError(problem, mend="Use --vmc, or a rig with fewer joints")

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import re
 import socket
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
+from typing import Literal
 
 from motionsplice.motion.errors import SettingsError
+
+Kind = Literal["vmc", "livelink"]
+PORTS: Mapping[Kind, int] = {"vmc": 39539, "livelink": 54321}  # where receivers of a protocol listen by default
 
 ADDRESS = re.compile(r"(\[(?P<six>[^\[\]]+)\]|(?P<host>[^:\[\]]+))(:(?P<port>[0-9]{1,5}))?")
 HOST_AND_PORT = "Write HOST or HOST:PORT, such as 127.0.0.1:{port}"
@@ -18,7 +22,7 @@ class Receiver:
     Args:
         address: HOST or HOST:PORT; an IPv6 address stands in brackets.
         port: The port if the address has none.
-        option: The option that gave the address, for messages.
+        option: The option or variable that gave the address, for messages.
 
     Attributes:
         name: Host and port as the user may write them.
@@ -32,7 +36,7 @@ class Receiver:
 
     def __init__(self, address: str, port: int, option: str) -> None:
         place = f"{option} {address}"
-        host, port = _host_and_port(address, port, place)
+        host, port = host_and_port(address, port, place)
         self.name = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         self.sent = self.unsent = 0
         self.reason = ""
@@ -43,6 +47,7 @@ class Receiver:
         # IPv4 first: `localhost` is often ::1 too, where receivers seldom listen
         family, *_, where = min(found, key=lambda one: one[0] != socket.AF_INET)
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
         try:
             self._socket.connect(where)  # so that the system reports a closed port
         except OSError as error:
@@ -50,8 +55,12 @@ class Receiver:
             problem = f"cannot send there: {error.strerror or error}"
             raise SettingsError(problem, place=place, mend="Name the address of one machine") from None
 
-    def send(self, datagrams: Iterable[bytes | memoryview]) -> None:
-        """Sends datagrams. What the system refuses is counted: the receiver may start later, or come back."""
+    def send(self, datagrams: Sequence[bytes | memoryview]) -> int:
+        """Sends datagrams, without waiting. Returns how many the system refused.
+
+        That is not an error: the receiver may start later, or come back.
+        """
+        before = self.unsent
         for datagram in datagrams:
             try:
                 self._socket.send(datagram)
@@ -59,14 +68,15 @@ class Receiver:
             except OSError as error:
                 self.unsent += 1
                 self.reason = error.strerror or str(error)
+        return self.unsent - before
 
     def close(self) -> None:
         """Closes the socket."""
         self._socket.close()
 
 
-def _host_and_port(address: str, port: int, place: str) -> tuple[str, int]:
-    """Splits an address. Raises SettingsError."""
+def host_and_port(address: str, port: int, place: str) -> tuple[str, int]:
+    """Splits an address into host and port: `port` if it has none. Raises SettingsError, which names `place`."""
     mend = HOST_AND_PORT.format(port=port)
     if (found := ADDRESS.fullmatch(address)) is None:
         raise SettingsError("this is not an address", place=place, mend=mend)

@@ -15,7 +15,6 @@ from motionsplice.motion.formats.gltf.t_pose import t_pose
 from motionsplice.motion.roles import Roles
 from motionsplice.sending.osc import bundled, message
 
-PORT = 39539
 MOST = 1452  # bytes of a datagram that Ethernet carries whole: 1,500 without the headers of IPv6 and UDP
 UNITY = np.array([*AXES["unity"].signs, *AXES["unity"].turns, 1.0])  # signs of a position and a rotation there
 THUMB = {"Metacarpal": "Proximal", "Proximal": "Intermediate", "Distal": "Distal"}  # VRM 1.0's names, and Unity's

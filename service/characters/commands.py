@@ -13,6 +13,7 @@ from motionsplice.motion.axes import Axes
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
 from motionsplice.runtime.requests import Posture
+from motionsplice.sending.receiver import Kind
 from motionsplice.service.problems import RequestError
 
 LARGEST_ID = 2**32 - 1
@@ -85,6 +86,10 @@ KEYS: Mapping[str, tuple[Check, str]] = {
     "loop": (lambda value: isinstance(value, bool), "true or false"),
     "method": (_one_of("splice", "naive"), "one of splice, naive"),
     "posture": _names(Posture),
+    "to": (
+        lambda value: isinstance(value, list) and all(_one_of(*get_args(Kind))(one) for one in value),
+        f"a list of {', '.join(get_args(Kind))}",
+    ),
     "rate": (_number(1.0, 1000.0), "a number of frames per second from 1 to 1000"),
     "ahead": (lambda value: type(value) is int and 1 <= value <= 1000, "a whole number of frames from 1 to 1000"),
 }
@@ -99,6 +104,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "speed": ("speed",),
     "place": ("position",),
     "in_place": ("in_place",),
+    "send": ("to",),
     "remove": (),
     "set": (),
 }

@@ -18,6 +18,7 @@ from motionsplice.service.characters.commands import Command
 from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
 from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
 from motionsplice.service.characters.play import Play
+from motionsplice.service.characters.receivers import Receivers
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.problems import BusyError, LimitError, at_most
 from motionsplice.service.serving import Edition
@@ -45,6 +46,7 @@ class Hub:
         self.connections: set[Connection] = set()
         self._shared = shared
         self._changed = asyncio.Event()
+        self._receivers = Receivers(shared.settings, shared.metrics)
         shared.serving.listeners.append(self._exchange)
 
     async def serve(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -69,6 +71,7 @@ class Hub:
                     await asyncio.wait((sending,), timeout=self._shared.settings.stall_seconds)
             finally:
                 self.connections.discard(connection)
+                self._receivers.release(connection)
                 for task in (sending, receiving):
                     task.cancel()
                 for result in await asyncio.gather(sending, receiving, return_exceptions=True):
@@ -139,8 +142,11 @@ class Hub:
         ends = np.cumsum([len(scene) for scene in scenes]).tolist()
         frames: list[Arrays] = []
         for later in range(ahead):
-            frames.append(self._evaluate(edition, scenes, form))
-            for one in group:
+            poses, arrays = self._evaluate(edition, scenes, form)
+            frames.append(arrays)
+            for one, first, end in zip(group, [0, *ends], ends, strict=False):
+                if one.play.scene.sent:
+                    self._receivers.send(one, _rows(poses, first, end))
                 for event in one.play.scene.advance():
                     one.queue_event(frame=one.play.frame + later + 1, **event)
         wall, loop = time.time(), asyncio.get_running_loop().time()
@@ -153,18 +159,17 @@ class Hub:
             one.go_on(play.after(ahead))
         self._shared.metrics.frames_sent.inc(sent)
 
-    def _evaluate(self, edition: Edition, scenes: list[Scene], form: FrameFormat) -> Arrays:
-        """Evaluates all characters of some scenes. Returns arrays [n, ...]."""
+    def _evaluate(self, edition: Edition, scenes: list[Scene], form: FrameFormat) -> tuple[Poses, Arrays]:
+        """Evaluates all characters of some scenes. Returns their poses, and as encoded arrays [n, ...]."""
         began = time.perf_counter()
         poses, first = edition.evaluator.poses(sum(len(scene) for scene in scenes)), 0
         for scene in scenes:
-            rows = slice(first, first + len(scene))
-            scene.evaluate(Poses(poses.root_positions[rows], poses.rotations[rows]))
+            scene.evaluate(_rows(poses, first, first + len(scene)))
             first += len(scene)
         motion = form.motion(np.concatenate([scene.characters.deltas for scene in scenes])) if form.deltas else {}
         arrays = {**motion, **form.encoding.arrays(edition.evaluator, poses)}
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
-        return arrays
+        return poses, arrays
 
     def _do(self, connection: Connection, commands: list[Command]) -> None:
         """Does all commands of a message, or none of them. Raises MotionError."""
@@ -182,6 +187,7 @@ class Hub:
                 play.scene.do(command)
         self._check(connection, play)
         connection.change(play, now)
+        self._receivers.claim(connection)
         self._changed.set()
 
     def _check(self, connection: Connection, play: Play) -> None:
@@ -189,6 +195,7 @@ class Hub:
         settings, cost = self._shared.settings, connection.format.cost
         at_most("rate", play.rate, settings.max_rate)
         at_most("ahead", play.ahead, settings.max_ahead)
+        self._receivers.check(play)
         if play.ahead * len(play.scene) > (most := settings.max_characters // cost):
             problem = f"{len(play.scene)} characters times {play.ahead} frames are too many for one message"
             raise LimitError(problem, mend=f"Ask for at most {most} characters times frames")
@@ -227,6 +234,7 @@ class Hub:
             "rate": play.rate,
             "ahead": play.ahead,
             "max_characters": self._shared.settings.max_characters // form.cost,
+            "receivers": self._receivers.kinds,
         }
 
 
@@ -235,6 +243,11 @@ async def accept(scope: Scope, receive: Receive, send: Send) -> None:
     await receive()
     offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
     await send({"type": "websocket.accept", "subprotocol": offered})
+
+
+def _rows(poses: Poses, first: int, end: int) -> Poses:
+    """Returns a view of some rows."""
+    return Poses(poses.root_positions[first:end], poses.rotations[first:end])
 
 
 def _next_tick(now: float, rate: float) -> float:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterator, Sequence
-from typing import Any, Self
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from motionsplice.runtime.characters.state import (
     LOCOMOTION_ENDED,
 )
 from motionsplice.runtime.requests import Poses
+from motionsplice.sending.receiver import Kind
 from motionsplice.service.characters.commands import Command
 from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
@@ -38,6 +39,7 @@ class Scene:
         ids: [n] uint32, the client's number of each character, in the order of the frames' rows.
         events: Bits of the events that the client wants (`EVENT_NAMES`).
         characters: The states of the characters, in the same order.
+        sent: The ids of the characters that are sent to each kind of receiver. Replaced, never changed.
     """
 
     def __init__(self, edition: Edition, rate: float, most: int) -> None:
@@ -45,6 +47,7 @@ class Scene:
         self.ids = np.zeros(0, np.uint32)
         self.events = DEFAULT_EVENTS
         self.characters = Characters(edition.stage, rate)
+        self.sent: Mapping[Kind, tuple[int, ...]] = {}
         self._most = most
 
     def __len__(self) -> int:
@@ -112,6 +115,10 @@ class Scene:
         if command.do == "remove":
             self.characters.remove(rows)
             self.ids = np.delete(self.ids, rows)
+            self._send(command.ids, ())
+            return
+        if command.do == "send":
+            self._send(command.ids, **command.values)
             return
         if command.do == "act":
             self.characters.act(rows, _action(**command.values))
@@ -139,6 +146,17 @@ class Scene:
             self.characters.speed(rows, values["speed"])
         self.characters.place(rows, values.get("position", (0.0, 0.0, 0.0)), values.get("heading", 0.0))
         self.characters.in_place(rows, values.get("in_place", False))
+
+    def _send(self, ids: Sequence[int], to: Sequence[Kind]) -> None:
+        """Sends characters to these kinds of receivers, and to no others. VMC has one character: the last."""
+        sent: dict[Kind, tuple[int, ...]] = {}
+        for kind in get_args(Kind):
+            others = tuple(one for one in self.sent.get(kind, ()) if one not in ids)
+            if kind in to:
+                others = tuple(ids) if kind == "vmc" else (*others, *ids)
+            if others:
+                sent[kind] = others
+        self.sent = sent
 
     def _rows(self, ids: Sequence[int]) -> NDArray[np.int64]:
         order = np.argsort(self.ids)

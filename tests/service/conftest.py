@@ -46,6 +46,6 @@ def service(bank: Bank) -> Iterator[Running]:
 
 @pytest.fixture(scope="module")
 def hands_service(hands_bank: Bank) -> Iterator[Running]:
-    """A running, ready service with hands."""
-    with running(hands_bank.path, Settings()) as service:
+    """A running, ready service with hands, and a receiver that does not run."""
+    with running(hands_bank.path, Settings(vmc="127.0.0.1:9")) as service:
         yield service

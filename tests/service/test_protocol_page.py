@@ -102,6 +102,7 @@ def _event(player: Player, name: str) -> dict[str, Any]:
 
 def test_it_has_an_example_of_every_event() -> None:
     connection = {"welcome", "frames", "done", "refused", "bank", "bank_kept", "closing"}
+    connection |= {"sending_ended", "undelivered"}
     assert EVENTS.keys() == connection | set(EVENT_NAMES.values())
 
 

@@ -114,7 +114,8 @@ func _take_event(fields):
 			_places.erase(int(fields.ref))
 		"refused":
 			push_warning("motionsplice: %s" % fields.detail)
-			_places.erase(int(fields.ref))
+			if fields.ref != null:
+				_places.erase(int(fields.ref))
 	emit_signal("event", fields)
 
 

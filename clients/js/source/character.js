@@ -1,7 +1,7 @@
 import { command } from './commands.js';
 import { Pose } from './pose.js';
 
-/** @import { ActOptions, Command, Fade, Locomotion, PlayOptions, Position, WearOptions } from './commands.js' */
+/** @import { ActOptions, Command, Fade, Locomotion, PlayOptions, Position, Receiver, WearOptions } from './commands.js' */
 /** @import { Memory } from './memory.js' */
 /** @import { Moment } from './playback.js' */
 /** @import { Target } from './rest.js' */
@@ -115,6 +115,15 @@ export class Character {
    */
   inPlace(inPlace = true) {
     return this.#do('in_place', { inPlace });
+  }
+
+  /**
+   * Sends the character to these receivers of the service's settings, and to no others.
+   *
+   * @param {...Receiver} to
+   */
+  sendTo(...to) {
+    return this.#do('send', { to });
   }
 
   /** Removes the character. */

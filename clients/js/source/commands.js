@@ -15,6 +15,7 @@
  *   ownClock?: boolean | readonly [number, number], mask?: Mask, method?: 'splice' | 'naive', posture?: Posture } & Fade} ActOptions
  * @typedef {{ weight?: number } & Fade} WearOptions
  * @typedef {'action_began' | 'action_ended' | 'locomotion_ended' | 'left_down' | 'left_up' | 'right_down' | 'right_up' | 'stride'} CharacterEvent
+ * @typedef {'vmc' | 'livelink'} Receiver
  * @typedef {{ rate?: number, ahead?: number, events?: readonly CharacterEvent[] }} Settings
  */
 

@@ -1,3 +1,4 @@
+/** @import { Receiver } from './commands.js' */
 /** @import { Frames } from './frames.js' */
 /** @import { RigMessage } from './rig.js' */
 /** @import { FormatError, RefusedError } from './errors.js' */
@@ -14,7 +15,7 @@
  * The events of a connection: the service's, under the protocol's names, and this client's own.
  *
  * @typedef {object} EventMap
- * @property {BankEvent & { protocol: number, max_characters: number }} welcome the service has greeted, at first and again
+ * @property {BankEvent & { protocol: number, max_characters: number, receivers: Receiver[] }} welcome the service has greeted, at first and again
  * @property {BankEvent & { frame: number }} bank from `frame` on, frames are of another bank
  * @property {{ bank: string, missing: string[] }} bank_kept a newer bank misses clips that are played here
  * @property {{ reason: string }} closing the service stops
@@ -26,6 +27,8 @@
  * @property {Happened} right_down
  * @property {Happened} right_up
  * @property {Happened} stride
+ * @property {{ to: Receiver, ids: number[], reason: string }} sending_ended characters are no longer sent to a receiver
+ * @property {{ to: Receiver, reason: string }} undelivered the system refused what was sent to a receiver
  * @property {Frames} frames a message of frames has arrived
  * @property {{ error: Error, retry: number }} disconnected the connection was lost; it is opened again in `retry` seconds
  * @property {{ failed: { id: number, error: RefusedError }[] }} reconnected the characters are there again, but

@@ -103,6 +103,7 @@ test('all commands are those of the protocol', async () => {
   await record(hero.wear('gloves', { weight: 1 }));
   await record(hero.place([1, 0, 1], { heading: 1 }));
   await record(hero.inPlace());
+  await record(hero.sendTo('vmc', 'livelink'));
   await record(service.set({ events: ['stride'], rate: 30 }));
   await record(service.send([{ do: 'speed', id: [7], speed: 1 }, { do: 'remove', id: 7 }]));
   assert.deepEqual(sent.map((one) => { delete (one[0] ?? one).ref; return one; }), [
@@ -113,6 +114,7 @@ test('all commands are those of the protocol', async () => {
     { do: 'wear', id: 7, hands: 'gloves', weight: 1 },
     { do: 'place', id: 7, position: [1, 0, 1], heading: 1 },
     { do: 'in_place', id: 7, in_place: true },
+    { do: 'send', id: 7, to: ['vmc', 'livelink'] },
     { do: 'set', events: ['stride'], rate: 30 },
     [{ do: 'speed', id: [7], speed: 1 }, { do: 'remove', id: 7 }],
   ]);

@@ -1,11 +1,10 @@
 from __future__ import annotations
 
-import json
 from typing import Any, get_args
 
 import numpy as np
 import pytest
-from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.exceptions import ConnectionClosed
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
@@ -284,19 +283,6 @@ def test_it_closes_with_defined_codes(service: Running, send: Any, code: int) ->
     assert caught.value.rcvd is not None
     assert caught.value.rcvd.code == code
     eventually(lambda: service.held[2:] == (0, 0))
-
-
-def test_a_handshake_that_is_refused_says_why(service: Running) -> None:
-    for query, status, words in (
-        ("?rate=0", 422, "rate: expected a number from 1 to 1000, found '0'"),
-        ("?rate=200", 422, "more than 120"),
-        ("?axis=unity", 422, "Did you mean 'axes'"),
-        ("/nothing", 404, "/v1/characters"),
-    ):
-        with pytest.raises(InvalidStatus) as caught:
-            Player(service, query)
-        assert caught.value.response.status_code == status
-        assert words in json.loads(caught.value.response.body or b"")["detail"]
 
 
 def test_a_service_that_stops_sends_an_event_and_a_close_code(bank: Bank) -> None:

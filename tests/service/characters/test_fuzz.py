@@ -50,6 +50,7 @@ options = st.fixed_dictionaries(
         "own_clock": st.booleans() | st.lists(numbers, max_size=3),
         "position": st.lists(numbers, max_size=4),
         "in_place": st.booleans(),
+        "to": st.lists(st.sampled_from(["vmc", "livelink", "x"]), max_size=3),
     },
 )
 commands = st.builds(
@@ -74,6 +75,8 @@ likely = st.sampled_from(
         {"do": "wear", "id": 1, "hands": None, "blend": 0},
         {"do": "stop", "id": 1},
         {"do": "remove", "id": 2},
+        {"do": "send", "id": 1, "to": ["vmc", "livelink"]},
+        {"do": "send", "id": [2, 3], "to": ["livelink"]},
         {"do": "set", "rate": 120, "ahead": 1},
         {"do": "set", "rate": 120, "ahead": 30},
     ]
@@ -153,7 +156,7 @@ class Clients(RuleBasedStateMachine):
 @pytest.fixture(scope="module")
 def service(hands_bank: Bank) -> Iterator[Running]:
     """A service with long timeouts, as the test takes time between messages."""
-    with running(hands_bank.path, Settings()) as service:
+    with running(hands_bank.path, Settings(vmc="127.0.0.1:9", livelink="127.0.0.1:9")) as service:  # nobody listens
         yield service
 
 

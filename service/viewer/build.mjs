@@ -1,0 +1,14 @@
+// Bundles what others wrote, and the client, into page/vendor: `make viewer`. The page's own modules are served as they are.
+import { build } from 'esbuild';
+import { copyFileSync } from 'node:fs';
+
+await build({
+  entryPoints: ['vendor/three.js', 'vendor/motionsplice.js'],
+  outdir: 'page/vendor',
+  bundle: true,
+  minify: true,
+  format: 'esm',
+  target: 'es2022',
+  legalComments: 'none',
+});
+copyFileSync('node_modules/three/LICENSE', 'page/vendor/three.LICENSE');

@@ -1,0 +1,63 @@
+/** @import { State } from './state.js' */
+
+/** The time that is shown: played, repeated, scrubbed or stepped. */
+export class Player {
+  rate = 60; // frames per second of what is shown
+  duration = 0; // seconds
+  #time = 0;
+
+  /** @param {State} state */
+  constructor(state) {
+    this.state = state;
+    this.#time = state.values.time;
+  }
+
+  get time() {
+    return this.#time;
+  }
+
+  /** What is repeated: from and to, in seconds. */
+  get range() {
+    const { from, to } = this.state.values;
+    const end = to > from ? Math.min(to, this.duration) : this.duration;
+    return [Math.min(from, end), end];
+  }
+
+  /**
+   * Moves on by the seconds that have passed. Returns the time.
+   *
+   * @param {number} passed
+   */
+  advance(passed) {
+    if (!this.state.values.playing) return this.#time;
+    const [from, to] = this.range;
+    this.#time += passed * this.state.values.speed;
+    if (this.#time > to || this.#time < from) this.#time = to > from ? from + ((this.#time - from) % (to - from) + (to - from)) % (to - from) : from;
+    return this.#time;
+  }
+
+  /**
+   * Shows a moment, and stays there.
+   *
+   * @param {number} time
+   */
+  seek(time) {
+    this.#time = Math.max(0, Math.min(this.duration, time));
+    this.state.set({ time: this.#time, playing: false });
+  }
+
+  /**
+   * Shows the frame that is so many frames later.
+   *
+   * @param {number} frames
+   */
+  step(frames) {
+    this.seek((Math.round(this.#time * this.rate) + frames) / this.rate);
+  }
+
+  /** Plays, or pauses at the frame that is shown. */
+  toggle() {
+    if (this.state.values.playing) this.seek(Math.round(this.#time * this.rate) / this.rate);
+    else this.state.set({ playing: true });
+  }
+}

@@ -1,0 +1,66 @@
+/** What a character is asked to do, for each side of the comparison: the body of `POST /v1/take`. */
+
+/** @import { Catalogue } from './catalogue.js' */
+/** @import { Values } from './state.js' */
+
+/** @typedef {{ at: number, do: string, [key: string]: unknown }} Command */
+/** @typedef {{ rate: number, frames: number, commands: Command[] }} Take */
+/** @typedef {'splice' | 'naive' | 'locomotion' | 'action' | 'truth'} SideName */
+
+/** @type {Record<SideName, { label: string, colour: string }>} */
+export const SIDES = {
+  splice: { label: 'Splice', colour: '#f28c28' },
+  naive: { label: 'Naive', colour: '#8c8c8c' },
+  locomotion: { label: 'Locomotion alone', colour: '#3f8efc' },
+  action: { label: 'Action as captured', colour: '#2fae66' },
+  truth: { label: 'Truth', colour: '#b064e0' },
+};
+
+const LONGEST = 60; // seconds of a take
+
+/**
+ * Returns the take of a side; undefined if there is nothing to show.
+ *
+ * @param {SideName} side
+ * @param {Values} values
+ * @param {Catalogue} catalogue
+ * @returns {Take | undefined}
+ */
+export function takeOf(side, values, catalogue) {
+  const name = side === 'action' ? values.action : side === 'truth' ? values.truth : values.locomotion;
+  const clip = catalogue.clips.get(name);
+  if (!clip || ((side === 'splice' || side === 'naive') && !catalogue.clips.has(values.action))) return undefined;
+  const leading = catalogue.clips.get(values.locomotion) ?? clip;
+  const seconds = Math.min(LONGEST, side === 'action' ? clip.duration : values.length || leading.duration);
+  const take = { rate: leading.rate, frames: Math.floor(seconds * leading.rate + 1e-6) + 1, commands: [create(side, values, catalogue)] };
+  if (side === 'splice' || side === 'naive') take.commands.push(act(side, values, leading.rate));
+  if (values.hands && side !== 'locomotion' && side !== 'truth') take.commands.push({ at: 0, do: 'wear', hands: values.hands, blend: 0 });
+  return take;
+}
+
+/**
+ * @param {SideName} side
+ * @param {Values} values
+ * @param {Catalogue} catalogue
+ * @returns {Command}
+ */
+function create(side, values, catalogue) {
+  if (side === 'action' || side === 'truth') return { at: 0, do: 'create', locomotion: values[side], loop: false };
+  const isMix = catalogue.clips.has(values.second) && values.second !== values.locomotion;
+  const locomotion = isMix ? { [values.locomotion]: 1 - values.share, [values.second]: values.share } : values.locomotion;
+  return { at: 0, do: 'create', locomotion, loop: values.length > 0 };
+}
+
+/**
+ * @param {SideName} side
+ * @param {Values} values
+ * @param {number} rate
+ * @returns {Command}
+ */
+function act(side, values, rate) {
+  const { action, when, start, blend, weight, mask, posture } = values;
+  return {
+    at: Math.round(values.at * rate), do: 'act', action, when, start, blend, blend_out: blend, weight, mask, posture,
+    method: side === 'naive' ? 'naive' : 'splice', loop: !values.once, own_clock: values.own,
+  };
+}

@@ -75,6 +75,13 @@ save("poses.msgpack", await client.POST("/v1/poses", {
   ...binary,
 }));
 
+const order: components["schemas"]["TakeOrder"] = {
+  rate: 60, frames: 4, commands: [{ do: "create", locomotion: "walk" }, { at: 1, do: "act", action: "wave" }],
+};
+const take = good(await json.POST("/v1/take", { ...query, body: order }));
+const times: (number | null)[] = take.action_times;
+check(times.length === 4 && times[0] === null && take.events[0]?.action === "wave", "take");
+
 const frames = good(await json.GET("/v1/splice", { params: { query: { ...splice, ...encoded, ...part } } }));
 const all: number[][][] | undefined = frames.rotations;
 check(frames.count === 4 && all?.length === 4, "frames");

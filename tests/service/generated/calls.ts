@@ -76,11 +76,12 @@ save("poses.msgpack", await client.POST("/v1/poses", {
 }));
 
 const order: components["schemas"]["TakeOrder"] = {
-  rate: 60, frames: 4, commands: [{ do: "create", locomotion: "walk" }, { at: 1, do: "act", action: "wave" }],
+  rate: 60, frames: 60, commands: [{ do: "create", locomotion: "walk" }, { at: 1, do: "act", action: "wave", when: "foot" }],
 };
 const take = good(await json.POST("/v1/take", { ...query, body: order }));
 const times: (number | null)[] = take.action_times;
-check(times.length === 4 && times[0] === null && take.events[0]?.action === "wave", "take");
+check(times.length === 60 && times[0] === null, "times");
+check(take.events.find((one) => one.event === "action_began")?.action === "wave", "events");
 
 const frames = good(await json.GET("/v1/splice", { params: { query: { ...splice, ...encoded, ...part } } }));
 const all: number[][][] | undefined = frames.rotations;

@@ -44,6 +44,16 @@ export class Sides {
   }
 
   /**
+   * Begins anew with another bank.
+   *
+   * @param {Catalogue} catalogue
+   */
+  reload(catalogue) {
+    this.catalogue = catalogue;
+    this.#kept.clear();
+  }
+
+  /**
    * Returns the sides that are shown, in order.
    *
    * @param {Values} values

@@ -2,8 +2,8 @@
 //
 //     play BANK < COMMANDS
 //
-//     character LOCOMOTION ACTION RATE FRAMES   prints FRAMES frames of a character, without threads; ACTION may be -
 //     set NAME VALUE                            changes a setting, also while the source plays; VALUE may be -
+//     character FRAMES                          prints frames of a character with these settings, without threads
 //     start                                     creates a source in the factory's way; its bank is BANK if not set
 //     wait FRAMES                               returns when so many more frames are pushed
 //     until TEXT                                returns when the source's status begins with TEXT; prints the status
@@ -16,6 +16,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <sstream>
 #include <thread>
@@ -30,12 +31,12 @@
 
 std::u16string Utf16(const std::string& Utf8)
 {
-	return std::filesystem::u8path(Utf8).u16string();
+	return std::filesystem::path(Utf8).u16string();
 }
 
 std::string Utf8(const std::u16string& Utf16)
 {
-	return std::filesystem::path(Utf16).u8string();
+	return std::filesystem::path(Utf16).string();
 }
 
 static std::mutex Output;
@@ -61,14 +62,6 @@ void Log(const FString& Line)
 	Print("log", Quoted(Line));
 }
 
-static std::string Listed(const FVector& V)
-{
-	std::ostringstream Json;
-	Json.precision(17);
-	Json << "[" << V.X << ", " << V.Y << ", " << V.Z << "]";
-	return Json.str();
-}
-
 /** Position, and rotation as x, y, z, w, of each bone. */
 static std::string Listed(const TArray<FTransform>& Transforms)
 {
@@ -82,14 +75,6 @@ static std::string Listed(const TArray<FTransform>& Transforms)
 		Json << Q.X << ", " << Q.Y << ", " << Q.Z << ", " << Q.W << "]";
 	}
 	return "[" + Json.str() + "]";
-}
-
-static FLiveLinkSkeletonStaticData Skeleton(const TArray<FName>& Names, const TArray<int32>& Parents)
-{
-	FLiveLinkSkeletonStaticData Data;
-	Data.SetBoneNames(Names);
-	Data.SetBoneParents(Parents);
-	return Data;
 }
 
 /** Prints what is pushed. */
@@ -131,11 +116,11 @@ public:
 	}
 };
 
-/** Reads a word; "-" stands for an empty one. */
+/** Reads a word, which has quotes if it contains spaces; "-" stands for an empty one. */
 static FString Word()
 {
 	std::string Text;
-	std::cin >> Text;
+	std::cin >> std::quoted(Text);
 	return Text == "-" ? FString() : FString(UTF8_TO_TCHAR(Text));
 }
 
@@ -158,14 +143,11 @@ static void Set(FMotionSplicePlayback& Playback, const std::string& Name)
 	if (Name == "subject") Playback.Subject = FName(*Word());
 }
 
-static TArray<FTransform> Character(FMotionSplicePlayback Playback, const FLiveLinkSkeletonStaticData*, FLiveLinkSkeletonStaticData& Bones)
+static TArray<FTransform> Character(const FMotionSplicePlayback& Playback, FLiveLinkSkeletonStaticData& Bones)
 {
 	FString Error;
 	TArray<FTransform> Transforms;
 	const TUniquePtr<FMotionSpliceCharacter> Played = FMotionSpliceCharacter::Open(Playback.Bank.Path, Error);
-	Playback.Locomotion = Word();
-	Playback.Action = Word();
-	Playback.Rate = Number<double>();
 	if (Played) Error = Played->Play(Playback);
 	for (int Frames = Number<int>(); Error.IsEmpty() && Frames > 0; --Frames)
 	{
@@ -174,7 +156,7 @@ static TArray<FTransform> Character(FMotionSplicePlayback Playback, const FLiveL
 		Played->Advance(1.0 / Playback.Rate);
 	}
 	if (!Error.IsEmpty()) Print("fault", Quoted(Error));
-	if (Played) Bones = Skeleton(Played->BoneNames(), Played->BoneParents());
+	if (Played) Bones.SetBoneNames(Played->BoneNames());
 	return Transforms;
 }
 
@@ -223,7 +205,7 @@ int main(int Count, char** Arguments)
 	};
 	for (std::string Command; std::cin >> Command;)
 	{
-		if (Command == "character") Transforms = Character(Settings.Playback, nullptr, Bones);
+		if (Command == "character") Transforms = Character(Settings.Playback, Bones);
 		if (Command == "mesh") Mesh(Bones, Transforms);
 		if (Command == "set")
 		{

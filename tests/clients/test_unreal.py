@@ -56,11 +56,6 @@ def values(lines: Lines, key: str) -> list[Any]:
     return [value for name, value in lines if name == key]
 
 
-def converted(rotations: Floats, axes: Axes) -> Floats:
-    """Rotations [..., 4] xyzw in other axes."""
-    return np.asarray(rotations[..., [*axes.order, 3]] * [*axes.turns, 1.0], np.float64)
-
-
 def placed(bank: Bank, transforms: Any) -> Floats:
     """World positions [n, J, 3] of transforms [n, J, 7] in Unreal's axes."""
     frames = np.array(transforms, np.float64)
@@ -70,13 +65,12 @@ def placed(bank: Bank, transforms: Any) -> Floats:
 
 
 def played(
-    bank: Bank, locomotion: str, action: Action | None, rate: float, count: int, hands: str | None = None
+    bank: Bank, locomotion: str, action: Action, rate: float, count: int, hands: str | None = None
 ) -> tuple[Floats, Floats]:
     """World positions [count, J, 3] in metres and world rotations [count, J, 4] of a character of the runtime."""
     characters = Characters(Stage(Evaluator(bank)), rate)
     characters.add(1, locomotion)
-    if action is not None:
-        characters.act(0, action)
+    characters.act(0, action)
     characters.wear(0, hands, blend=0.0)
     poses = characters.stage.evaluator.poses(1)
     roots, rotations = [], []
@@ -167,7 +161,7 @@ def test_settings_take_effect_while_the_source_plays(bank: Bank, play: Path) -> 
     for line in lines:
         parts.append([line]) if line[0] == "set" else parts[-1].append(line)
     # the frame that is due during a change may still be the old one
-    plain, waving, in_place, hero, fast, running = ([frame for frame in values(part, "frame")][1:] for part in parts)
+    plain, waving, in_place, hero, fast, running = (values(part, "frame")[1:] for part in parts)
 
     def arm(frame: Any) -> Floats:
         return np.array(frame[2][bank.skeleton.names.index("RightArm")][3:])
@@ -254,6 +248,6 @@ def test_a_mesh_with_bone_axes_of_its_own_has_its_bones_where_the_runtime_places
     [bones] = np.array(values(printed(play, bank.path, *commands), "mesh"))
     positions, rotations = played(bank, "walk", WAVE, 60.0, 100)
     np.testing.assert_allclose(bones[1:, :3], MESH.positions(positions[-1]), atol=CLOSE)
-    turned = Rotation.from_quat(converted(rotations[-1], MESH)) * axes[1:]
+    turned = Rotation.from_quat(rotations[-1][:, [*MESH.order, 3]] * [*MESH.turns, 1.0]) * axes[1:]
     assert (Rotation.from_quat(bones[1:, 3:]).inv() * turned).magnitude().max() < 1e-5
     np.testing.assert_allclose(bones[0, :3], points[0], atol=1e-9)

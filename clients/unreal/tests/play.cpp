@@ -9,7 +9,7 @@
 //     until TEXT                                returns when the source's status begins with TEXT; prints the status
 //     stop                                      shuts the source down as Live Link does
 //     destroy                                   destroys it as it is
-//     mesh YAW BONES                            then BONES lines: name parent x y z w x y z scale, of its reference pose
+//     mesh YAW BONES                            then BONES lines of its reference pose: name parent x y z w x y z scale
 //                                               prints where its bones are in the last frame of `character`
 //
 // Prints a map of JSON in each line.
@@ -171,7 +171,8 @@ static void Mesh(const FLiveLinkSkeletonStaticData& Bones, const TArray<FTransfo
 		Container.Names.Add(FName(*Word()));
 		Container.Parents.Add(Number<int>());
 		for (double& Value : V) std::cin >> Value;
-		Container.RefPose.Add(FTransform(FQuat(V[0], V[1], V[2], V[3]), FVector(V[4], V[5], V[6]), FVector(V[7], V[7], V[7])));
+		const FQuat Rotation(V[0], V[1], V[2], V[3]);
+		Container.RefPose.Add(FTransform(Rotation, FVector(V[4], V[5], V[6]), FVector(V[7], V[7], V[7])));
 	}
 	FCompactPose Pose(Container);
 	FLiveLinkAnimationFrameData Frame;

@@ -1,10 +1,13 @@
-// Stand-ins for what the plugin uses of Unreal, so that it compiles and runs in a test. Names, parameters and units are
-// the engine's; everything else is as short as it can be. Read beside the headers of 5.3.1 and 5.8:
+// Stand-ins for what the plugin uses of Unreal, so that it compiles and runs in a test. Names and parameters are the
+// engine's; everything else is as short as it can be. Read beside the headers of 5.3.1 and 5.8:
 //
 //     stub                                   stands for, below Engine/Source/Runtime
-//     CoreMinimal.h                          Core/Public/CoreMinimal.h and what it includes: Containers, Math, UObject macros
+//     CoreMinimal.h                          Core/Public/CoreMinimal.h and what it includes: containers, mathematics,
+//                                            logging, and the macros of CoreUObject/Public/UObject/ObjectMacros.h
 //     HAL/*, Misc/*, Modules/*, Templates/*  Core/Public, under the same names
-//     Engine/EngineTypes.h, BonePose.h       Engine/Classes/Engine/EngineTypes.h; Engine/Public/BonePose.h, BoneContainer.h
+//     UObject/SoftObjectPath.h               CoreUObject/Public/UObject/SoftObjectPath.h
+//     Engine/EngineTypes.h                   Engine/Classes/Engine/EngineTypes.h
+//     BonePose.h                             Engine/Public/BonePose.h, BoneContainer.h, BoneIndices.h
 //     ILiveLink*.h, LiveLinkSource*.h        LiveLinkInterface/Public, under the same names
 //     LiveLinkTypes.h, Roles/*               LiveLinkInterface/Public, under the same names
 //     LiveLinkRetargetAsset.h                LiveLinkAnimationCore/Public/LiveLinkRetargetAsset.h
@@ -19,7 +22,8 @@
 #include <utility>
 #include <vector>
 
-// Macros of the engine that a header of others must survive.
+// Macros of the engine and of windows.h that motionsplice.hpp must survive.
+#define near
 #define check(expression) static_cast<void>(expression)
 #define verify(expression) static_cast<void>(expression)
 #define ensure(expression) (expression)
@@ -49,7 +53,7 @@ using uint32 = std::uint32_t;
 using int32 = std::int32_t;
 constexpr int32 INDEX_NONE = -1;
 
-template <class T> std::remove_reference_t<T>&& MoveTemp(T&& Value) { return static_cast<std::remove_reference_t<T>&&>(Value); }
+template <class T> std::remove_reference_t<T>&& MoveTemp(T&& Value) { return std::move(Value); }
 template <class T> void Swap(T& A, T& B) { std::swap(A, B); }
 
 std::u16string Utf16(const std::string& Utf8);
@@ -206,8 +210,8 @@ inline const FTransform FTransform::Identity;
 
 struct FMath
 {
-	template <class T> static T Clamp(T Value, T Least, T Most) { return Value < Least ? Least : Value > Most ? Most : Value; }
-	template <class T> static T Min(T A, T B) { return A < B ? A : B; }
+	static double Clamp(double Value, double Least, double Most) { return std::fmin(std::fmax(Value, Least), Most); }
+	static int32 Min(int32 A, int32 B) { return A < B ? A : B; }
 	static double FloorToDouble(double Value) { return std::floor(Value); }
 	static int32 CeilToInt(double Value) { return static_cast<int32>(std::ceil(Value)); }
 	static double DegreesToRadians(double Degrees) { return Degrees * (3.141592653589793 / 180.0); }

@@ -15,6 +15,9 @@ public:
 	virtual FText GetSourceType() const = 0;
 	virtual FText GetSourceMachineName() const = 0;
 	virtual FText GetSourceStatus() const = 0;
-	virtual TSubclassOf<ULiveLinkSourceSettings> GetSettingsClass() const { return ULiveLinkSourceSettings::StaticClass(); }
+	virtual TSubclassOf<ULiveLinkSourceSettings> GetSettingsClass() const
+	{
+		return ULiveLinkSourceSettings::StaticClass();
+	}
 	virtual void OnSettingsChanged(ULiveLinkSourceSettings*, const FPropertyChangedEvent&) {}
 };

@@ -4,6 +4,7 @@
 #include "CoreMinimal.h"
 #include "Engine/EngineTypes.h"
 #include "LiveLinkSourceSettings.h"
+#include "UObject/SoftObjectPath.h" // has FDirectoryPath in newer engines, and EngineTypes.h in older ones
 #include "MotionSpliceSourceSettings.generated.h"
 
 /** How the action keeps its posture on the locomotion's hips. */

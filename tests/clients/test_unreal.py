@@ -159,9 +159,9 @@ def test_settings_take_effect_while_the_source_plays(bank: Bank, play: Path) -> 
     lines = printed(play, bank.path, "start", "wait 9", *commands, "stop")
     parts: list[Lines] = [[]]
     for line in lines:
-        parts.append([line]) if line[0] == "set" else parts[-1].append(line)
-    # the frame that is due during a change may still be the old one
-    plain, waving, in_place, hero, fast, running = (values(part, "frame")[1:] for part in parts)
+        parts.append([]) if line[0] in ("before", "after") else parts[-1].append(line)
+    # the frame that is evaluated during a change may still be the old one
+    plain, waving, in_place, hero, fast, running = (values(part, "frame")[1:] for part in parts[::2])
 
     def arm(frame: Any) -> Floats:
         return np.array(frame[2][bank.skeleton.names.index("RightArm")][3:])
@@ -177,7 +177,7 @@ def test_settings_take_effect_while_the_source_plays(bank: Bank, play: Path) -> 
     assert [value[0] for value in values(lines, "bones")] == ["motionsplice", "hero"]
     assert values(lines, "removed") == ["motionsplice"]
     assert np.diff([frame[1] for frame in fast]).min() < 1.1 / 240.0
-    positions, _ = played(bank, "run", WAVE, 240.0, 60)
+    positions, _ = played(bank, "run", WAVE, 240.0, 240)
     heights = UNREAL.positions(positions)[:, 0, 2]
     assert min(abs(heights - running[0][2][0][2])) < CLOSE
     assert values(lines, "log") == []

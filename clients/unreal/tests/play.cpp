@@ -212,9 +212,10 @@ int main(int Count, char** Arguments)
 		{
 			std::string Name;
 			std::cin >> Name;
+			Print("before", Quoted(FString(UTF8_TO_TCHAR(Name))));
 			Set(Settings.Playback, Name);
-			Print("set", Quoted(FString(UTF8_TO_TCHAR(Name))));
 			if (Source) Source->OnSettingsChanged(&Settings, FPropertyChangedEvent());
+			Print("after", Quoted(FString(UTF8_TO_TCHAR(Name))));
 		}
 		if (Command == "start")
 		{

@@ -15,9 +15,9 @@ class FMotionSpliceCharacter;
 class FRunnableThread;
 
 /**
- * Frames come from a thread of its own, not from Update, which Live Link calls once for each picture: a bank may take
- * seconds to read, and frames stay evenly spaced in time however long a picture takes. Live Link interpolates between
- * them for the moment that it shows.
+ * Frames come from a thread of its own, not from Update, which Live Link calls once for each rendered frame. So a bank
+ * may take seconds to read, and frames stay evenly spaced in time however long rendering takes. Live Link interpolates
+ * between them for the moment that it shows.
  */
 class FMotionSpliceSource final : public ILiveLinkSource, private FRunnable
 {

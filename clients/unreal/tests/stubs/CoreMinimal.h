@@ -1,5 +1,7 @@
 // Stand-ins for what the plugin uses of Unreal, so that it compiles and runs in a test. Names and parameters are the
-// engine's; everything else is as short as it can be. Read beside the headers of 5.3.1 and 5.8:
+// engine's; everything else is as short as it can be. HAL/Event.h, HAL/Runnable*.h and Live Link's were checked against
+// Unreal's sources (5.3.1; LiveLinkTypes.h and ILiveLinkClient.h of 5.2; ILiveLinkSource.h and LiveLinkSource*.h of 5.8
+// too), the others against code that uses them.
 //
 //     stub                                   stands for, below Engine/Source/Runtime
 //     CoreMinimal.h                          Core/Public/CoreMinimal.h and what it includes: containers, mathematics,

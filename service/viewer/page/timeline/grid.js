@@ -95,7 +95,7 @@ export class Grid {
     this.front.request();
   }
 
-  get #astroke() {
+  get #across() {
     const { clientWidth } = this.plot;
     return timeAxis(this.span, clientWidth < NARROW ? NARROW_GUTTER : GUTTER, clientWidth - EDGE);
   }
@@ -146,14 +146,14 @@ export class Grid {
   #paintMap(context) {
     if (!this.#shown) return;
     this.theme = themeOf(this.element);
-    const { left, right, x } = this.#across, { bottom, y, pixels } = this.#up;
-    const { picture, times, across, up } = this.#shown;
-    context.drawImage(picture, left, ABOVE, right - left, bottom - ABOVE);
+    const { left, right, x } = this.#across, { bottom, y } = this.#up;
+    const { picture, times, across } = this.#shown;
     this.#ticks(context);
     context.save();
     context.beginPath();
     context.rect(left, ABOVE, right - left, bottom - ABOVE);
     context.clip();
+    context.drawImage(picture, x(0), ABOVE, x(across) - x(0), bottom - ABOVE);
     context.beginPath();
     for (const [first, last] of clockPieces(times, this.player.rate)) {
       context.moveTo(x(first / this.player.rate), y(times[first]));

@@ -94,13 +94,15 @@ export function bars({ context, top, height, x }, intervals, colour) {
 }
 
 /**
- * Writes the value at the top of a strip beside a dotted line.
+ * Writes a value at the right end of a dotted line.
  *
  * @param {Box} box
  * @param {string} text
+ * @param {number} [level]
  */
-export function dottedTop(box, text) {
-  const { context, theme, left, right, top } = box;
+export function dotted(box, text, level = 1) {
+  const { context, theme, left, right } = box;
+  const top = Math.round(box.top + box.height * (1 - level));
   context.strokeStyle = theme.line;
   context.setLineDash([2, 3]);
   context.beginPath();
@@ -149,6 +151,10 @@ export function plate(context, theme, text, x, y, { left, right, fill = theme.pa
   const start = Math.max(left, Math.min(right - width, x - width / 2));
   context.beginPath();
   context.roundRect(start, y - 8, width, 16, 3);
+  context.lineWidth = 4;
+  context.strokeStyle = theme.panel; // keeps off what is beside it
+  context.stroke();
+  context.lineWidth = 1;
   context.fillStyle = fill;
   context.fill();
   context.fillStyle = ink;

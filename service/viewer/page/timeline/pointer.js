@@ -6,7 +6,7 @@ import { LANE, RULER } from './ruler.js';
 const REACH = 9; // CSS pixels around a handle
 const PAGE = 10; // frames
 
-/** @typedef {(time: number) => void} Drag */
+/** @typedef {(time: number, x: number) => void} Drag */
 
 /** Turns the pointer, the wheel and keys on a timeline into seeking, the repeated range, and zoom. */
 export class Pointer {
@@ -30,12 +30,15 @@ export class Pointer {
 
   /** @param {PointerEvent} event */
   #down(event) {
-    if (event.button !== 0 || !this.timeline.data) return;
+    const isMiddle = event.button === 1; // pans
+    if ((event.button !== 0 && !isMiddle) || !this.timeline.data || event.offsetX < this.timeline.axis.left - REACH) return;
+    event.preventDefault(); // no selection, no scrolling by the middle button
+    this.timeline.slider.focus({ preventScroll: true });
     this.timeline.slider.setPointerCapture(event.pointerId);
     const time = this.#time(event);
-    this.#drag = this.#dragAt(event, time);
+    this.#drag = isMiddle ? this.#pan(event.clientX, 1) : this.#dragAt(event, time);
     this.#point(undefined);
-    this.#drag(time);
+    this.#drag(time, event.clientX);
   }
 
   /**
@@ -48,6 +51,7 @@ export class Pointer {
   #dragAt(event, start) {
     const y = event.offsetY, { axis } = this.timeline;
     const [from, to] = this.player.range;
+    if (y >= this.timeline.bottom && !this.timeline.span.isWhole) return this.#pan(event.clientX, -1);
     if (event.shiftKey) return (time) => this.#repeat(start, time, time !== start);
     if (y >= RULER && y < RULER + LANE) {
       const isFrom = Math.abs(axis.x(from) - event.offsetX), isTo = Math.abs(axis.x(to) - event.offsetX);
@@ -60,11 +64,27 @@ export class Pointer {
   /** @param {PointerEvent} event */
   #move(event) {
     const time = this.#time(event);
-    if (this.#drag) this.#drag(time);
+    if (this.#drag) this.#drag(time, event.clientX);
     else {
       this.#point(event.pointerType === 'touch' || event.offsetX < this.timeline.axis.left - 4 ? undefined : this.#whole(time));
       this.timeline.slider.style.cursor = this.#isOnLane(event) ? 'ew-resize' : '';
     }
+  }
+
+  /**
+   * Returns a drag of what is visible: the strips with the pointer, or the bar below them.
+   *
+   * @param {number} x CSS pixels
+   * @param {1 | -1} of the strips, or of the bar
+   * @returns {Drag}
+   */
+  #pan(x, of) {
+    const { span, axis } = this.timeline;
+    const seconds = (of === 1 ? span.to - span.from : -span.duration) / (axis.right - axis.left);
+    return (_, next) => {
+      span.pan((x - next) * seconds);
+      x = next;
+    };
   }
 
   #up() {

@@ -1,6 +1,6 @@
-import { alongFrames, area, bars, dottedTop, line, note } from './paint.js';
-import { clockPieces, isWithin, pace, pieces } from './pieces.js';
-import { axis, largest, nice, plain } from './ticks.js';
+import { alongFrames, area, bars, dotted, line, note } from './paint.js';
+import { clockPieces, isWithin, pace, pieces, ramps } from './pieces.js';
+import { axis, largest } from './ticks.js';
 
 /** @import { Box } from './paint.js' */
 
@@ -62,7 +62,8 @@ function phaseRow({ phases }) {
       for (const ramp of ramps(phases)) {
         area(box, ramp, box.theme.text, 0.1);
         line(box, ramp, box.theme.text, 1.25);
-        const [start, stride] = [box.x(ramp[0][0]), Math.floor(phases[Math.round(ramp[0][0] + 0.5)])];
+        const start = Math.max(box.left, box.x(ramp[0][0]));
+        const stride = Math.floor(phases[Math.floor(ramp[0][0] + 1)] ?? NaN);
         if (box.x(ramp[ramp.length - 1][0]) - start > 28) note(box, String(stride), start + 4, box.top + 9);
       }
     },
@@ -70,26 +71,6 @@ function phaseRow({ phases }) {
     words: (frame) => `phase ${phases[frame]?.toFixed(2)} strides`,
     level: fraction,
   };
-}
-
-/**
- * Returns the phase as ramps from 0 to 1, one a stride: places in frames, and levels.
- *
- * @param {ArrayLike<number>} phases
- */
-export function ramps(phases) {
-  /** @type {[number, number][][]} */
-  const found = [];
-  for (let frame = 0; frame < phases.length; frame++) {
-    const phase = phases[frame], before = phases[frame - 1];
-    const stride = Math.floor(phase);
-    const isNext = frame > 0 && stride === Math.floor(before) + 1;
-    const crossing = isNext ? frame - (phase - stride) / (phase - before) : frame;
-    if (isNext) found[found.length - 1].push([crossing, 1]);
-    if (frame === 0 || stride !== Math.floor(before)) found.push(isNext ? [[crossing, 0]] : []);
-    found[found.length - 1].push([frame, phase - stride]);
-  }
-  return found;
 }
 
 /**
@@ -113,31 +94,38 @@ function contactRow({ contacts, rate }, foot) {
  * @returns {Row}
  */
 function actionRow({ rate, actionDuration = 0, events, colours }, times) {
-  const top = Math.max(actionDuration, largest(times)) || 1;
+  const end = largest(times);
+  const top = Math.max(actionDuration, end) || 1; // the seam after the clip's end is beyond its duration
   const parts = clockPieces(times, rate);
+  const name = events.find(({ event, action }) => event.startsWith('action') && action)?.action ?? 'action';
   return {
     label: 'Action',
     height: 38,
     paint(box) {
       const colour = colours?.action ?? box.theme.accent;
-      dottedTop(box, `${plain(top, nice(top / 10))} s`);
+      if (actionDuration) dotted(box, `${actionDuration.toFixed(2)} s`, actionDuration / top);
       for (const part of parts) {
         const points = alongFrames(times, part, top);
         area(box, points, colour, 0.14);
         line(box, points, colour, 1.5);
       }
-      for (const mark of events.filter(({ event }) => event.startsWith('action'))) {
-        const isStart = mark.event === 'action_began';
-        flag(box, mark.frame, `${mark.action ?? 'action'} ${isStart ? 'begins' : 'ends'}`, isStart);
+      for (const [first, last] of pieces(times)) {
+        if (first > 0) flag(box, first, `${name} begins`, true);
+        if (last < times.length - 1) flag(box, last, `${name} ends`, false);
       }
     },
     text(frame) {
-      const speed = pace(times, rate, frame);
-      return Number.isNaN(times[frame] ?? NaN) ? 'none' : `${times[frame].toFixed(2)} s${Number.isNaN(speed) ? '' : `  ${speed.toFixed(2)}×`}`;
+      const speed = pace(parts, times, rate, frame);
+      return isMissing(times[frame]) ? 'none' : `${times[frame].toFixed(2)} s${Number.isNaN(speed) ? '' : `  ${speed.toFixed(2)}×`}`;
     },
-    words: (frame) => (Number.isNaN(times[frame] ?? NaN) ? 'no action' : `action at ${times[frame].toFixed(2)} seconds`),
+    words: (frame) => (isMissing(times[frame]) ? 'no action' : `action at ${times[frame].toFixed(2)} seconds`),
     level: (frame) => times[frame] / top,
   };
+}
+
+/** @param {number | undefined} value */
+function isMissing(value) {
+  return value === undefined || Number.isNaN(value);
 }
 
 /**
@@ -174,15 +162,14 @@ function mismatchRow(values) {
     label: 'Legs apart',
     height: 28,
     paint(box) {
-      dottedTop(box, `${top} cm`);
+      dotted(box, `${top} cm`);
       const bad = box.top + box.height * (1 - (100 * BAD) / top);
       const heat = box.context.createLinearGradient(0, box.top + box.height, 0, bad);
-      heat.addColorStop(0, box.theme.faint);
-      heat.addColorStop(0.4, box.theme.faint);
+      heat.addColorStop(0.5, box.theme.faint);
       heat.addColorStop(1, box.theme.warn);
       for (const part of pieces(values)) {
         const points = alongFrames(values, part, top / 100);
-        area(box, points, heat, 0.45);
+        area(box, points, heat, 0.25);
         line(box, points, heat, 1.5);
       }
     },
@@ -203,7 +190,7 @@ function differenceRow(values, colour) {
     label: 'Difference',
     height: 28,
     paint(box) {
-      dottedTop(box, `${top} cm`);
+      dotted(box, `${top} cm`);
       for (const part of pieces(values)) {
         const points = alongFrames(values, part, top / 100);
         area(box, points, colour ?? box.theme.accent, 0.14);
@@ -218,5 +205,5 @@ function differenceRow(values, colour) {
 
 /** @param {number | undefined} metres */
 function centimetres(metres) {
-  return metres === undefined || Number.isNaN(metres) ? 'none' : `${(100 * metres).toFixed(1)} cm`;
+  return metres === undefined || isMissing(metres) ? 'none' : `${(100 * metres).toFixed(1)} cm`;
 }

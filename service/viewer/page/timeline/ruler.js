@@ -5,6 +5,9 @@ import { multiples, plain, timeSteps } from './ticks.js';
 /** @import { Span } from './span.js' */
 
 export const RULER = 22; // CSS pixels
+export const GUTTER = 140; // of labels, left of strips and plots
+export const NARROW = 620; // width below which there is no gutter
+export const EDGE = 10;
 export const LANE = 11; // below the ruler, with the bar of what is repeated
 
 /**
@@ -96,6 +99,26 @@ export function paintRange(context, theme, axis, [from, to], { isWhole, bottom }
   context.globalAlpha = 0.6;
   context.fillRect(axis.left, RULER + LANE, start - axis.left, bottom - RULER - LANE);
   context.fillRect(end, RULER + LANE, axis.right - end, bottom - RULER - LANE);
+  context.globalAlpha = 1;
+}
+
+/**
+ * Paints a bar of which part of the motion is visible, if not all of it is.
+ *
+ * @param {CanvasRenderingContext2D} context
+ * @param {Theme} theme
+ * @param {Axis} axis
+ * @param {Span} span
+ * @param {number} top
+ */
+export function paintVisible(context, theme, axis, span, top) {
+  if (span.isWhole) return;
+  const pixels = (axis.right - axis.left) / span.duration;
+  context.globalAlpha = 0.7;
+  context.fillStyle = theme.faint;
+  context.beginPath();
+  context.roundRect(axis.left + span.from * pixels, top + 2, Math.max(8, (span.to - span.from) * pixels), 4, 2);
+  context.fill();
   context.globalAlpha = 1;
 }
 

@@ -28,27 +28,19 @@ export function* multiples(from, to, step) {
   for (let number = Math.ceil(from / step - 1e-6); number <= last; number++) yield number * step;
 }
 
-/**
- * Returns the least of 1, 2 and 5 times a power of ten that is not below a number.
- *
- * @param {number} number above 0
- */
-export function nice(number) {
-  const power = 10 ** Math.floor(Math.log10(number));
-  return [1, 2, 5, 10].map((factor) => factor * power).find((step) => step >= number * (1 - 1e-9)) ?? 10 * power;
-}
+const TOPS = [[1, 0.5], [1.5, 0.5], [2, 1], [3, 1], [4, 2], [6, 2], [8, 4], [10, 5]]; // and steps
 
 /**
- * Returns the top of an axis that begins at 0, and its step.
+ * Returns the top of an axis that begins at 0, and its step: two or three steps, and little room above the values.
  *
  * @param {number} largest value
  * @param {number} least top
- * @param {number} [most] steps
  */
-export function axis(largest, least, most = 2) {
-  const step = nice(Math.max(Number.isFinite(largest) ? largest : 0, least) / most);
-  const top = step * Math.max(1, Math.ceil(Math.max(largest || 0, least) / step - 1e-6));
-  return { top, step };
+export function axis(largest, least) {
+  const most = Math.max(Number.isFinite(largest) ? largest : 0, least);
+  const power = 10 ** Math.floor(Math.log10(most));
+  const [top, step] = TOPS.find(([top]) => top * power >= most * (1 - 1e-6)) ?? TOPS[TOPS.length - 1];
+  return { top: top * power, step: step * power };
 }
 
 /**

@@ -1,6 +1,6 @@
-import { FONT, plate } from './paint.js';
+import { FONT } from './paint.js';
 import { Pointer } from './pointer.js';
-import { LANE, RULER, paintMoment, paintRange, paintRuler, timeAxis } from './ruler.js';
+import { EDGE, GUTTER, LANE, NARROW, RULER, paintMoment, paintRange, paintRuler, paintVisible, timeAxis } from './ruler.js';
 import { rowsOf } from './rows.js';
 import { Span } from './span.js';
 import { Surface, make } from './surface.js';
@@ -12,9 +12,9 @@ import { onTheme, themeOf } from './theme.js';
 /** @import { Theme } from './theme.js' */
 
 const GAP = 5; // CSS pixels between strips
-const GUTTER = 132; // of labels and values, on the left
-const NARROW = 620; // width without a gutter: labels are in the strips
-const EDGE = 10;
+const NARROW_EDGE = 18; // with the letter of a foot
+const HEADING = 14; // above a strip without a gutter
+export const BAR = 9; // height of the bar of what is visible, below the strips
 
 /** Strips over time: what the legs and the action do, and where the splice is good. Click or drag to seek. */
 export class Timeline {
@@ -44,11 +44,12 @@ export class Timeline {
     this.slider.setAttribute('aria-label', 'Time');
     element.append(this.slider);
     this.#theme = themeOf(element);
-    this.back = new Surface(this.slider, (context, width) => this.#paintStrips(context, width));
-    this.front = new Surface(this.slider, (context, width) => this.#paintMoments(context, width));
+    this.back = new Surface(this.slider, (context) => this.#paintStrips(context));
+    this.front = new Surface(this.slider, (context) => this.#paintMoments(context));
     new Pointer(this);
     this.span.on(() => this.redraw());
     onTheme(() => this.redraw());
+    new ResizeObserver(() => this.#fit()).observe(element);
     player.state.on((changed) => {
       if (changed.has('from') || changed.has('to')) this.back.request();
       if (changed.has('playing')) this.#speak(true);
@@ -59,8 +60,8 @@ export class Timeline {
   show(data) {
     this.data = data;
     this.#rows = rowsOf(data);
-    this.slider.style.height = `${this.bottom + 4}px`;
     this.span.resize(data.duration);
+    this.#fit();
     this.redraw();
     this.#speak(true);
   }
@@ -83,12 +84,25 @@ export class Timeline {
   /** Where times are. */
   get axis() {
     const { clientWidth } = this.slider;
-    return timeAxis(this.span, clientWidth < NARROW ? EDGE : GUTTER, clientWidth - EDGE);
+    return timeAxis(this.span, this.#isNarrow ? NARROW_EDGE : GUTTER, clientWidth - EDGE);
   }
 
   /** Height of all strips. */
   get bottom() {
-    return this.#rows.reduce((sum, row) => sum + row.height + GAP, RULER + LANE + 2);
+    return this.#rows.reduce((sum, row) => sum + row.height + GAP + this.#heading(row), RULER + LANE + 2);
+  }
+
+  get #isNarrow() {
+    return this.slider.clientWidth < NARROW;
+  }
+
+  /** @param {Row} row */
+  #heading(row) {
+    return this.#isNarrow && row.level ? HEADING : 0;
+  }
+
+  #fit() {
+    this.slider.style.height = `${this.bottom + BAR}px`;
   }
 
   /** @param {number} time */
@@ -106,6 +120,7 @@ export class Timeline {
     const { left, right, x } = this.axis;
     let top = RULER + LANE + 2;
     for (const row of this.#rows) {
+      top += this.#heading(row);
       yield [row, { context, theme: this.#theme, left, right, top, height: row.height, x: (frame) => x(frame / this.player.rate) }];
       top += row.height + GAP;
     }
@@ -113,12 +128,10 @@ export class Timeline {
 
   /**
    * @param {CanvasRenderingContext2D} context
-   * @param {number} width
    */
-  #paintStrips(context, width) {
+  #paintStrips(context) {
     this.#theme = themeOf(this.element);
     const { axis, bottom } = this;
-    const isNarrow = width < NARROW;
     context.save();
     context.beginPath();
     context.rect(axis.left - 6, 0, axis.right - axis.left + 12, bottom);
@@ -136,17 +149,20 @@ export class Timeline {
     const range = /** @type {[number, number]} */ (this.player.range);
     paintRange(context, this.#theme, axis, range, { isWhole: !from && !to, bottom });
     context.restore();
-    if (isNarrow) return;
+    paintVisible(context, this.#theme, axis, this.span, bottom);
     context.font = FONT;
     context.fillStyle = this.#theme.faint;
-    for (const [row, { top, height }] of this.#boxes(context)) context.fillText(row.label, 8, top + height / 2 + 4);
+    for (const [row, { left, top, height }] of this.#boxes(context)) {
+      if (!this.#isNarrow) context.fillText(row.label, 8, top + height / 2 + 4);
+      else if (row.level) context.fillText(row.label, left, top - 4);
+      else context.fillText(row.label[0], 5, top + height / 2 + 4);
+    }
   }
 
   /**
    * @param {CanvasRenderingContext2D} context
-   * @param {number} width
    */
-  #paintMoments(context, width) {
+  #paintMoments(context) {
     if (!this.data) return;
     const { axis, bottom, pointed } = this;
     const shown = pointed ?? this.#time;
@@ -157,8 +173,7 @@ export class Timeline {
     const frame = this.frameOf(shown);
     for (const [row, box] of this.#boxes(context)) {
       this.#dot(row, box, frame);
-      if (width >= NARROW) this.#value(context, row.text(frame), box, isApart);
-      else if (row.height > 20) plate(context, this.#theme, `${row.label}  ${row.text(frame)}`, 0, box.top + 9, { left: 2, right: width });
+      this.#value(row, box, frame, isApart);
     }
   }
 
@@ -179,16 +194,18 @@ export class Timeline {
   }
 
   /**
-   * @param {CanvasRenderingContext2D} context
-   * @param {string} text
+   * @param {Row} row
    * @param {Box} box
+   * @param {number} frame
    * @param {boolean} isPointed
    */
-  #value(context, text, { left, top, height }, isPointed) {
+  #value(row, { context, left, top, height }, frame, isPointed) {
+    const isNarrow = this.#isNarrow;
+    if (isNarrow && !row.level) return;
     context.font = FONT;
-    context.textAlign = 'right';
+    context.textAlign = isNarrow ? 'left' : 'right';
     context.fillStyle = isPointed ? this.#theme.accent : this.#theme.text;
-    context.fillText(text, left - 10, top + height / 2 + 4);
+    context.fillText(row.text(frame), isNarrow ? left + 72 : left - 10, isNarrow ? top - 4 : top + height / 2 + 4);
     context.textAlign = 'left';
   }
 

@@ -1,6 +1,6 @@
 import { SIDES } from '../takes.js';
 import { SIDE_NAMES, sidesField } from './compared.js';
-import { hint, number, row, segments, select, toggle } from './fields.js';
+import { hint, number, row, segments, select, shownIf, toggle } from './fields.js';
 import { Group } from './group.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
@@ -26,7 +26,7 @@ export class Controls {
   constructor(element, catalogue, state) {
     this.catalogue = catalogue;
     this.state = state;
-    this.groups = [this.#compare(), this.#action(), this.#mix(), this.#length(), this.#camera(), this.#show()];
+    this.groups = [this.#compare(), this.#action(), this.#mix(), this.#camera(), this.#show(), this.#length()];
     element.replaceChildren(...this.groups.map((group) => group.element));
     state.on(() => this.#sync());
   }
@@ -90,7 +90,8 @@ export class Controls {
     const { state } = this;
     return new Group(state, 'Mix', ['second', 'share'], [
       select(state, 'second', 'Mix in', () => this.#clips('Nothing')),
-      number(state, 'share', 'Share', { unit: '%', step: 1, most: 100, limit: 100, scale: 100, title: 'How much of the second locomotion' }),
+      shownIf(number(state, 'share', 'Share', { unit: '%', step: 1, most: 100, limit: 100, scale: 100, title: 'How much of the second locomotion' }),
+        () => state.values.second !== ''),
       hint(state, ({ locomotion, second, share }) => (second && second !== locomotion
         ? `${Math.round(100 * (1 - share))} % ${locomotion}, ${Math.round(100 * share)} % ${second}` : '')),
     ]);

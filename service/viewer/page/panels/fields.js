@@ -122,6 +122,23 @@ export function row(...fields) {
 }
 
 /**
+ * Hides a field while it has no effect.
+ *
+ * @param {Field} field
+ * @param {() => boolean} isShown
+ * @returns {Field}
+ */
+export function shownIf(field, isShown) {
+  return {
+    element: field.element,
+    sync: () => {
+      field.element.hidden = !isShown();
+      field.sync();
+    },
+  };
+}
+
+/**
  * A line of text that depends on the state; without text it is hidden.
  *
  * @param {State} state

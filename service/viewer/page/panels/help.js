@@ -20,8 +20,9 @@ export class Help {
     dialog.replaceChildren(
       make('header', {}, make('h2', { id: 'help-title' }, 'Keys'), button('Close', () => dialog.close())),
       make('div', { class: 'keys' },
-        ...groups.map((group) => section(group, BINDINGS.filter((one) => one.group === group).map(({ keys, does }) => [keys.map(shown), does]))),
-        section('Mouse', MOUSE.map(([what, does]) => [[what], does]))),
+        ...groups.map((group) => section(group, BINDINGS.filter((one) => one.group === group)
+          .map(({ keys, does }) => line(keys.map((key) => make('kbd', {}, shown(key))), does)))),
+        section('Mouse', MOUSE.map(([what, does]) => line([what], does)))),
     );
     dialog.addEventListener('click', (event) => {
       if (event.target === dialog) dialog.close(); // the backdrop
@@ -36,11 +37,18 @@ export class Help {
 
 /**
  * @param {string} title
- * @param {[string[], string][] | (string | string[])[][]} lines
+ * @param {HTMLElement[]} lines
  */
 function section(title, lines) {
-  return make('section', {}, make('h3', {}, title), make('dl', {}, ...lines.map(([keys, does]) => make('div', {},
-    make('dt', {}, ...[keys].flat().map((key) => make('kbd', {}, key))), make('dd', {}, String(does))))));
+  return make('section', { class: title.toLowerCase() }, make('h3', {}, title), make('dl', {}, ...lines));
+}
+
+/**
+ * @param {(Node | string)[]} keys
+ * @param {string} does
+ */
+function line(keys, does) {
+  return make('div', {}, make('dt', {}, ...keys), make('dd', {}, does));
 }
 
 /** @param {string} key */

@@ -22,8 +22,6 @@ const MARKS = /** @type {const} */ ({ second: 'mix', truth: 'truth' });
 export class Listing {
   /** @type {Map<string, HTMLElement>} */
   #options = new Map();
-  /** @type {Map<string, Clip>} */
-  #clips = new Map();
   /** @type {HTMLElement | undefined} */
   #active;
   #isHeld = false; // an arrow that repeats
@@ -70,7 +68,6 @@ export class Listing {
   fill(names, clips) {
     const hadFocus = this.box.contains(document.activeElement);
     this.names = names;
-    this.#clips = clips;
     this.#options = new Map();
     if (this.offer.none) this.#options.set('', make('div', { role: 'option', tabindex: -1, class: 'none' }, this.offer.none));
     for (const name of names) this.#options.set(name, option(name, clips.get(name)));
@@ -107,8 +104,7 @@ export class Listing {
       const isChosen = name === chosen;
       if (row.ariaSelected !== String(isChosen)) row.ariaSelected = String(isChosen);
       if (isChosen && this.#active !== row) this.#activate(row);
-      const clip = this.#clips.get(name);
-      if (clip) mark(row, clip, values);
+      mark(row, values);
     }
     if (!this.#active?.isConnected) this.#activate(this.#rows()[0]);
   }
@@ -192,30 +188,33 @@ function option(name, clip) {
   if (!clip) return row;
   row.append(
     make('span', { class: 'marks' }),
-    make('span', { class: 'sign' }, clip.warnings.length ? '⚠' : ''),
-    make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' }, centimetres(clip.mean_mismatch)),
-    make('span', { class: 'seconds' }, `${clip.duration.toFixed(1)} s`),
+    make('span', { class: 'sign' }, ...warningSign(clip)),
+    make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' }, make('span', { class: 'unseen' }, ' mismatch '), centimetres(clip.mean_mismatch)),
+    make('span', { class: 'seconds' }, ` ${clip.duration.toFixed(1)} s`),
     make('span', { class: 'more', 'aria-hidden': 'true', title: 'Mix in, compare as truth ... (Menu key)' }, '⋯'),
   );
   if (clip.tags.length) row.append(make('span', { class: 'tags' }, clip.tags.join(' · ')));
   return row;
 }
 
+/** @param {Clip} clip */
+function warningSign({ warnings }) {
+  if (!warnings.length) return [];
+  return [make('span', { 'aria-hidden': 'true' }, '⚠'), make('span', { class: 'unseen' }, ` warning: ${warnings.join('; ')} `)];
+}
+
 /**
- * Marks a row as mixed in or as the truth, also for screen readers.
+ * Marks a row as mixed in or as the truth.
  *
  * @param {HTMLElement} row
- * @param {Clip} clip
  * @param {{ second: string, truth: string }} values
  */
-function mark(row, clip, values) {
-  const marks = /** @type {(keyof typeof MARKS)[]} */ (Object.keys(MARKS)).filter((key) => values[key] === clip.name).map((key) => MARKS[key]);
-  const text = marks.join(' ');
-  if (row.dataset.marks === text) return;
-  row.dataset.marks = text;
+function mark(row, values) {
+  const keys = /** @type {(keyof typeof MARKS)[]} */ (Object.keys(MARKS));
+  const marks = keys.filter((key) => values[key] && values[key] === row.dataset.name).map((key) => MARKS[key]);
+  if ((row.dataset.marks ?? '') === marks.join()) return;
+  row.dataset.marks = marks.join();
   row.querySelector('.marks')?.replaceChildren(...marks.map((one) => make('span', { class: 'mark' }, one)));
-  row.ariaLabel = [clip.name, ...marks, `${clip.duration.toFixed(1)} seconds`, `mismatch ${centimetres(clip.mean_mismatch)}`,
-    ...clip.tags, ...clip.warnings.map((one) => `warning: ${one}`)].join(', ');
 }
 
 /**

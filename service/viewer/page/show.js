@@ -81,6 +81,11 @@ export class Show {
     return shown;
   }
 
+  /** Where the joints of each side are [J][3], without the place beside the others. */
+  positions() {
+    return this.#shown.map(({ body }) => body.positions);
+  }
+
   /**
    * Poses all characters at a time. Returns how far the first one is from the side that it is compared with.
    *
@@ -134,7 +139,7 @@ export class Show {
   }
 
   /**
-   * Turns a pose about the vertical, and puts its root over a place.
+   * Turns a pose about the vertical, and puts its root at a place.
    *
    * @param {Pose} pose
    * @param {number} turn radians
@@ -143,8 +148,7 @@ export class Show {
   #carry(pose, turn, place) {
     const rotations = /** @type {Float32Array} */ (pose.rotations);
     this.#turn.fromArray(rotations).premultiply(new Quaternion().setFromAxisAngle(UP, turn)).toArray(rotations);
-    pose.root[0] = place[0];
-    pose.root[2] = place[2];
+    pose.root.set(place);
   }
 
   /** @param {Values} values */

@@ -31,7 +31,7 @@ bl_info = {
 PROTOCOL = 3
 PATIENCE = 10.0  # seconds
 CONNECTING = 3.0  # seconds; Blender is blocked meanwhile
-TICK = 1 / 60  # seconds between two looks for new frames
+TICK = 1 / 120  # seconds between two looks for new frames; Blender calls up to 5 ms late
 CHARACTER = 1  # the id of the previewed character
 TEXT, CLOSE, PING, PONG = 0x1, 0x8, 0x9, 0xA  # opcodes of RFC 6455
 
@@ -61,6 +61,8 @@ def request(address, path, token, expected=200, **headers):
         reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
         mend = "Start the service (motionsplice serve BANK), or correct the address"
         raise ServiceError(f"no answer from {address}: {reason}. {mend}") from error
+    if answer.status == 401:
+        raise ServiceError("the token is missing or wrong. Enter the token of the service")
     try:
         detail = str(json.loads(body)["detail"])
     except (ValueError, KeyError, TypeError):

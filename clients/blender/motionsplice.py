@@ -92,7 +92,7 @@ class Link:
     def __iter__(self):
         """Yields what arrives until the connection ends."""
         text = b""
-        with contextlib.suppress(OSError):
+        with contextlib.closing(self.answer), contextlib.suppress(OSError):
             while True:
                 first, size = self._read(2)
                 if size >= 126:

@@ -200,7 +200,7 @@ class Preview:
             self._take(self.events.get(), armature.data.bones)
         if Preview.running is not self:
             return None
-        if self.frame is not None and self.frame["bank"] == self.rig["bank"]:
+        if self.rig and self.frame and self.frame["bank"] == self.rig["bank"]:
             frame, self.frame = self.frame, None
             root = frame["root_positions"][-1][0]
             bone = armature.data.bones.get(self.rig["joints"][0])
@@ -328,7 +328,8 @@ class Panel(bpy.types.Panel):
         layout.operator(StartPreview.bl_idname, text="Change clips" if Preview.running else "Preview")
         layout.operator(StopPreview.bl_idname)
         lines = layout.column(align=True)
-        for line in textwrap.wrap(Preview.status, int(context.region.width / context.preferences.system.ui_scale / 8)):
+        width = context.region.width / context.preferences.system.ui_scale
+        for line in textwrap.wrap(Preview.status, max(int(width / 8), 10)):  # about 8 pixels a character
             lines.label(text=line)
 
 

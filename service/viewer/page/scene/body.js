@@ -117,7 +117,7 @@ export class Body {
         const value = first + colourShares[vertex] * (values[colourJoints[2 * vertex + 1]] - first);
         const row = 3 * Math.round(255 * Math.max(0, Math.min(1, value || 0)));
         red = COLOURS[row], green = COLOURS[row + 1], blue = COLOURS[row + 2];
-        shade *= 0.5;
+        shade = shade < 0 ? 0.3 * shade : 0; // the colours must be readable
       }
       const white = Math.max(0, shade), kept = 1 - Math.abs(shade);
       out[3 * vertex] = red * kept + white;

@@ -7,19 +7,19 @@ import { between, minus, norm, plus, times } from './vectors.js';
 /** @import { Anatomy, Half } from './anatomy.js' */
 
 /** How much lighter the left limbs are than the trunk, and darker the right ones. */
-export const SHADE = { left: 0.42, right: -0.34 };
+export const SHADE = { left: 0.24, right: -0.42 };
 
 // Tables of places and half widths in metres of a body of 1.78 m.
 const UPPER_ARM = [[0, 0.052, 0.054], [0.3, 0.049, 0.051], [0.6, 0.044, 0.046], [1, 0.038, 0.038]];
 const FOREARM = [[0, 0.038, 0.039], [0.22, 0.043, 0.041], [0.6, 0.035, 0.032], [1, 0.029, 0.023]];
-const THIGH = [[0, 0.084, 0.088], [0.3, 0.079, 0.084], [0.7, 0.062, 0.066], [1, 0.053, 0.055]];
+const THIGH = [[0, 0.071, 0.074], [0.14, 0.081, 0.088], [0.35, 0.078, 0.084], [0.7, 0.062, 0.066], [1, 0.053, 0.055]];
 const SHIN = [[0, 0.053, 0.055], [0.12, 0.05, 0.054], [0.3, 0.055, 0.06], [0.65, 0.042, 0.044], [1, 0.035, 0.038]];
 const SHIN_FORWARD = [[0, 0], [0.12, 0.002], [0.32, -0.016], [0.65, -0.006], [1, 0]]; // the calf is behind the bone
 const COLLAR = [[0, 0.052, 0.05], [0.5, 0.05, 0.048], [1, 0.052, 0.05]];
 // Share of the way from the hips to the shoulders; half width, half depth, metres forward.
 const TRUNK = [
-  [-0.15, 0.07, 0.062, 0], [-0.1, 0.115, 0.09, -0.004], [0, 0.148, 0.112, -0.008], [0.1, 0.152, 0.114, -0.012], [0.22, 0.141, 0.1, -0.004],
-  [0.4, 0.124, 0.088, 0.008], [0.55, 0.133, 0.098, 0.01], [0.75, 0.158, 0.117, 0.01], [0.88, 0.165, 0.113, 0.004], [0.97, 0.142, 0.092, -0.006],
+  [-0.15, 0.07, 0.06, 0], [-0.1, 0.122, 0.09, -0.004], [-0.02, 0.157, 0.112, -0.008], [0.08, 0.158, 0.113, -0.012], [0.22, 0.145, 0.1, -0.004],
+  [0.4, 0.134, 0.092, 0.008], [0.55, 0.143, 0.102, 0.01], [0.75, 0.166, 0.119, 0.01], [0.88, 0.173, 0.114, 0.004], [0.97, 0.15, 0.093, -0.006],
   [1.04, 0.1, 0.072, -0.01], [1.1, 0.055, 0.058, -0.006],
 ];
 // Metres over the joint of the head; half width, half depth, metres forward.
@@ -97,11 +97,11 @@ function addHead(anatomy, shape) {
   const skull = HEAD.map(([up, a, b, ahead]) => ({
     at: plus(places[head], plus(times(anatomy.up, up * size), times(forward, ahead * size))), u: left, v: forward, a: a * size, b: b * size, ...own,
   }));
-  shape.tube([closing(skull[0], anatomy, -0.004), ...skull, closing(skull[skull.length - 1], anatomy, 0.008)], 0.12, 20);
+  shape.tube([closing(skull[0], anatomy, -0.004), ...skull, closing(skull[skull.length - 1], anatomy, 0.008)], 0.05, 20);
   const nose = [[0.045, 0.006, 0.006], [0.022, 0.011, 0.014], [0.004, 0.013, 0.018], [-0.004, 0.008, 0.01]].map(([up, a, b]) => ({
     at: plus(places[head], plus(times(anatomy.up, (up + 0.02) * size), times(forward, 0.105 * size))), u: left, v: forward, a: a * size, b: b * size, ...own,
   }));
-  shape.tube([closing(nose[0], anatomy, 0.006), ...nose, closing(nose[3], anatomy, -0.003)], 0.12, 8);
+  shape.tube([closing(nose[0], anatomy, 0.006), ...nose, closing(nose[3], anatomy, -0.003)], 0.05, 8);
 }
 
 /**

@@ -24,6 +24,7 @@ export class Stage {
   #ground = new Ground();
   #fill = new HemisphereLight();
   #key = new DirectionalLight();
+  #rim = new DirectionalLight('#dfe8ff', 0.9); // from behind, so that a dark body has an edge
   #observer = new ResizeObserver(() => this.size());
 
   /** @param {HTMLCanvasElement} canvas */
@@ -32,13 +33,14 @@ export class Stage {
     this.#renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = PCFShadowMap;
+    this.#rim.position.set(-4, 5, -6);
     const { shadow } = this.#key;
     this.#key.castShadow = true;
     shadow.mapSize.set(1024, 1024);
     Object.assign(shadow.camera, { left: -4, right: 4, top: 4, bottom: -4, near: 1, far: 22 });
     shadow.radius = 3;
     shadow.normalBias = 0.02;
-    this.scene.add(this.#fill, this.#key, this.#key.target, this.#ground.object);
+    this.scene.add(this.#fill, this.#key, this.#key.target, this.#rim, this.#ground.object);
     this.controls = new OrbitControls(this.camera, canvas);
     this.camera.position.set(3, 1.9, 4.2);
     this.controls.target.set(0, 0.9, 0);

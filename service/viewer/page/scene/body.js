@@ -79,11 +79,11 @@ export class Body {
     Object.assign(this.#material, { opacity, transparent: isTransparent });
     this.#mesh.castShadow = opacity > 0.4;
     if (isTransparent && !this.#mask) {
-      this.#mask = this.#skinned(this.#mesh.geometry, new MeshBasicMaterial({ colorWrite: false }));
-      this.#mask.renderOrder = -1;
+      this.#mask = this.#skinned(this.#mesh.geometry, new MeshBasicMaterial({ colorWrite: false, transparent: true }));
+      this.#mask.renderOrder = 3; // after all that is not seen through, and before what it hides
     }
     if (this.#mask) this.#mask.visible = isTransparent;
-    this.#mesh.renderOrder = isTransparent ? 1 : 0;
+    this.#mesh.renderOrder = isTransparent ? 4 : 0;
   }
 
   /**

@@ -18,10 +18,12 @@ const SHIN_FORWARD = [[0, 0], [0.12, 0.002], [0.32, -0.016], [0.65, -0.006], [1,
 const COLLAR = [[0, 0.052, 0.05], [0.5, 0.05, 0.048], [1, 0.052, 0.05]];
 // Share of the way from the hips to the shoulders; half width, half depth, metres forward.
 const TRUNK = [
-  [-0.15, 0.07, 0.06, 0], [-0.1, 0.122, 0.09, -0.004], [-0.02, 0.157, 0.112, -0.008], [0.08, 0.158, 0.113, -0.012], [0.22, 0.145, 0.1, -0.004],
+  [-0.15, 0.06, 0.05, -0.004], [-0.11, 0.11, 0.074, -0.01], [-0.02, 0.157, 0.108, -0.01], [0.08, 0.158, 0.113, -0.012], [0.22, 0.145, 0.1, -0.004],
   [0.4, 0.134, 0.092, 0.008], [0.55, 0.143, 0.102, 0.01], [0.75, 0.166, 0.119, 0.01], [0.88, 0.173, 0.114, 0.004], [0.97, 0.15, 0.093, -0.006],
   [1.04, 0.1, 0.072, -0.01], [1.1, 0.055, 0.058, -0.006],
 ];
+const RINGS = 36; // of the trunk
+const TRUNK_LENGTH = 0.515; // metres from the hips to the shoulders in a body of 1.78 m
 // Metres over the joint of the head; half width, half depth, metres forward.
 const HEAD = [
   [-0.052, 0.024, 0.028, 0.058], [-0.044, 0.039, 0.042, 0.05], [-0.02, 0.053, 0.064, 0.036], [0.02, 0.065, 0.084, 0.022], [0.06, 0.073, 0.095, 0.014],
@@ -43,12 +45,12 @@ export function mannequin(anatomy) {
     const role = (/** @type {string} */ name) => anatomy.role(`${half}_${name}`);
     const collar = anatomy.path(anatomy.chest, role('shoulder'));
     const isBound = collar.length > 2; // has a joint of its own
-    limb.add(isBound ? collar.slice(1) : collar, COLLAR, { shade: 0.3 * shade, from: isBound ? 0.3 : 0.35 });
-    limb.add(anatomy.path(role('shoulder'), role('elbow')), UPPER_ARM, { shade });
+    limb.add(isBound ? collar.slice(1) : collar, COLLAR, { shade: 0, from: isBound ? 0.3 : 0.35 });
+    limb.add(anatomy.path(role('shoulder'), role('elbow')), UPPER_ARM, { shade, fade: 0.2 });
     limb.add(anatomy.path(role('elbow'), role('wrist')), FOREARM, { shade, v: anatomy.left, u: anatomy.forward });
     addHand(anatomy, shape, half, shade);
     const foot = anatomy.foot(half);
-    limb.add(anatomy.path(role('hip'), role('knee')), THIGH, { shade, u: foot.left, v: foot.forward });
+    limb.add(anatomy.path(role('hip'), role('knee')), THIGH, { shade, fade: 0.22, sides: 22, u: foot.left, v: foot.forward });
     limb.add(anatomy.path(role('knee'), role('ankle')), SHIN, { shade, u: foot.left, v: foot.forward, shift: SHIN_FORWARD });
     addFoot(anatomy, shape, half, shade);
   }
@@ -65,16 +67,17 @@ function addTrunk(anatomy, shape) {
   const spine = anatomy.path(hips, chest);
   const hipWidth = norm(minus(anatomy.places[anatomy.role('left_hip')], anatomy.places[anatomy.role('right_hip')])) / 2 || 0.09 * size;
   const hipScale = Math.min(1.25, Math.max(0.85, hipWidth / (0.09 * size)));
+  const narrow = Math.max(0.85, Math.min(1.1, Math.sqrt(top / (TRUNK_LENGTH * size)))); // a short trunk is narrower too
   const rings = [];
-  for (let step = 0; step <= 26; step++) {
-    const share = -0.15 + (1.25 * step) / 26;
+  for (let step = 0; step <= RINGS; step++) {
+    const share = -0.15 + (1.25 * step) / RINGS;
     const [a, b, ahead] = along(TRUNK, share);
     const wide = share < 0.4 ? 1 + (hipScale - 1) * Math.min(1, (0.4 - share) / 0.3) : 1;
     const at = plus(axisAt(anatomy, share * top), times(forward, ahead * size));
     const joints = weights(anatomy, spine, share * top);
-    rings.push({ at, u: left, v: forward, a: a * size * wide, b: b * size, joints, between: strongest(joints), power: 2.3 });
+    rings.push({ at, u: left, v: forward, a: a * size * wide * narrow, b: b * size * narrow, joints, between: strongest(joints), power: 2.3 });
   }
-  shape.tube([closing(rings[0], anatomy, -0.02), ...rings, closing(rings[26], anatomy, 0.01)], 0, 24);
+  shape.tube([closing(rings[0], anatomy, -0.02), ...rings, closing(rings[RINGS], anatomy, 0.01)], 0, 28);
 }
 
 /**

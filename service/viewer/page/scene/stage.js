@@ -5,7 +5,7 @@ import { Ground } from './ground.js';
 /** @import { Object3D } from '../vendor/three.js' */
 
 /** Half the height that front, side and top show at first, in metres. */
-export const HALF_HEIGHT = 1.35;
+export const HALF_HEIGHT = 1.25;
 
 const THEMES = {
   light: { back: '#eceef1', line: '#5d6673', shadow: 0.2, strength: 0.8, sky: '#ffffff', floor: '#b9bdc6', fill: 1.55, key: 1.9 },
@@ -61,11 +61,27 @@ export class Stage {
     this.scene.remove(object);
   }
 
-  /** Moves the floor and the light to a place. @param {number} x @param {number} z */
-  aim(x, z) {
+  /** Height of the floor, in metres. */
+  get floor() {
+    return this.#ground.level;
+  }
+
+  set floor(level) {
+    this.#ground.level = level;
+  }
+
+  /**
+   * Moves the floor and the light to a place.
+   *
+   * @param {number} x
+   * @param {number} z
+   * @param {number} [wall] heading from the place to the camera, if the floor is seen from its edge
+   */
+  aim(x, z, wall) {
     this.#ground.at(x, z);
-    this.#key.target.position.set(x, 0.5, z);
-    this.#key.position.set(x + 3, 8, z + 4);
+    this.#ground.wall(wall);
+    this.#key.target.position.set(x, this.floor + 0.5, z);
+    this.#key.position.set(x + 3, this.floor + 8, z + 4);
   }
 
   /** Draws a picture. */

@@ -95,7 +95,6 @@ export class View {
     this.#place.copy(next);
     this.#mustCentre = false;
     this.#hasPlace = true;
-    this.#stage.aim(next.x, next.z);
     this.#update();
   }
 
@@ -149,8 +148,10 @@ export class View {
   }
 
   #update() {
+    const isLevel = this.#name === 'front' || this.#name === 'side';
     this.#isOurs = true;
     this.#stage.controls.update();
     this.#isOurs = false;
+    this.#stage.aim(this.#place.x, this.#place.z, isLevel ? this.#stage.controls.getAzimuthalAngle() : undefined);
   }
 }

@@ -7,13 +7,13 @@ import { between, minus, norm, plus, times } from './vectors.js';
 /** @import { Anatomy, Half } from './anatomy.js' */
 
 /** How much lighter the left limbs are than the trunk, and darker the right ones. */
-export const SHADE = { left: 0.24, right: -0.42 };
+export const SHADE = { left: 0.21, right: -0.42 };
 
 // Tables of places and half widths in metres of a body of 1.78 m.
-const UPPER_ARM = [[0, 0.052, 0.054], [0.3, 0.049, 0.051], [0.6, 0.044, 0.046], [1, 0.038, 0.038]];
-const FOREARM = [[0, 0.038, 0.039], [0.22, 0.043, 0.041], [0.6, 0.035, 0.032], [1, 0.029, 0.023]];
+const UPPER_ARM = [[0, 0.052, 0.054], [0.3, 0.049, 0.051], [0.6, 0.044, 0.046], [1, 0.04, 0.04]];
+const FOREARM = [[0, 0.037, 0.037], [0.22, 0.043, 0.041], [0.6, 0.036, 0.033], [1, 0.027, 0.021]];
 const THIGH = [[0, 0.071, 0.074], [0.14, 0.081, 0.088], [0.35, 0.078, 0.084], [0.7, 0.062, 0.066], [1, 0.053, 0.055]];
-const SHIN = [[0, 0.053, 0.055], [0.12, 0.05, 0.054], [0.3, 0.055, 0.06], [0.65, 0.042, 0.044], [1, 0.035, 0.038]];
+const SHIN = [[0, 0.05, 0.052], [0.12, 0.05, 0.054], [0.3, 0.055, 0.06], [0.65, 0.042, 0.044], [1, 0.035, 0.038]];
 const SHIN_FORWARD = [[0, 0], [0.12, 0.002], [0.32, -0.016], [0.65, -0.006], [1, 0]]; // the calf is behind the bone
 const COLLAR = [[0, 0.052, 0.05], [0.5, 0.05, 0.048], [1, 0.052, 0.05]];
 // Share of the way from the hips to the shoulders; half width, half depth, metres forward.
@@ -27,7 +27,7 @@ const TRUNK_LENGTH = 0.515; // metres from the hips to the shoulders in a body o
 // Metres over the joint of the head; half width, half depth, metres forward.
 const HEAD = [
   [-0.052, 0.024, 0.028, 0.058], [-0.044, 0.039, 0.042, 0.05], [-0.02, 0.053, 0.064, 0.036], [0.02, 0.065, 0.084, 0.022], [0.06, 0.073, 0.095, 0.014],
-  [0.1, 0.076, 0.099, 0.006], [0.135, 0.069, 0.09, 0.002], [0.16, 0.053, 0.069, 0], [0.176, 0.03, 0.04, 0],
+  [0.1, 0.076, 0.099, 0.006], [0.135, 0.069, 0.09, 0.002], [0.16, 0.053, 0.069, 0], [0.172, 0.038, 0.05, 0], [0.18, 0.02, 0.027, 0],
 ];
 
 /**
@@ -97,10 +97,14 @@ function addHead(anatomy, shape) {
   }
   shape.tube(rings, 0);
   const own = { joints: /** @type {[number, number][]} */ ([[head, 1]]), between: /** @type {[number, number, number]} */ ([head, head, 0]) };
-  const skull = HEAD.map(([up, a, b, ahead]) => ({
+  const lowest = HEAD[0][0], span = HEAD[HEAD.length - 1][0] - lowest;
+  const skull = Array.from({ length: 21 }, (_, step) => {
+    const up = lowest + span * Math.sin((step / 20) * (Math.PI / 2)); // closer together where the top is round
+    return [up, ...along(HEAD, up)];
+  }).map(([up, a, b, ahead]) => ({
     at: plus(places[head], plus(times(anatomy.up, up * size), times(forward, ahead * size))), u: left, v: forward, a: a * size, b: b * size, ...own,
   }));
-  shape.tube([closing(skull[0], anatomy, -0.004), ...skull, closing(skull[skull.length - 1], anatomy, 0.008)], 0.05, 20);
+  shape.tube([closing(skull[0], anatomy, -0.004), ...skull, closing(skull[skull.length - 1], anatomy, 0.006)], 0.05, 28);
   const nose = [[0.045, 0.006, 0.006], [0.022, 0.011, 0.014], [0.004, 0.013, 0.018], [-0.004, 0.008, 0.01]].map(([up, a, b]) => ({
     at: plus(places[head], plus(times(anatomy.up, (up + 0.02) * size), times(forward, 0.105 * size))), u: left, v: forward, a: a * size, b: b * size, ...own,
   }));

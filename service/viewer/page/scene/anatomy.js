@@ -107,7 +107,9 @@ export class Anatomy {
     const left = across(cross(times(shin, -1), toes), shin, this.left);
     const down = isUpright ? across(times(this.up, -1), left) : shin;
     const forward = cross(left, times(down, -1));
-    return { left, down, forward, reach: dot(toes, forward), drop: dot(toes, down) };
+    // Where all limbs are bound along one axis, the toes are too, and so not along the foot.
+    const toesForward = isUpright ? forward : shin;
+    return { left, down, forward, reach: dot(toes, forward), drop: dot(toes, down), toesForward, toesDown: cross(left, toesForward) };
   }
 
   /** The lowest joint above some joints. @param {...number} joints */

@@ -79,11 +79,11 @@ export class Body {
     Object.assign(this.#material, { opacity, transparent: isTransparent });
     this.#mesh.castShadow = opacity > 0.4;
     if (isTransparent && !this.#mask) {
-      this.#mask = this.#skinned(this.#mesh.geometry, new MeshBasicMaterial({ colorWrite: false }));
-      this.#mask.renderOrder = -1;
+      this.#mask = this.#skinned(this.#mesh.geometry, new MeshBasicMaterial({ colorWrite: false, transparent: true }));
+      this.#mask.renderOrder = 3; // after all that is not seen through, and before what it hides
     }
     if (this.#mask) this.#mask.visible = isTransparent;
-    this.#mesh.renderOrder = isTransparent ? 1 : 0;
+    this.#mesh.renderOrder = isTransparent ? 4 : 0;
   }
 
   /**
@@ -117,7 +117,7 @@ export class Body {
         const value = first + colourShares[vertex] * (values[colourJoints[2 * vertex + 1]] - first);
         const row = 3 * Math.round(255 * Math.max(0, Math.min(1, value || 0)));
         red = COLOURS[row], green = COLOURS[row + 1], blue = COLOURS[row + 2];
-        shade *= 0.5;
+        shade = shade < 0 ? 0.3 * shade : 0; // the colours must be readable
       }
       const white = Math.max(0, shade), kept = 1 - Math.abs(shade);
       out[3 * vertex] = red * kept + white;

@@ -3,6 +3,7 @@ import { plus, times } from './vectors.js';
 
 /** @import { Anatomy, Half } from './anatomy.js' */
 /** @import { Ring, Shape } from './shape.js' */
+/** @import { Vector } from './vectors.js' */
 
 const TOE_REACH = 0.135; // metres from the ankle to the ball of the foot
 const TOE_HEIGHT = 0.02; // of the joint in the ball, over the sole
@@ -36,35 +37,32 @@ export function heightsOverSole(anatomy, half) {
  */
 export function addFoot(anatomy, shape, half, shade) {
   const { size } = anatomy;
-  const { left, forward, down, reach } = anatomy.foot(half);
+  const { left, forward, down, reach, toesForward, toesDown } = anatomy.foot(half);
   const [ankle, toe] = [anatomy.role(`${half}_ankle`), anatomy.role(`${half}_toe`, `${half}_ankle`)];
   const over = heightsOverSole(anatomy, half);
   const ball = toe === ankle ? TOE_REACH * size : reach;
   const inwards = times(left, half === 'left' ? -1 : 1);
   const tall = Math.max(0.75, Math.min(1.3, over.ankle / (0.066 * size))); // so that the ankle is inside
-  /**
-   * @param {number[]} row
-   * @param {number} joint
-   * @param {number} from metres ahead of the ankle
-   * @param {number} stretch
-   * @returns {Ring}
-   */
-  const ring = ([ahead, wide, low, high, inner], joint, from, stretch) => {
+  /** @type {(row: number[], joint: number, origin: Vector, axes: [Vector, Vector], over: number, stretch: number) => Ring} */
+  const ring = ([ahead, wide, low, high, inner], joint, origin, [front, below], height, stretch) => {
     const lift = high * (joint === ankle && ahead < 0.1 ? tall : 1);
-    const at = plus(anatomy.places[ankle], plus(times(forward, from + ahead * stretch), plus(
-      times(down, over.ankle - (size * (low + lift)) / 2), times(inwards, inner * size))));
+    const at = plus(origin, plus(times(front, ahead * stretch), plus(times(below, height - (size * (low + lift)) / 2), times(inwards, inner * size))));
     const b = (size * (lift - low)) / 2;
-    return { at, u: left, v: down, a: wide * size, b, joints: [[joint, 1]], between: [joint, joint, 0], power: 2.7 };
+    return { at, u: left, v: below, a: wide * size, b, joints: [[joint, 1]], between: [joint, joint, 0], power: 2.7 };
   };
   const stretch = ball / TOE_REACH;
   const back = [];
   for (let step = 0; step <= 12; step++) {
     const ahead = -0.066 + (0.216 * step) / 12;
-    back.push(ring([ahead, ...along(FOOT, ahead)], ankle, 0, ahead < 0 ? size : stretch));
+    back.push(ring([ahead, ...along(FOOT, ahead)], ankle, anatomy.places[ankle], [forward, down], over.ankle, ahead < 0 ? size : stretch));
   }
-  const front = TOES.map((row) => ring(row, toe, ball, size));
+  const hasToe = toe !== ankle;
+  const base = hasToe ? anatomy.places[toe] : plus(anatomy.places[ankle], times(forward, ball));
+  const axes = /** @type {[Vector, Vector]} */ (hasToe ? [toesForward, toesDown] : [forward, down]);
+  const front = TOES.map((row) => ring(row, toe, base, axes, hasToe ? over.toe : over.ankle, size));
+  const tip = front[front.length - 1];
   shape.tube([pointOf(back[0]), ...back, pointOf(back[12])], shade);
-  shape.tube([pointOf(front[0]), ...front, { ...pointOf(front[front.length - 1]), at: plus(front[front.length - 1].at, times(forward, 0.004 * size)) }], shade);
+  shape.tube([pointOf(front[0]), ...front, { ...pointOf(tip), at: plus(tip.at, times(axes[0], 0.004 * size)) }], shade);
 }
 
 /** @param {Ring} ring @returns {Ring} */

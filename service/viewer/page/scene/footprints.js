@@ -9,6 +9,7 @@ const SOLE = [
   [0.12, 0.05, 0.046], [0.16, 0.053, 0.043], [0.19, 0.05, 0.034], [0.205, 0.042, 0.02], [0.212, 0.028, 0.002],
 ];
 const STEP = 0.03; // metres of a ground that is drawn as a step
+const RISER = 0.17; // metres of a step that are drawn
 
 /** Marks on the ground where feet stand, lit while they do. Ground that is raised is drawn as a step. */
 export class Footprints {
@@ -22,14 +23,15 @@ export class Footprints {
    * @param {Stance[]} stances
    * @param {Anatomy} anatomy
    * @param {Color} colour
+   * @param {number} floor metres
    */
-  constructor(stances, anatomy, colour) {
+  constructor(stances, anatomy, colour, floor) {
     this.#stances = stances;
     this.#lit = new Float32Array(stances.length);
     const sole = soleOf(anatomy);
     sole.setAttribute('lit', new InstancedBufferAttribute(this.#lit, 1));
     this.#marks = new InstancedMesh(sole, flat(MARK, colour), stances.length);
-    const raised = stances.filter(({ at }) => at[1] > STEP);
+    const raised = stances.filter(({ at }) => at[1] - floor > STEP);
     this.#steps = new InstancedMesh(boxOf(anatomy.size), flat(SIDE, colour), raised.length);
     const turn = new Matrix4();
     stances.forEach(({ half, at: [x, y, z], heading }, index) => {
@@ -37,7 +39,7 @@ export class Footprints {
       this.#marks.setMatrixAt(index, turn);
     });
     raised.forEach(({ at: [x, y, z], heading }, index) => {
-      this.#steps.setMatrixAt(index, turn.makeRotationY(heading).scale(new Vector3(1, y, 1)).setPosition(x, 0, z));
+      this.#steps.setMatrixAt(index, turn.makeRotationY(heading).setPosition(x, y, z).scale(new Vector3(1, Math.min(RISER, y - floor), 1)));
     });
     for (const [mesh, order] of /** @type {const} */ ([[this.#steps, 0], [this.#marks, 1]])) {
       mesh.frustumCulled = false;
@@ -80,11 +82,11 @@ function soleOf(anatomy) {
   return geometry;
 }
 
-/** A tread one metre high, without a bottom. @param {number} size */
+/** A step one metre high, without a bottom, under the ground. @param {number} size */
 function boxOf(size) {
-  const [wide, back, front] = [0.17 * size, -0.12 * size, 0.26 * size];
+  const [wide, back, front] = [0.16 * size, -0.1 * size, 0.22 * size];
   const corners = [[-wide, back], [wide, back], [wide, front], [-wide, front]];
-  const places = [0, 1].flatMap((y) => corners.flatMap(([x, z]) => [x, y, z]));
+  const places = [-1, 0].flatMap((y) => corners.flatMap(([x, z]) => [x, y, z]));
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(Float32Array.from(places), 3));
   geometry.setIndex([4, 7, 6, 4, 6, 5, ...[0, 1, 2, 3].flatMap((side) => {
@@ -122,4 +124,4 @@ function flat(alpha, colour) {
 }
 
 const MARK = 'mix(0.3, 0.95, shown)';
-const SIDE = 'mix(0.04, 0.16, height)';
+const SIDE = 'mix(0.0, 0.26, 1.0 + height)';

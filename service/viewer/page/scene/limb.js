@@ -14,6 +14,7 @@ import { across, cross, minus, norm, plus, times, unit } from './vectors.js';
  * @property {Vector} [v] of its second
  * @property {number[][]} [shift] how far the limb is moved along v
  * @property {number} [from] share at which it begins
+ * @property {number} [fade] share over which the shade begins, so that no edge is seen where the limb leaves the trunk
  * @property {number} [sides]
  * @property {number} [scale] of the widths; the body's by default
  */
@@ -36,7 +37,7 @@ export class Limb {
    */
   add(path, table, look) {
     const { places, size } = this.anatomy;
-    const { shade, shift, from = 0, sides = 14, scale = size } = look;
+    const { shade, shift, fade = 0, from = 0, sides = 14, scale = size } = look;
     const lengths = path.slice(1).map((joint, index) => norm(minus(places[joint], places[path[index]])));
     const whole = lengths.reduce((sum, length) => sum + length, 0);
     if (whole < 1e-4) return;
@@ -58,6 +59,7 @@ export class Limb {
         return {
           at: plus(at, times(v, moved)), u, v, a: a * scale * narrow, b: b * scale * narrow, joints,
           between: [path[0], path[path.length - 1], Math.max(0, Math.min(1, share))],
+          shade: shade * (fade ? Math.max(0, Math.min(1, (share - 0.3 * fade) / fade)) : 1),
         };
       };
       const begin = Math.max(first, from);

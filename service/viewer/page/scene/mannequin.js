@@ -7,25 +7,27 @@ import { between, minus, norm, plus, times } from './vectors.js';
 /** @import { Anatomy, Half } from './anatomy.js' */
 
 /** How much lighter the left limbs are than the trunk, and darker the right ones. */
-export const SHADE = { left: 0.42, right: -0.34 };
+export const SHADE = { left: 0.21, right: -0.42 };
 
 // Tables of places and half widths in metres of a body of 1.78 m.
-const UPPER_ARM = [[0, 0.052, 0.054], [0.3, 0.049, 0.051], [0.6, 0.044, 0.046], [1, 0.038, 0.038]];
-const FOREARM = [[0, 0.038, 0.039], [0.22, 0.043, 0.041], [0.6, 0.035, 0.032], [1, 0.029, 0.023]];
-const THIGH = [[0, 0.084, 0.088], [0.3, 0.079, 0.084], [0.7, 0.062, 0.066], [1, 0.053, 0.055]];
-const SHIN = [[0, 0.053, 0.055], [0.12, 0.05, 0.054], [0.3, 0.055, 0.06], [0.65, 0.042, 0.044], [1, 0.035, 0.038]];
+const UPPER_ARM = [[0, 0.052, 0.054], [0.3, 0.049, 0.051], [0.6, 0.044, 0.046], [1, 0.04, 0.04]];
+const FOREARM = [[0, 0.037, 0.037], [0.22, 0.043, 0.041], [0.6, 0.036, 0.033], [1, 0.027, 0.021]];
+const THIGH = [[0, 0.071, 0.074], [0.14, 0.081, 0.088], [0.35, 0.078, 0.084], [0.7, 0.062, 0.066], [1, 0.053, 0.055]];
+const SHIN = [[0, 0.05, 0.052], [0.12, 0.05, 0.054], [0.3, 0.055, 0.06], [0.65, 0.042, 0.044], [1, 0.035, 0.038]];
 const SHIN_FORWARD = [[0, 0], [0.12, 0.002], [0.32, -0.016], [0.65, -0.006], [1, 0]]; // the calf is behind the bone
 const COLLAR = [[0, 0.052, 0.05], [0.5, 0.05, 0.048], [1, 0.052, 0.05]];
 // Share of the way from the hips to the shoulders; half width, half depth, metres forward.
 const TRUNK = [
-  [-0.15, 0.07, 0.062, 0], [-0.1, 0.115, 0.09, -0.004], [0, 0.148, 0.112, -0.008], [0.1, 0.152, 0.114, -0.012], [0.22, 0.141, 0.1, -0.004],
-  [0.4, 0.124, 0.088, 0.008], [0.55, 0.133, 0.098, 0.01], [0.75, 0.158, 0.117, 0.01], [0.88, 0.165, 0.113, 0.004], [0.97, 0.142, 0.092, -0.006],
+  [-0.15, 0.06, 0.05, -0.004], [-0.11, 0.11, 0.074, -0.01], [-0.02, 0.157, 0.108, -0.01], [0.08, 0.158, 0.113, -0.012], [0.22, 0.145, 0.1, -0.004],
+  [0.4, 0.134, 0.092, 0.008], [0.55, 0.143, 0.102, 0.01], [0.75, 0.166, 0.119, 0.01], [0.88, 0.173, 0.114, 0.004], [0.97, 0.15, 0.093, -0.006],
   [1.04, 0.1, 0.072, -0.01], [1.1, 0.055, 0.058, -0.006],
 ];
+const RINGS = 36; // of the trunk
+const TRUNK_LENGTH = 0.515; // metres from the hips to the shoulders in a body of 1.78 m
 // Metres over the joint of the head; half width, half depth, metres forward.
 const HEAD = [
   [-0.052, 0.024, 0.028, 0.058], [-0.044, 0.039, 0.042, 0.05], [-0.02, 0.053, 0.064, 0.036], [0.02, 0.065, 0.084, 0.022], [0.06, 0.073, 0.095, 0.014],
-  [0.1, 0.076, 0.099, 0.006], [0.135, 0.069, 0.09, 0.002], [0.16, 0.053, 0.069, 0], [0.176, 0.03, 0.04, 0],
+  [0.1, 0.076, 0.099, 0.006], [0.135, 0.069, 0.09, 0.002], [0.16, 0.053, 0.069, 0], [0.172, 0.038, 0.05, 0], [0.18, 0.02, 0.027, 0],
 ];
 
 /**
@@ -43,12 +45,12 @@ export function mannequin(anatomy) {
     const role = (/** @type {string} */ name) => anatomy.role(`${half}_${name}`);
     const collar = anatomy.path(anatomy.chest, role('shoulder'));
     const isBound = collar.length > 2; // has a joint of its own
-    limb.add(isBound ? collar.slice(1) : collar, COLLAR, { shade: 0.3 * shade, from: isBound ? 0.3 : 0.35 });
-    limb.add(anatomy.path(role('shoulder'), role('elbow')), UPPER_ARM, { shade });
+    limb.add(isBound ? collar.slice(1) : collar, COLLAR, { shade: 0, from: isBound ? 0.3 : 0.35 });
+    limb.add(anatomy.path(role('shoulder'), role('elbow')), UPPER_ARM, { shade, fade: 0.2 });
     limb.add(anatomy.path(role('elbow'), role('wrist')), FOREARM, { shade, v: anatomy.left, u: anatomy.forward });
     addHand(anatomy, shape, half, shade);
     const foot = anatomy.foot(half);
-    limb.add(anatomy.path(role('hip'), role('knee')), THIGH, { shade, u: foot.left, v: foot.forward });
+    limb.add(anatomy.path(role('hip'), role('knee')), THIGH, { shade, fade: 0.22, sides: 22, u: foot.left, v: foot.forward });
     limb.add(anatomy.path(role('knee'), role('ankle')), SHIN, { shade, u: foot.left, v: foot.forward, shift: SHIN_FORWARD });
     addFoot(anatomy, shape, half, shade);
   }
@@ -65,16 +67,17 @@ function addTrunk(anatomy, shape) {
   const spine = anatomy.path(hips, chest);
   const hipWidth = norm(minus(anatomy.places[anatomy.role('left_hip')], anatomy.places[anatomy.role('right_hip')])) / 2 || 0.09 * size;
   const hipScale = Math.min(1.25, Math.max(0.85, hipWidth / (0.09 * size)));
+  const narrow = Math.max(0.85, Math.min(1.1, Math.sqrt(top / (TRUNK_LENGTH * size)))); // a short trunk is narrower too
   const rings = [];
-  for (let step = 0; step <= 26; step++) {
-    const share = -0.15 + (1.25 * step) / 26;
+  for (let step = 0; step <= RINGS; step++) {
+    const share = -0.15 + (1.25 * step) / RINGS;
     const [a, b, ahead] = along(TRUNK, share);
     const wide = share < 0.4 ? 1 + (hipScale - 1) * Math.min(1, (0.4 - share) / 0.3) : 1;
     const at = plus(axisAt(anatomy, share * top), times(forward, ahead * size));
     const joints = weights(anatomy, spine, share * top);
-    rings.push({ at, u: left, v: forward, a: a * size * wide, b: b * size, joints, between: strongest(joints), power: 2.3 });
+    rings.push({ at, u: left, v: forward, a: a * size * wide * narrow, b: b * size * narrow, joints, between: strongest(joints), power: 2.3 });
   }
-  shape.tube([closing(rings[0], anatomy, -0.02), ...rings, closing(rings[26], anatomy, 0.01)], 0, 24);
+  shape.tube([closing(rings[0], anatomy, -0.02), ...rings, closing(rings[RINGS], anatomy, 0.01)], 0, 28);
 }
 
 /**
@@ -94,14 +97,18 @@ function addHead(anatomy, shape) {
   }
   shape.tube(rings, 0);
   const own = { joints: /** @type {[number, number][]} */ ([[head, 1]]), between: /** @type {[number, number, number]} */ ([head, head, 0]) };
-  const skull = HEAD.map(([up, a, b, ahead]) => ({
+  const lowest = HEAD[0][0], span = HEAD[HEAD.length - 1][0] - lowest;
+  const skull = Array.from({ length: 21 }, (_, step) => {
+    const up = lowest + span * Math.sin((step / 20) * (Math.PI / 2)); // closer together where the top is round
+    return [up, ...along(HEAD, up)];
+  }).map(([up, a, b, ahead]) => ({
     at: plus(places[head], plus(times(anatomy.up, up * size), times(forward, ahead * size))), u: left, v: forward, a: a * size, b: b * size, ...own,
   }));
-  shape.tube([closing(skull[0], anatomy, -0.004), ...skull, closing(skull[skull.length - 1], anatomy, 0.008)], 0.12, 20);
+  shape.tube([closing(skull[0], anatomy, -0.004), ...skull, closing(skull[skull.length - 1], anatomy, 0.006)], 0.05, 28);
   const nose = [[0.045, 0.006, 0.006], [0.022, 0.011, 0.014], [0.004, 0.013, 0.018], [-0.004, 0.008, 0.01]].map(([up, a, b]) => ({
     at: plus(places[head], plus(times(anatomy.up, (up + 0.02) * size), times(forward, 0.105 * size))), u: left, v: forward, a: a * size, b: b * size, ...own,
   }));
-  shape.tube([closing(nose[0], anatomy, 0.006), ...nose, closing(nose[3], anatomy, -0.003)], 0.12, 8);
+  shape.tube([closing(nose[0], anatomy, 0.006), ...nose, closing(nose[3], anatomy, -0.003)], 0.05, 8);
 }
 
 /**

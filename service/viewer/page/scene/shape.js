@@ -13,6 +13,7 @@ import { cross, dot, minus, plus, times } from './vectors.js';
  * @property {number} b second radius
  * @property {[number, number][]} joints that move it, with their weights; at most 4
  * @property {[number, number, number]} between the joints whose values colour it, and the share of the second
+ * @property {number} [shade] instead of the tube's
  * @property {number} [power] of the ellipse: 2 is round, more is squarer
  */
 
@@ -61,7 +62,7 @@ export class Shape {
    * @param {number} shade
    * @param {number} sides
    */
-  #ring({ at, u, v, a, b, joints, between, power = 2 }, shade, sides) {
+  #ring({ at, u, v, a, b, joints, between, power = 2, shade: own }, shade, sides) {
     const count = a > 0 && b > 0 ? sides : 1;
     return Array.from({ length: count }, (_, side) => {
       const angle = (2 * Math.PI * side) / sides;
@@ -74,7 +75,7 @@ export class Shape {
       }
       this.colourJoints.push(between[0], between[1]);
       this.colourShares.push(between[2]);
-      this.shades.push(shade);
+      this.shades.push(own ?? shade);
       return this.shades.length - 1;
     });
   }

@@ -5,7 +5,7 @@ import { Ground } from './ground.js';
 /** @import { Object3D } from '../vendor/three.js' */
 
 /** Half the height that front, side and top show at first, in metres. */
-export const HALF_HEIGHT = 1.35;
+export const HALF_HEIGHT = 1.25;
 
 const THEMES = {
   light: { back: '#eceef1', line: '#5d6673', shadow: 0.2, strength: 0.8, sky: '#ffffff', floor: '#b9bdc6', fill: 1.55, key: 1.9 },
@@ -24,6 +24,7 @@ export class Stage {
   #ground = new Ground();
   #fill = new HemisphereLight();
   #key = new DirectionalLight();
+  #rim = new DirectionalLight('#dfe8ff', 0.9); // from behind, so that a dark body has an edge
   #observer = new ResizeObserver(() => this.size());
 
   /** @param {HTMLCanvasElement} canvas */
@@ -32,13 +33,14 @@ export class Stage {
     this.#renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = PCFShadowMap;
+    this.#rim.position.set(-4, 5, -6);
     const { shadow } = this.#key;
     this.#key.castShadow = true;
     shadow.mapSize.set(1024, 1024);
     Object.assign(shadow.camera, { left: -4, right: 4, top: 4, bottom: -4, near: 1, far: 22 });
     shadow.radius = 3;
     shadow.normalBias = 0.02;
-    this.scene.add(this.#fill, this.#key, this.#key.target, this.#ground.object);
+    this.scene.add(this.#fill, this.#key, this.#key.target, this.#rim, this.#ground.object);
     this.controls = new OrbitControls(this.camera, canvas);
     this.camera.position.set(3, 1.9, 4.2);
     this.controls.target.set(0, 0.9, 0);
@@ -59,11 +61,27 @@ export class Stage {
     this.scene.remove(object);
   }
 
-  /** Moves the floor and the light to a place. @param {number} x @param {number} z */
-  aim(x, z) {
+  /** Height of the floor, in metres. */
+  get floor() {
+    return this.#ground.level;
+  }
+
+  set floor(level) {
+    this.#ground.level = level;
+  }
+
+  /**
+   * Moves the floor and the light to a place.
+   *
+   * @param {number} x
+   * @param {number} z
+   * @param {number} [wall] heading from the place to the camera, if the floor is seen from its edge
+   */
+  aim(x, z, wall) {
     this.#ground.at(x, z);
-    this.#key.target.position.set(x, 0.5, z);
-    this.#key.position.set(x + 3, 8, z + 4);
+    this.#ground.wall(wall);
+    this.#key.target.position.set(x, this.floor + 0.5, z);
+    this.#key.position.set(x + 3, this.floor + 8, z + 4);
   }
 
   /** Draws a picture. */

@@ -9,6 +9,8 @@ import { cross, plus, times } from './vectors.js';
 
 /** @typedef {{ left: [number, number][], right: [number, number][] }} Contacts seconds of each stance */
 
+const NEAR = 0.13; // metres
+
 /**
  * A foot that stands.
  *
@@ -57,6 +59,16 @@ export function stancesOf(motion, contacts) {
     }
   }
   return stances.sort((a, b) => a.from - b.from);
+}
+
+/**
+ * Returns the height of the clip's own floor: the lowest ground, if it is near 0, else 0 as in a clip that never leaves the stairs.
+ *
+ * @param {Stance[]} stances
+ */
+export function floorOf(stances) {
+  const lowest = Math.min(...stances.map(({ at }) => at[1]));
+  return Math.abs(lowest) < NEAR ? lowest : 0;
 }
 
 /**

@@ -5,8 +5,8 @@ import { minus, norm, plus, times } from './vectors.js';
 
 /** @import { Anatomy, Half } from './anatomy.js' */
 
-const BONE = [[0, 0.006, 0.006], [0.12, 0.011, 0.011], [1, 0.0045, 0.0045]];
-const JOINT = 0.016; // metres
+const BONE = [[0, 0.008, 0.008], [0.12, 0.015, 0.015], [1, 0.006, 0.006]];
+const JOINT = 0.021; // metres
 
 /**
  * Returns the surface of a stick figure: a thin bone to each joint, and a ball at each.

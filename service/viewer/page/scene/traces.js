@@ -3,7 +3,7 @@ import { Anatomy } from './anatomy.js';
 import { Footprints } from './footprints.js';
 import { SHADE } from './mannequin.js';
 import { Ribbon } from './ribbon.js';
-import { groundOf, stancesOf } from './stances.js';
+import { floorOf, groundOf, stancesOf } from './stances.js';
 import { trackOf } from './tracks.js';
 
 /** @import { Side } from '../sides.js' */
@@ -20,6 +20,8 @@ export class Traces {
   /** @type {Ribbon[]} */
   #ribbons = [];
   #footprints;
+  /** Height of the clip's own floor, in metres: what `Stage.floor` should be. */
+  floor;
 
   /**
    * @param {Pick<Side, 'motion' | 'colour'>} side
@@ -30,6 +32,7 @@ export class Traces {
     const anatomy = new Anatomy(motion.rig);
     const colour = new Color(side.colour);
     const stances = stancesOf(motion, contacts);
+    this.floor = floorOf(stances);
     this.object.add(this.#path, this.#contacts, this.#trails);
     for (const half of /** @type {const} */ (['left', 'right'])) {
       const shade = SHADE[half];
@@ -38,9 +41,9 @@ export class Traces {
       for (const joint of ends) this.#add(this.#trails, trackOf(motion, joint), motion.rate, { colour: own, width: 2.5, before: 0.95, after: 0.4, span: SPAN });
     }
     const ground = trackOf(motion, 0);
-    groundOf(stances, ground.length / 3, motion.rate).forEach((height, frame) => (ground[3 * frame + 1] = height + 0.01));
+    groundOf(stances, ground.length / 3, motion.rate).forEach((height, frame) => (ground[3 * frame + 1] = height + 0.008));
     this.#add(this.#path, ground, motion.rate, { colour, width: 2, before: 0.9, after: 0.4, span: 0 });
-    this.#footprints = new Footprints(stances, anatomy, colour);
+    this.#footprints = new Footprints(stances, anatomy, colour, this.floor);
     this.#contacts.add(this.#footprints.object);
     this.show({ trails: false, path: true, contacts: true });
   }

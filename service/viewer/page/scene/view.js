@@ -8,7 +8,7 @@ import { MOUSE, TOUCH, Vector3 } from '../vendor/three.js';
 /** Where each fixed view looks from: to the left of the character, above, before. The side is its left one. */
 const FROM = { front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0] };
 const DISTANCE = 30; // metres; it changes nothing but what is cut off
-const FIRST = new Vector3(3.1, 0.95, 4.4); // the free camera at first, from the character
+const FIRST = new Vector3(0.54, 0.2, 0.82).normalize(); // where the free camera is at first, from the character
 
 const UP = new Vector3(0, 1, 0);
 
@@ -30,6 +30,7 @@ export class View {
   #hasPlace = false;
   #isOurs = false; // whether a change is not the user's
   #mustCentre = false;
+  #width = 1;
 
   /** @param {Stage} stage */
   constructor(stage) {
@@ -56,15 +57,16 @@ export class View {
     controls.maxPolarAngle = isFree ? 0.497 * Math.PI : Math.PI;
     controls.mouseButtons.LEFT = isFree ? MOUSE.ROTATE : MOUSE.PAN;
     controls.touches.ONE = isFree ? TOUCH.ROTATE : TOUCH.PAN;
-    orthographic.zoom = 1;
-    orthographic.updateProjectionMatrix();
     this.#reset();
   }
 
-  /** Shows the view as it was at first. */
-  home() {
-    this.#stage.orthographic.zoom = 1;
-    this.#stage.orthographic.updateProjectionMatrix();
+  /**
+   * Shows the view as it was at first.
+   *
+   * @param {number} [width] metres from left to right that must be seen, as of bodies beside each other
+   */
+  home(width = this.#width) {
+    this.#width = width;
     this.#reset();
   }
 
@@ -93,7 +95,6 @@ export class View {
     this.#place.copy(next);
     this.#mustCentre = false;
     this.#hasPlace = true;
-    this.#stage.aim(next.x, next.z);
     this.#update();
   }
 
@@ -121,8 +122,14 @@ export class View {
   #reset() {
     const { controls, camera } = this.#stage;
     controls.target.copy(this.#place);
-    if (this.#name === 'free') camera.position.copy(this.#place).add(FIRST);
-    else {
+    const { perspective, orthographic } = this.#stage;
+    const wide = this.#width + 1.1; // with arms
+    if (this.#name === 'free') {
+      const tall = Math.max(2.3, wide / perspective.aspect);
+      camera.position.copy(this.#place).addScaledVector(FIRST, tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + 0.4 * this.#width);
+    } else {
+      orthographic.zoom = Math.min(1, (orthographic.right - orthographic.left) / wide);
+      orthographic.updateProjectionMatrix();
       const [left, up, ahead] = FROM[this.#name];
       camera.position.set(left, up, ahead + (up ? 1e-3 : 0)).applyAxisAngle(UP, this.#heading).multiplyScalar(DISTANCE).add(this.#place);
     }
@@ -141,8 +148,10 @@ export class View {
   }
 
   #update() {
+    const isLevel = this.#name === 'front' || this.#name === 'side';
     this.#isOurs = true;
     this.#stage.controls.update();
     this.#isOurs = false;
+    this.#stage.aim(this.#place.x, this.#place.z, isLevel ? this.#stage.controls.getAzimuthalAngle() : undefined);
   }
 }

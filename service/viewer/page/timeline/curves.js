@@ -19,7 +19,7 @@ import { axis as valueAxis, largest, multiples, plain } from './ticks.js';
 const PLOTS = [
   { key: 'angle', label: 'Angle from bind pose', unit: '°', least: 10, digits: 1, width: 5 },
   { key: 'turning', label: 'Angular speed', unit: '°/s', least: 50, digits: 0, width: 4 },
-  { key: 'speed', label: 'World speed', unit: 'm/s', least: 0.5, digits: 2, width: 5 },
+  { key: 'speed', label: 'World speed', unit: 'm/s', least: 0.5, digits: 2, width: 4 },
 ];
 const GAP = 13;
 const NARROW_GUTTER = 34;
@@ -91,7 +91,7 @@ export class Curves {
   at(time) {
     if (time === this.#time) return;
     this.#time = time;
-    if (!this.#shown.length || !this.element.clientHeight) return;
+    if (!this.#shown.length || !this.back.width) return;
     this.front.draw();
     this.#write();
   }
@@ -103,8 +103,8 @@ export class Curves {
   }
 
   get axis() {
-    const { clientWidth } = this.plots;
-    return timeAxis(this.span, clientWidth < NARROW ? NARROW_GUTTER : GUTTER, clientWidth - EDGE);
+    const { width } = this.back;
+    return timeAxis(this.span, width < NARROW ? NARROW_GUTTER : GUTTER, width - EDGE);
   }
 
   /**
@@ -125,7 +125,7 @@ export class Curves {
       const last = curves.angle.length - 1;
       const values = PLOTS.map(({ key, unit, digits, width }) => (
         `${curves[key][Math.min(frame, last)].toFixed(digits).padStart(width, '\u2007')}${unit === '°' ? '' : ' '}${unit}`)); // a space as wide as a digit
-      const text = values.join('  ');
+      const text = values.join(' ');
       if (this.#numbers[at].textContent !== text) this.#numbers[at].textContent = text;
     });
   }
@@ -156,7 +156,7 @@ export class Curves {
     if (!this.#shown.length) return;
     this.#theme = themeOf(this.element);
     const { axis } = this;
-    const isNarrow = this.plots.clientWidth < NARROW;
+    const isNarrow = this.back.width < NARROW;
     context.save();
     context.beginPath();
     context.rect(axis.left - 6, 0, axis.right - axis.left + 12, bottom);

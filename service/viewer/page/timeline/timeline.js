@@ -27,7 +27,7 @@ export class Timeline {
   /** @type {Theme} */
   #theme;
   #time = 0;
-  #spokenFrame = -1;
+  #describedFrame = -1;
 
   /**
    * @param {HTMLElement} element
@@ -49,10 +49,10 @@ export class Timeline {
     new Pointer(this);
     this.span.on(() => this.redraw());
     onTheme(() => this.redraw());
-    new ResizeObserver(() => this.#fit()).observe(element);
+    new ResizeObserver(() => this.#fit()).observe(this.slider); // after the surfaces have measured it
     player.state.on((changed) => {
       if (changed.has('from') || changed.has('to')) this.back.request();
-      if (changed.has('playing')) this.#speak(true);
+      if (changed.has('playing')) this.#describe(true);
     });
   }
 
@@ -63,7 +63,7 @@ export class Timeline {
     this.span.resize(data.duration);
     this.#fit();
     this.redraw();
-    this.#speak(true);
+    this.#describe(true);
   }
 
   /** @param {number} time */
@@ -72,7 +72,7 @@ export class Timeline {
     this.#time = time;
     if (this.player.state.values.playing) this.span.reveal(time);
     this.front.draw();
-    this.#speak(false);
+    this.#describe(false);
   }
 
   /** Paints all again, as when a stylesheet has changed the colours. */
@@ -83,8 +83,7 @@ export class Timeline {
 
   /** Where times are. */
   get axis() {
-    const { clientWidth } = this.slider;
-    return timeAxis(this.span, this.#isNarrow ? NARROW_EDGE : GUTTER, clientWidth - EDGE);
+    return timeAxis(this.span, this.#isNarrow ? NARROW_EDGE : GUTTER, this.back.width - EDGE);
   }
 
   /** Height of all strips. */
@@ -93,7 +92,7 @@ export class Timeline {
   }
 
   get #isNarrow() {
-    return this.slider.clientWidth < NARROW;
+    return this.back.width < NARROW;
   }
 
   /** @param {Row} row */
@@ -210,15 +209,15 @@ export class Timeline {
   }
 
   /**
-   * Says the moment to screen readers: each frame while it stands, once a second while it plays.
+   * Describes the moment for screen readers: at each frame while it is paused, once a second while it plays.
    *
    * @param {boolean} isNew whether more has changed than the time
    */
-  #speak(isNew) {
+  #describe(isNew) {
     const frame = this.frameOf(this.#time);
-    const isQuiet = this.player.state.values.playing && Math.abs(frame - this.#spokenFrame) < this.player.rate;
-    if (!this.data || (!isNew && (isQuiet || frame === this.#spokenFrame))) return;
-    this.#spokenFrame = frame;
+    const isQuiet = this.player.state.values.playing && Math.abs(frame - this.#describedFrame) < this.player.rate;
+    if (!this.data || (!isNew && (isQuiet || frame === this.#describedFrame))) return;
+    this.#describedFrame = frame;
     const values = this.#rows.map((row) => row.words?.(frame) ?? `${row.label} ${row.text(frame)}`).filter(Boolean);
     this.slider.setAttribute('aria-valuemin', '0');
     this.slider.setAttribute('aria-valuemax', this.data.duration.toFixed(3));

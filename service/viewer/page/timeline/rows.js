@@ -161,7 +161,7 @@ function flag(box, frame, text, isStart) {
 function mismatchRow(values) {
   const { top } = axis(100 * largest(values), 5);
   return {
-    label: 'Leg mismatch',
+    label: 'Mismatch',
     height: 28,
     paint(box) {
       dotted(box);

@@ -1,5 +1,5 @@
 import { jointCurves } from './curve_values.js';
-import { FONT, alongFrames, line, note } from './paint.js';
+import { FONT, alongFrames, clip, line, note } from './paint.js';
 import { EDGE, GUTTER, NARROW, RULER, paintMoment, paintRuler, timeAxis } from './ruler.js';
 import { Scrub } from './scrub.js';
 import { Span } from './span.js';
@@ -157,18 +157,12 @@ export class Curves {
     this.#theme = themeOf(this.element);
     const { axis } = this;
     const isNarrow = this.back.width < NARROW;
-    context.save();
-    context.beginPath();
-    context.rect(axis.left - 6, 0, axis.right - axis.left + 12, bottom);
-    context.clip();
+    clip(context, axis.left - 6, axis.right + 6, bottom);
     paintRuler(context, this.#theme, axis, this.span, bottom);
     context.restore();
     for (const [plot, box, { top, step }] of this.#boxes(context, bottom)) {
       this.#levels(box, top, step);
-      context.save();
-      context.beginPath();
-      context.rect(axis.left, box.top - 2, axis.right - axis.left, box.height + 4);
-      context.clip();
+      clip(context, axis.left, axis.right, bottom);
       for (const { curves, colour } of [...this.#shown].reverse()) {
         const values = curves[plot.key];
         line(box, alongFrames(values, [0, values.length - 1], top), colour, 1.5); // the first side on top
@@ -227,7 +221,7 @@ export class Curves {
     if (pointed !== undefined) paintMoment(context, this.#theme, axis, pointed, { bottom, text: text(pointed), isHead: false });
     const frame = Math.round((pointed ?? this.#time) * this.player.rate);
     for (const [plot, box, { top }] of this.#boxes(context, bottom)) {
-      for (const { curves, colour } of this.#shown) {
+      for (const { curves, colour } of [...this.#shown].reverse()) {
         const value = curves[plot.key][Math.min(frame, curves.angle.length - 1)];
         const x = box.x(frame);
         if (x < axis.left || x > axis.right) continue;

@@ -21,6 +21,21 @@ export const FONT = '11px system-ui, sans-serif';
 const SMALL = '10px system-ui, sans-serif';
 
 /**
+ * Paints only between two sides, until the context is restored.
+ *
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} left
+ * @param {number} right
+ * @param {number} bottom
+ */
+export function clip(context, left, right, bottom) {
+  context.save();
+  context.beginPath();
+  context.rect(left, 0, right - left, bottom);
+  context.clip();
+}
+
+/**
  * Returns a part of a curve as points.
  *
  * @param {ArrayLike<number>} values

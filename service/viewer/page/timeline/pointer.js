@@ -118,7 +118,6 @@ export class Pointer {
     }[event.key];
     if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
     act();
-    span.reveal(player.time);
     event.preventDefault();
     event.stopPropagation(); // the page's own keys would step once more
   }

@@ -1,4 +1,4 @@
-import { FONT } from './paint.js';
+import { FONT, clip } from './paint.js';
 import { Pointer } from './pointer.js';
 import { EDGE, GUTTER, LANE, NARROW, RULER, paintMoment, paintRange, paintRuler, paintVisible, timeAxis } from './ruler.js';
 import { rowsOf } from './rows.js';
@@ -49,7 +49,7 @@ export class Timeline {
     new Pointer(this);
     this.span.on(() => this.redraw());
     onTheme(() => this.redraw());
-    new ResizeObserver(() => this.#fit()).observe(this.slider); // after the surfaces have measured it
+    new ResizeObserver(() => requestAnimationFrame(() => this.#fit())).observe(element); // later, for it changes the size
     player.state.on((changed) => {
       if (changed.has('from') || changed.has('to')) this.back.request();
       if (changed.has('playing')) this.#describe(true);
@@ -70,7 +70,7 @@ export class Timeline {
   at(time) {
     if (time === this.#time) return;
     this.#time = time;
-    if (this.player.state.values.playing) this.span.reveal(time);
+    this.span.reveal(time);
     this.front.draw();
     this.#describe(false);
   }
@@ -131,11 +131,10 @@ export class Timeline {
   #paintStrips(context) {
     this.#theme = themeOf(this.element);
     const { axis, bottom } = this;
-    context.save();
-    context.beginPath();
-    context.rect(axis.left - 6, 0, axis.right - axis.left + 12, bottom);
-    context.clip();
+    clip(context, axis.left - 6, axis.right + 6, bottom);
     paintRuler(context, this.#theme, axis, this.span, bottom);
+    context.restore();
+    clip(context, axis.left, axis.right + 1, bottom);
     for (const [row, box] of this.#boxes(context)) {
       context.strokeStyle = this.#theme.line;
       context.beginPath();
@@ -146,6 +145,8 @@ export class Timeline {
     }
     const { from, to } = this.player.state.values;
     const range = /** @type {[number, number]} */ (this.player.range);
+    context.restore();
+    clip(context, axis.left - 6, axis.right + 6, bottom);
     paintRange(context, this.#theme, axis, range, { isWhole: !from && !to, bottom });
     context.restore();
     paintVisible(context, this.#theme, axis, this.span, bottom);

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { parseMoment } from '../page/timeline/moment.js';
 import { clockPieces, isWithin, pace, pieces, ramps, rangeOf, stancesOf } from '../page/timeline/pieces.js';
-import { axis, largest, multiples, plain, timeSteps } from '../page/timeline/ticks.js';
+import { axis, largest, multiples, plain, readable, timeSteps } from '../page/timeline/ticks.js';
 
 test('an action is cut where it is missing and where it loops', () => {
   const times = [NaN, NaN, 1, 1.1, 1.2, 0.3, 0.4, NaN, 2];
@@ -66,4 +66,13 @@ test('axes end little above the largest value', () => {
 test('a time is typed as seconds, minutes or frames', () => {
   const typed = { '1.5': 1.5, ' 1,5 s ': 1.5, '90f': 1.5, '1:02.5': 62.5, '.5': 0.5, '-1': undefined, '1:2f': undefined, soon: undefined, '': undefined };
   for (const [text, time] of Object.entries(typed)) assert.equal(parseMoment(text, 60), time, text);
+});
+
+test('a few outliers do not set the scale of an axis, and real peaks do', () => {
+  const even = Float32Array.from({ length: 200 }, (_, frame) => 50 + (frame % 50));
+  assert.equal(readable([even, even]), 99);
+  assert.ok(readable([even, Float32Array.from([9000])]) < 150);
+  assert.equal(readable([Float32Array.from({ length: 100 }, (_, frame) => (frame > 80 ? 600 : 100))]), 600);
+  assert.equal(readable([Float32Array.from([NaN])]), 0);
+  assert.equal(readable([]), 0);
 });

@@ -5,7 +5,7 @@ import { Scrub } from './scrub.js';
 import { Span } from './span.js';
 import { Surface, make } from './surface.js';
 import { onTheme, themeOf } from './theme.js';
-import { axis as valueAxis, largest, multiples, plain } from './ticks.js';
+import { axis as valueAxis, multiples, plain, readable } from './ticks.js';
 
 /** @import { Player } from '../player.js' */
 /** @import { Side } from '../sides.js' */
@@ -30,6 +30,8 @@ export class Curves {
   #shown = [];
   /** Curves that were computed, by joint. @type {WeakMap<Side, Map<string, JointCurves | undefined>>} */
   #known = new WeakMap();
+  /** @type {Record<string, { top: number, step: number }>} */
+  #axes = {};
   /** @type {HTMLElement[]} */
   #numbers = [];
   /** @type {Theme} */
@@ -72,6 +74,7 @@ export class Curves {
       const curves = this.#of(side, joint);
       if (curves) this.#shown.push({ label: side.label, colour: side.colour, curves });
     }
+    for (const { key, least } of PLOTS) this.#axes[key] = valueAxis(readable(this.#shown.map(({ curves }) => curves[key])), least);
     const isEmpty = !this.#shown.length;
     this.plots.hidden = isEmpty;
     this.legend.replaceChildren(isEmpty ? make('span', 'curves-empty', joint ? `No motion has a joint ${joint}` : 'Choose a joint to see its curves')
@@ -142,8 +145,7 @@ export class Curves {
     const height = (bottom - RULER - GAP * PLOTS.length - 8) / PLOTS.length;
     let top = RULER + GAP;
     for (const plot of PLOTS) {
-      const most = Math.max(...this.#shown.map(({ curves }) => largest(curves[plot.key])));
-      yield [plot, { context, theme: this.#theme, left, right, top, height, x: (frame) => x(frame / this.player.rate) }, valueAxis(most, plot.least)];
+      yield [plot, { context, theme: this.#theme, left, right, top, height, x: (frame) => x(frame / this.player.rate) }, this.#axes[plot.key]];
       top += height + GAP;
     }
   }
@@ -226,7 +228,7 @@ export class Curves {
         const x = box.x(frame);
         if (x < axis.left || x > axis.right) continue;
         context.beginPath();
-        context.arc(x, box.top + box.height * (1 - value / top), 3, 0, 2 * Math.PI);
+        context.arc(x, box.top + box.height * (1 - Math.min(1, value / top)), 3, 0, 2 * Math.PI);
         context.fillStyle = colour;
         context.strokeStyle = this.#theme.panel;
         context.fill();

@@ -122,13 +122,13 @@ export class Grid {
   }
 
   /**
-   * Returns where the splice is; undefined without an action.
+   * Returns where the splice is; undefined without an action, and in the seam after its end, which is not in the grid.
    *
    * @returns {[number, number] | undefined}
    */
   #place() {
     const action = this.#shown?.times[Math.round(this.#time * this.player.rate)] ?? NaN;
-    return Number.isNaN(action) ? undefined : [this.#time, action];
+    return action <= (this.#shown?.up ?? 0) ? [this.#time, action] : undefined;
   }
 
   /**

@@ -45,7 +45,7 @@ export function rowsOf(data) {
   const { actionTimes, mismatches, differences } = data;
   const rows = [phaseRow(data), contactRow(data, 'left'), contactRow(data, 'right')];
   if (actionTimes) rows.push(actionRow(data, actionTimes));
-  if (mismatches) rows.push(mismatchRow(mismatches));
+  if (mismatches) rows.push(mismatchRow(mismatches, actionTimes));
   if (differences) rows.push(differenceRow(differences, data.names?.difference ?? 'Difference', data.colours?.difference));
   return rows;
 }
@@ -156,9 +156,10 @@ function flag(box, frame, text, isStart) {
 
 /**
  * @param {Float32Array} values metres
+ * @param {Float32Array} [times] seconds into the action
  * @returns {Row}
  */
-function mismatchRow(values) {
+function mismatchRow(values, times) {
   const { top } = axis(100 * largest(values), 5);
   return {
     label: 'Mismatch',
@@ -176,8 +177,8 @@ function mismatchRow(values) {
       }
       level(box, `${top} cm`);
     },
-    text: (frame) => centimetres(values[frame]),
-    words: (frame) => (centimetres(values[frame]) === 'none' ? '' : `leg mismatch ${centimetres(values[frame])}`),
+    text: (frame) => (isMissing(values[frame]) && !isMissing(times?.[frame]) ? 'seam' : centimetres(values[frame])),
+    words: (frame) => (isMissing(values[frame]) ? '' : `leg mismatch ${centimetres(values[frame])}`),
     level: (frame) => (100 * values[frame]) / top,
   };
 }
@@ -203,7 +204,7 @@ function differenceRow(values, label, colour) {
       level(box, `${top} cm`);
     },
     text: (frame) => centimetres(values[frame]),
-    words: (frame) => (centimetres(values[frame]) === 'none' ? '' : `${label} ${centimetres(values[frame])}`),
+    words: (frame) => (isMissing(values[frame]) ? '' : `${label} ${centimetres(values[frame])}`),
     level: (frame) => (100 * values[frame]) / top,
   };
 }

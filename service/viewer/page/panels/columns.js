@@ -14,12 +14,23 @@ export class Columns {
         this.#show(undefined);
       });
     }
-    for (const fold of document.querySelectorAll('#folds button')) {
+    this.folds = [...document.querySelectorAll('#folds button')];
+    for (const fold of this.folds) {
       const plot = byId(fold.getAttribute('aria-controls') ?? '');
-      fold.addEventListener('click', () => {
-        plot.hidden = !plot.hidden;
-        fold.setAttribute('aria-expanded', String(!plot.hidden));
-      });
+      fold.addEventListener('click', () => this.#unfold(plot.hidden ? plot : undefined));
+    }
+  }
+
+  /**
+   * Shows one plot below the timeline, or none: the stage keeps most of the room.
+   *
+   * @param {HTMLElement | undefined} wanted
+   */
+  #unfold(wanted) {
+    for (const fold of this.folds) {
+      const plot = byId(fold.getAttribute('aria-controls') ?? '');
+      plot.hidden = plot !== wanted;
+      fold.setAttribute('aria-expanded', String(plot === wanted));
     }
   }
 

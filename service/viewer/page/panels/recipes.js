@@ -40,7 +40,9 @@ export function curlLine(url, take, format, hasToken) {
  */
 export function pythonLines(take, bank) {
   const [create, ...later] = take.commands;
-  const doCommands = later.flatMap((command) => [`    if frame == ${command.at}:`, `        ${call(command)}`]);
+  const first = later.filter(({ at }) => at === 0).map((command) => `${call(command)}\n`);
+  const rest = later.filter(({ at }) => at > 0).map((command) => `    if frame == ${command.at}:\n        ${call(command)}\n`);
+  const name = fileName(take);
   return `from pathlib import Path
 
 import numpy as np
@@ -50,24 +52,27 @@ bank = Bank.open("bank")  # the folder of the bank ${bank}
 evaluator = Evaluator(bank)
 characters = Characters(Stage(evaluator), rate=${take.rate})
 [hero] = characters.add(1, ${python(create.locomotion)}, loop=${python(create.loop ?? true)})
-poses = evaluator.poses(1)
+${first.join('')}poses = evaluator.poses(1)
 roots, rotations = [], []
 for frame in range(${take.frames}):
     if frame:
         characters.advance()
-${doCommands.length ? `${doCommands.join('\n')}\n` : ''}    characters.evaluate(poses)
+${rest.join('')}    characters.evaluate(poses)
     roots.append(poses.root_positions[0].astype(np.float64))
     rotations.append(poses.rotations[0].astype(np.float64))
 
-clip = Clip(${python(fileName(take))}, bank.skeleton, ${take.rate}, np.array(roots), np.array(rotations))
-Path(${python(`${fileName(take)}.bvh`)}).write_bytes(dump_bvh(clip))
+clip = Clip(${python(name)}, bank.skeleton, ${take.rate}, np.array(roots), np.array(rotations))
+Path(${python(`${name}.bvh`)}).write_bytes(dump_bvh(clip))
 `;
 }
 
+/** Defaults of Python's Action, which need not be written. @type {Record<string, unknown>} */
+const ACTION = { when: 'now', start: 0, weight: 1, mask: 'upper_body', method: 'splice', posture: 'relative', loop: true, own_clock: false };
+
 /** @param {Command} command */
-function call({ at, do: name, ...values }) {
-  const { action, hands, ...settings } = values;
-  const named = Object.entries(settings).map(([key, value]) => `${key}=${python(value)}`);
+function call({ at, do: name, action, hands, ...settings }) {
+  const named = Object.entries(settings).filter(([key, value]) => name !== 'act' || ACTION[key] !== value)
+    .map(([key, value]) => `${key}=${python(value)}`);
   if (name === 'act') return `characters.act([hero], Action(${[python(action), ...named].join(', ')}))`;
   return `characters.${name}(${['[hero]', python(hands), ...named].join(', ')})`;
 }

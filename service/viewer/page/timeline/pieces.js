@@ -4,8 +4,8 @@ const BACK = 1.5; // frames by which a clock that goes back has looped
 const MOST = 0.45; // strides in a frame; more is a cut
 
 /**
- * Returns the first and last frames of the parts of an action's clock in which it runs on: where there is an action, and
- * between its loops.
+ * Returns the first and last frames of each part of an action's clock. It is cut where the action is missing, and where it
+ * loops.
  *
  * @param {ArrayLike<number>} times seconds into the action at each frame; NaN without one
  * @param {number} rate frames per second

@@ -62,37 +62,6 @@ export function isWithin(intervals, time) {
 }
 
 /**
- * Returns when each foot stands, from the events of a take. So it is right for loops and mixes too.
- *
- * @param {{ frame: number, event: string }[]} events in order
- * @param {number} duration seconds
- * @param {number} rate frames per second
- */
-export function stancesOf(events, duration, rate) {
-  return { left: stances(events, 'left', duration, rate), right: stances(events, 'right', duration, rate) };
-}
-
-/**
- * @param {{ frame: number, event: string }[]} events
- * @param {'left' | 'right'} foot
- * @param {number} duration
- * @param {number} rate
- */
-function stances(events, foot, duration, rate) {
-  /** @type {[number, number][]} */
-  const found = [];
-  const own = events.filter(({ event }) => event === `${foot}_down` || event === `${foot}_up`);
-  let down = own[0]?.event === `${foot}_up` ? 0 : NaN; // it stood before it rose
-  for (const { frame, event } of own) {
-    if (event === `${foot}_down`) down = Number.isNaN(down) ? frame / rate : down;
-    else if (!Number.isNaN(down)) found.push([down, frame / rate]);
-    if (event === `${foot}_up`) down = NaN;
-  }
-  if (!Number.isNaN(down)) found.push([down, duration]);
-  return found;
-}
-
-/**
  * Returns the phase as ramps from 0 to 1, one a stride: places in frames, and levels. A locomotion that loops goes back by
  * whole strides, which does not break a ramp.
  *

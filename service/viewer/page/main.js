@@ -39,6 +39,7 @@ const state = new State(new URLSearchParams(location.search));
 const player = new Player(state);
 const catalogue = await enter(service);
 if (!catalogue.clips.has(state.values.locomotion)) state.set({ locomotion: catalogue.baseline });
+if (!location.search) state.set({ action: [...catalogue.clips.values()].find(({ kind }) => kind === 'action')?.name ?? '' });
 
 const sides = new Sides(service, catalogue);
 const lists = new Lists(element('lists'), catalogue, state);
@@ -53,6 +54,8 @@ const takeAway = new TakeAway(element('take-away'), service, state, sides, viewe
 new Keys({ state, player, lists, takeAway, help });
 const connection = new Connection(element('banner'), service, catalogue, reload);
 void viewer.refresh();
+
+export { player, sides, state, viewer };
 
 /** @param {Catalogue} found */
 function reload(found) {

@@ -7,12 +7,13 @@ import { Quaternion, Vector3 } from './vendor/three.js';
 
 /** @import { Stage } from './scene/stage.js' */
 /** @import { View } from './scene/view.js' */
+/** @import { Pose } from './vendor/motionsplice.js' */
 /** @import { Side, Sides } from './sides.js' */
 /** @import { Values } from './state.js' */
 /** @import { SideName } from './takes.js' */
 
 const APART = 1.3; // metres between characters that stand beside each other
-const AHEAD = new Vector3(0, 0, 1);
+const AHEAD = new Vector3(0, 0, 1), UP = new Vector3(0, 1, 0);
 
 /** One side as it is shown: its body, its traces, and where its joints are. */
 class Shown {
@@ -80,6 +81,11 @@ export class Show {
     return shown;
   }
 
+  /** Where the joints of each side are [J][3], without the place beside the others. */
+  positions() {
+    return this.#shown.map(({ body }) => body.positions);
+  }
+
   /**
    * Poses all characters at a time. Returns how far the first one is from the side that it is compared with.
    *
@@ -105,8 +111,7 @@ export class Show {
     if (!pose?.rotations) return;
     one.pose = pose;
     one.moment = moment;
-    const [x, y, z, w] = pose.rotations;
-    this.#facing.copy(AHEAD).applyQuaternion(this.#turn.set(x, y, z, w));
+    this.#facing.copy(AHEAD).applyQuaternion(this.#turn.fromArray(pose.rotations));
     one.heading = Math.atan2(this.#facing.x, this.#facing.z);
   }
 
@@ -122,24 +127,28 @@ export class Show {
   #place(one, leading, index, values) {
     if (!one.pose || !leading.pose) return;
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
-    const { object } = one.body;
-    object.rotation.y = 0;
-    object.position.set(shift, 0, 0);
-    if (one.side.name === 'action' && one !== leading) {
-      const turn = leading.heading - one.heading;
-      const [x, , z] = one.pose.root;
-      object.rotation.y = turn;
-      object.position.x += leading.pose.root[0] - (Math.cos(turn) * x + Math.sin(turn) * z);
-      object.position.z += leading.pose.root[2] - (Math.cos(turn) * z - Math.sin(turn) * x);
-    }
+    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, leading.heading - one.heading, leading.pose.root);
     one.body.style = values.body === 'stick' ? 'stick' : 'mannequin';
     one.body.opacity = values.layout === 'over' && index > 0 ? 0.45 : 1;
-    one.body.set(one.pose, [0, 0, 0]);
+    one.body.set(one.pose, [shift, 0, 0]);
     const { trails, path, contacts } = values;
     const own = one.side.name !== 'action' || one === leading;
     one.traces.show({ trails: trails && own, path: path && own, contacts: contacts && own });
     one.traces.offset([shift, 0, 0]);
     one.traces.at(one.moment);
+  }
+
+  /**
+   * Turns a pose about the vertical, and puts its root at a place.
+   *
+   * @param {Pose} pose
+   * @param {number} turn radians
+   * @param {ArrayLike<number>} place [3]
+   */
+  #carry(pose, turn, place) {
+    const rotations = /** @type {Float32Array} */ (pose.rotations);
+    this.#turn.fromArray(rotations).premultiply(new Quaternion().setFromAxisAngle(UP, turn)).toArray(rotations);
+    pose.root.set(place);
   }
 
   /** @param {Values} values */

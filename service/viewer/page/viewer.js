@@ -22,6 +22,7 @@ export class Viewer {
   /** @type {Side[]} */
   #sides = [];
   #asked = 0; // number of the newest request
+  #answered = 0; // of the newest request that was answered
   #before = 0;
   #isStale = true; // whether the picture is to be drawn again
   /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -61,6 +62,16 @@ export class Viewer {
     requestAnimationFrame((now) => this.#picture(now));
   }
 
+  /** The sides that are shown. */
+  get shown() {
+    return this.#sides;
+  }
+
+  /** Whether the picture shows what the state says. */
+  get isSettled() {
+    return this.#answered === this.#asked && !this.#isStale;
+  }
+
   /** Asks for what the state says, and shows it. */
   async refresh() {
     const number = ++this.#asked;
@@ -71,6 +82,8 @@ export class Viewer {
       if (mismatches && number === this.#asked) this.#describe(mismatches);
     } catch (error) {
       if (number === this.#asked) this.onError(error);
+    } finally {
+      if (number === this.#asked) this.#answered = number;
     }
   }
 

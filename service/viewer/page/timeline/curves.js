@@ -1,11 +1,11 @@
 import { jointCurves } from './curve_values.js';
-import { FONT, alongFrames, line, note } from './paint.js';
+import { FONT, alongFrames, clip, line, note } from './paint.js';
 import { EDGE, GUTTER, NARROW, RULER, paintMoment, paintRuler, timeAxis } from './ruler.js';
 import { Scrub } from './scrub.js';
 import { Span } from './span.js';
 import { Surface, make } from './surface.js';
 import { onTheme, themeOf } from './theme.js';
-import { axis as valueAxis, largest, multiples, plain } from './ticks.js';
+import { axis as valueAxis, multiples, plain, readable } from './ticks.js';
 
 /** @import { Player } from '../player.js' */
 /** @import { Side } from '../sides.js' */
@@ -19,7 +19,7 @@ import { axis as valueAxis, largest, multiples, plain } from './ticks.js';
 const PLOTS = [
   { key: 'angle', label: 'Angle from bind pose', unit: '°', least: 10, digits: 1, width: 5 },
   { key: 'turning', label: 'Angular speed', unit: '°/s', least: 50, digits: 0, width: 4 },
-  { key: 'speed', label: 'World speed', unit: 'm/s', least: 0.5, digits: 2, width: 5 },
+  { key: 'speed', label: 'World speed', unit: 'm/s', least: 0.5, digits: 2, width: 4 },
 ];
 const GAP = 13;
 const NARROW_GUTTER = 34;
@@ -30,6 +30,8 @@ export class Curves {
   #shown = [];
   /** Curves that were computed, by joint. @type {WeakMap<Side, Map<string, JointCurves | undefined>>} */
   #known = new WeakMap();
+  /** @type {Record<string, { top: number, step: number }>} */
+  #axes = {};
   /** @type {HTMLElement[]} */
   #numbers = [];
   /** @type {Theme} */
@@ -72,6 +74,7 @@ export class Curves {
       const curves = this.#of(side, joint);
       if (curves) this.#shown.push({ label: side.label, colour: side.colour, curves });
     }
+    for (const { key, least } of PLOTS) this.#axes[key] = valueAxis(readable(this.#shown.map(({ curves }) => curves[key])), least);
     const isEmpty = !this.#shown.length;
     this.plots.hidden = isEmpty;
     this.legend.replaceChildren(isEmpty ? make('span', 'curves-empty', joint ? `No motion has a joint ${joint}` : 'Choose a joint to see its curves')
@@ -91,7 +94,7 @@ export class Curves {
   at(time) {
     if (time === this.#time) return;
     this.#time = time;
-    if (!this.#shown.length || !this.element.clientHeight) return;
+    if (!this.#shown.length || !this.back.width) return;
     this.front.draw();
     this.#write();
   }
@@ -103,8 +106,8 @@ export class Curves {
   }
 
   get axis() {
-    const { clientWidth } = this.plots;
-    return timeAxis(this.span, clientWidth < NARROW ? NARROW_GUTTER : GUTTER, clientWidth - EDGE);
+    const { width } = this.back;
+    return timeAxis(this.span, width < NARROW ? NARROW_GUTTER : GUTTER, width - EDGE);
   }
 
   /**
@@ -125,7 +128,7 @@ export class Curves {
       const last = curves.angle.length - 1;
       const values = PLOTS.map(({ key, unit, digits, width }) => (
         `${curves[key][Math.min(frame, last)].toFixed(digits).padStart(width, '\u2007')}${unit === '°' ? '' : ' '}${unit}`)); // a space as wide as a digit
-      const text = values.join('  ');
+      const text = values.join(' ');
       if (this.#numbers[at].textContent !== text) this.#numbers[at].textContent = text;
     });
   }
@@ -142,8 +145,7 @@ export class Curves {
     const height = (bottom - RULER - GAP * PLOTS.length - 8) / PLOTS.length;
     let top = RULER + GAP;
     for (const plot of PLOTS) {
-      const most = Math.max(...this.#shown.map(({ curves }) => largest(curves[plot.key])));
-      yield [plot, { context, theme: this.#theme, left, right, top, height, x: (frame) => x(frame / this.player.rate) }, valueAxis(most, plot.least)];
+      yield [plot, { context, theme: this.#theme, left, right, top, height, x: (frame) => x(frame / this.player.rate) }, this.#axes[plot.key]];
       top += height + GAP;
     }
   }
@@ -156,19 +158,13 @@ export class Curves {
     if (!this.#shown.length) return;
     this.#theme = themeOf(this.element);
     const { axis } = this;
-    const isNarrow = this.plots.clientWidth < NARROW;
-    context.save();
-    context.beginPath();
-    context.rect(axis.left - 6, 0, axis.right - axis.left + 12, bottom);
-    context.clip();
+    const isNarrow = this.back.width < NARROW;
+    clip(context, axis.left - 6, axis.right + 6, bottom);
     paintRuler(context, this.#theme, axis, this.span, bottom);
     context.restore();
     for (const [plot, box, { top, step }] of this.#boxes(context, bottom)) {
       this.#levels(box, top, step);
-      context.save();
-      context.beginPath();
-      context.rect(axis.left, box.top - 2, axis.right - axis.left, box.height + 4);
-      context.clip();
+      clip(context, axis.left, axis.right, bottom);
       for (const { curves, colour } of [...this.#shown].reverse()) {
         const values = curves[plot.key];
         line(box, alongFrames(values, [0, values.length - 1], top), colour, 1.5); // the first side on top
@@ -227,12 +223,12 @@ export class Curves {
     if (pointed !== undefined) paintMoment(context, this.#theme, axis, pointed, { bottom, text: text(pointed), isHead: false });
     const frame = Math.round((pointed ?? this.#time) * this.player.rate);
     for (const [plot, box, { top }] of this.#boxes(context, bottom)) {
-      for (const { curves, colour } of this.#shown) {
+      for (const { curves, colour } of [...this.#shown].reverse()) {
         const value = curves[plot.key][Math.min(frame, curves.angle.length - 1)];
         const x = box.x(frame);
         if (x < axis.left || x > axis.right) continue;
         context.beginPath();
-        context.arc(x, box.top + box.height * (1 - value / top), 3, 0, 2 * Math.PI);
+        context.arc(x, box.top + box.height * (1 - Math.min(1, value / top)), 3, 0, 2 * Math.PI);
         context.fillStyle = colour;
         context.strokeStyle = this.#theme.panel;
         context.fill();

@@ -84,7 +84,7 @@ export class Grid {
   at(time) {
     if (time === this.#time) return;
     this.#time = time;
-    if (!this.#shown || !this.element.clientHeight) return;
+    if (!this.#shown || !this.back.width) return;
     this.front.draw();
     this.#write();
   }
@@ -96,12 +96,12 @@ export class Grid {
   }
 
   get #across() {
-    const { clientWidth } = this.plot;
-    return timeAxis(this.span, clientWidth < NARROW ? NARROW_GUTTER : GUTTER, clientWidth - EDGE);
+    const { width } = this.back;
+    return timeAxis(this.span, width < NARROW ? NARROW_GUTTER : GUTTER, width - EDGE);
   }
 
   get #up() {
-    const bottom = this.plot.clientHeight - BELOW;
+    const bottom = this.back.height - BELOW;
     const pixels = (bottom - ABOVE) / (this.#shown?.up || 1);
     return { bottom, pixels, y: (/** @type {number} */ time) => bottom - time * pixels, time: (/** @type {number} */ y) => (bottom - y) / pixels };
   }
@@ -122,13 +122,13 @@ export class Grid {
   }
 
   /**
-   * Returns where the splice is; undefined without an action.
+   * Returns where the splice is; undefined without an action, and in the seam after its end, which is not in the grid.
    *
    * @returns {[number, number] | undefined}
    */
   #place() {
     const action = this.#shown?.times[Math.round(this.#time * this.player.rate)] ?? NaN;
-    return Number.isNaN(action) ? undefined : [this.#time, action];
+    return action <= (this.#shown?.up ?? 0) ? [this.#time, action] : undefined;
   }
 
   /**

@@ -21,6 +21,21 @@ export const FONT = '11px system-ui, sans-serif';
 const SMALL = '10px system-ui, sans-serif';
 
 /**
+ * Paints only between two sides, until the context is restored.
+ *
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} left
+ * @param {number} right
+ * @param {number} bottom
+ */
+export function clip(context, left, right, bottom) {
+  context.save();
+  context.beginPath();
+  context.rect(left, 0, right - left, bottom);
+  context.clip();
+}
+
+/**
  * Returns a part of a curve as points.
  *
  * @param {ArrayLike<number>} values
@@ -94,15 +109,14 @@ export function bars({ context, top, height, x }, intervals, colour) {
 }
 
 /**
- * Writes a value at the right end of a dotted line.
+ * Draws a dotted line at a level.
  *
  * @param {Box} box
- * @param {string} text
- * @param {number} [level]
+ * @param {number} [height] level
  */
-export function dotted(box, text, level = 1) {
+export function dotted(box, height = 1) {
   const { context, theme, left, right } = box;
-  const top = Math.round(box.top + box.height * (1 - level));
+  const top = Math.round(box.top + box.height * (1 - height));
   context.strokeStyle = theme.line;
   context.setLineDash([2, 3]);
   context.beginPath();
@@ -110,9 +124,19 @@ export function dotted(box, text, level = 1) {
   context.lineTo(right, top + 0.5);
   context.stroke();
   context.setLineDash([]);
-  context.textAlign = 'right';
-  note(box, text, right - 3, top + 10);
-  context.textAlign = 'left';
+}
+
+/**
+ * Writes the value of a dotted line at its right end, over the curves.
+ *
+ * @param {Box} box
+ * @param {string} text
+ * @param {number} [height] level
+ */
+export function level(box, text, height = 1) {
+  box.context.textAlign = 'right';
+  note(box, text, box.right - 3, Math.round(box.top + box.height * (1 - height)) + 10);
+  box.context.textAlign = 'left';
 }
 
 /**

@@ -1,6 +1,7 @@
 /** Reads curves over frames that have gaps and jumps. */
 
 const BACK = 1.5; // frames by which a clock that goes back has looped
+const MOST = 0.45; // strides in a frame; more is a cut
 
 /**
  * Returns the first and last frames of the parts of an action's clock in which it runs on: where there is an action, and
@@ -103,13 +104,13 @@ export function ramps(phases) {
   let level = NaN;
   for (let frame = 0; frame < phases.length; frame++) {
     const fraction = phases[frame] - Math.floor(phases[frame]);
-    const change = phases[frame] - phases[frame - 1];
-    const step = change - Math.round(change); // NaN at first
-    if (Math.abs(step) < 0.25 && level + step >= 1) {
+    const change = phases[frame] - phases[frame - 1]; // NaN at first
+    const step = change - (change < 0 ? Math.floor(change) : 0);
+    if (step < MOST && level + step >= 1) {
       const crossing = frame - 1 + (1 - level) / step;
       found[found.length - 1].push([crossing, 1]);
       found.push([[crossing, 0]]);
-    } else if (!(Math.abs(step) < 0.25 && level + step >= 0)) found.push([]);
+    } else if (!(step < MOST)) found.push([]);
     found[found.length - 1].push([frame, fraction]);
     level = fraction;
   }

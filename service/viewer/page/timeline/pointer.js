@@ -1,9 +1,11 @@
 import { rangeOf } from './pieces.js';
 import { LANE, RULER } from './ruler.js';
+import { zoomByWheel } from './zoom.js';
 
 /** @import { Timeline } from './timeline.js' */
 
 const REACH = 9; // CSS pixels around a handle
+const FINGER = 22;
 const PAGE = 10; // frames
 
 /** @typedef {(time: number, x: number) => void} Drag */
@@ -24,7 +26,7 @@ export class Pointer {
     slider.addEventListener('pointercancel', () => this.#up());
     slider.addEventListener('pointerleave', () => this.#point(undefined));
     slider.addEventListener('dblclick', (event) => this.#twice(event));
-    slider.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
+    zoomByWheel(slider, timeline.span, () => timeline.axis);
     slider.addEventListener('keydown', (event) => this.#key(event));
   }
 
@@ -53,9 +55,10 @@ export class Pointer {
     const [from, to] = this.player.range;
     if (y >= this.timeline.bottom && !this.timeline.span.isWhole) return this.#pan(event.clientX, -1);
     if (event.shiftKey) return (time) => this.#repeat(start, time, time !== start);
-    if (y >= RULER && y < RULER + LANE) {
-      const isFrom = Math.abs(axis.x(from) - event.offsetX), isTo = Math.abs(axis.x(to) - event.offsetX);
-      if (Math.min(isFrom, isTo) <= REACH) return isFrom < isTo ? (time) => this.#repeat(time, to) : (time) => this.#repeat(from, time);
+    const isTouch = event.pointerType === 'touch';
+    if (y >= RULER && y < RULER + LANE + (isTouch ? 8 : 0)) {
+      const toFrom = Math.abs(axis.x(from) - event.offsetX), toEnd = Math.abs(axis.x(to) - event.offsetX);
+      if (Math.min(toFrom, toEnd) <= (isTouch ? FINGER : REACH)) return toFrom < toEnd ? (time) => this.#repeat(time, to) : (time) => this.#repeat(from, time);
       if (start > from && start < to && to - from < this.player.duration) return (time) => this.#shift(from, to, time - start);
     }
     return (time) => this.player.seek(this.#whole(time));
@@ -97,17 +100,6 @@ export class Pointer {
     else this.timeline.span.fit();
   }
 
-  /** @param {WheelEvent} event */
-  #wheel(event) {
-    const { span, axis } = this.timeline;
-    const isAcross = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
-    if (!isAcross && event.deltaY > 0 && span.isWhole) return; // the page scrolls
-    event.preventDefault();
-    const pixels = (event.deltaX || event.deltaY) * (event.deltaMode ? 16 : 1);
-    if (isAcross) span.pan(pixels * (axis.time(1) - axis.time(0)));
-    else span.zoom(this.#time(event), 1.002 ** (event.deltaY * (event.deltaMode ? 16 : 1)));
-  }
-
   /** @param {KeyboardEvent} event */
   #key(event) {
     const { player, timeline: { span } } = this;
@@ -126,7 +118,6 @@ export class Pointer {
     }[event.key];
     if (!act || event.ctrlKey || event.metaKey || event.altKey) return;
     act();
-    span.reveal(player.time);
     event.preventDefault();
     event.stopPropagation(); // the page's own keys would step once more
   }

@@ -1,4 +1,4 @@
-import { alongFrames, area, bars, dotted, line, note } from './paint.js';
+import { alongFrames, area, bars, dotted, level, line, note } from './paint.js';
 import { clockPieces, isWithin, pace, pieces, ramps } from './pieces.js';
 import { axis, largest } from './ticks.js';
 
@@ -18,6 +18,7 @@ import { axis, largest } from './ticks.js';
  * @property {Float32Array} [mismatches] metres between the legs at each frame; NaN without an action
  * @property {Float32Array} [differences] metres between two sides at each frame
  * @property {{ action?: string, difference?: string }} [colours]
+ * @property {{ action?: string, difference?: string }} [names] of the clip, and of what is compared
  */
 
 /**
@@ -44,8 +45,8 @@ export function rowsOf(data) {
   const { actionTimes, mismatches, differences } = data;
   const rows = [phaseRow(data), contactRow(data, 'left'), contactRow(data, 'right')];
   if (actionTimes) rows.push(actionRow(data, actionTimes));
-  if (mismatches) rows.push(mismatchRow(mismatches));
-  if (differences) rows.push(differenceRow(differences, data.colours?.difference));
+  if (mismatches) rows.push(mismatchRow(mismatches, actionTimes));
+  if (differences) rows.push(differenceRow(differences, data.names?.difference ?? 'Difference', data.colours?.difference));
   return rows;
 }
 
@@ -93,17 +94,17 @@ function contactRow({ contacts, rate }, foot) {
  * @param {Float32Array} times
  * @returns {Row}
  */
-function actionRow({ rate, actionDuration = 0, events, colours }, times) {
+function actionRow({ rate, actionDuration = 0, colours, names }, times) {
   const end = largest(times);
   const top = Math.max(actionDuration, end) || 1; // the seam after the clip's end is beyond its duration
   const parts = clockPieces(times, rate);
-  const name = events.find(({ event, action }) => event.startsWith('action') && action)?.action ?? 'action';
+  const name = names?.action ?? 'action';
   return {
     label: 'Action',
     height: 38,
     paint(box) {
       const colour = colours?.action ?? box.theme.accent;
-      if (actionDuration) dotted(box, `${actionDuration.toFixed(2)} s`, actionDuration / top);
+      if (actionDuration) dotted(box, actionDuration / top);
       for (const part of parts) {
         const points = alongFrames(times, part, top);
         area(box, points, colour, 0.14);
@@ -113,6 +114,7 @@ function actionRow({ rate, actionDuration = 0, events, colours }, times) {
         if (first > 0) flag(box, first, `${name} begins`, true);
         if (last < times.length - 1) flag(box, last, `${name} ends`, false);
       }
+      if (actionDuration) level(box, `${actionDuration.toFixed(2)} s`, actionDuration / top);
     },
     text(frame) {
       const speed = pace(parts, times, rate, frame);
@@ -154,15 +156,16 @@ function flag(box, frame, text, isStart) {
 
 /**
  * @param {Float32Array} values metres
+ * @param {Float32Array} [times] seconds into the action
  * @returns {Row}
  */
-function mismatchRow(values) {
+function mismatchRow(values, times) {
   const { top } = axis(100 * largest(values), 5);
   return {
-    label: 'Legs apart',
+    label: 'Mismatch',
     height: 28,
     paint(box) {
-      dotted(box, `${top} cm`);
+      dotted(box);
       const bad = box.top + box.height * (1 - (100 * BAD) / top);
       const heat = box.context.createLinearGradient(0, box.top + box.height, 0, bad);
       heat.addColorStop(0.5, box.theme.faint);
@@ -172,33 +175,36 @@ function mismatchRow(values) {
         area(box, points, heat, 0.25);
         line(box, points, heat, 1.5);
       }
+      level(box, `${top} cm`);
     },
-    text: (frame) => centimetres(values[frame]),
-    words: (frame) => (centimetres(values[frame]) === 'none' ? '' : `legs ${centimetres(values[frame])} apart`),
+    text: (frame) => (isMissing(values[frame]) && !isMissing(times?.[frame]) ? 'seam' : centimetres(values[frame])),
+    words: (frame) => (isMissing(values[frame]) ? '' : `leg mismatch ${centimetres(values[frame])}`),
     level: (frame) => (100 * values[frame]) / top,
   };
 }
 
 /**
  * @param {Float32Array} values metres
+ * @param {string} label
  * @param {string} [colour]
  * @returns {Row}
  */
-function differenceRow(values, colour) {
+function differenceRow(values, label, colour) {
   const { top } = axis(100 * largest(values), 2);
   return {
-    label: 'Difference',
+    label,
     height: 28,
     paint(box) {
-      dotted(box, `${top} cm`);
+      dotted(box);
       for (const part of pieces(values)) {
         const points = alongFrames(values, part, top / 100);
         area(box, points, colour ?? box.theme.accent, 0.14);
         line(box, points, colour ?? box.theme.accent, 1.5);
       }
+      level(box, `${top} cm`);
     },
     text: (frame) => centimetres(values[frame]),
-    words: (frame) => (centimetres(values[frame]) === 'none' ? '' : `difference ${centimetres(values[frame])}`),
+    words: (frame) => (isMissing(values[frame]) ? '' : `${label} ${centimetres(values[frame])}`),
     level: (frame) => (100 * values[frame]) / top,
   };
 }

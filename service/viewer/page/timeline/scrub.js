@@ -1,3 +1,6 @@
+import { Span } from './span.js';
+import { zoomByWheel } from './zoom.js';
+
 /** @import { Player } from '../player.js' */
 /** @import { Axis } from './ruler.js' */
 
@@ -28,6 +31,8 @@ export class Scrub {
       else if (event.pointerType !== 'touch') pointed(event.offsetX < axis().left ? undefined : timeOf(event), event);
     });
     for (const end of /** @type {const} */ (['pointerup', 'pointercancel'])) element.addEventListener(end, () => { this.#isDown = false; });
+    element.addEventListener('dblclick', () => Span.of(player).fit());
+    zoomByWheel(element, Span.of(player), axis);
     element.addEventListener('pointerleave', (event) => pointed(undefined, event));
   }
 }

@@ -1,6 +1,7 @@
 /** A canvas that fills its parent, sharp on every screen. It is painted when its size changes, or when asked. */
 export class Surface {
-  width = 0; // CSS pixels
+  /** CSS pixels, 0 while it is hidden. Measured when it changes, so that painting forces no layout. */
+  width = 0;
   height = 0;
   #isWaiting = false;
 
@@ -14,9 +15,11 @@ export class Surface {
     this.canvas.setAttribute('aria-hidden', 'true');
     this.context = /** @type {CanvasRenderingContext2D} */ (this.canvas.getContext('2d'));
     this.paint = paint;
-    this.parent = parent;
     parent.append(this.canvas);
-    new ResizeObserver(() => this.draw()).observe(parent);
+    new ResizeObserver(([{ contentRect }]) => {
+      [this.width, this.height] = [contentRect.width, contentRect.height];
+      this.draw();
+    }).observe(parent);
   }
 
   /** Paints before the next picture, once however often it is asked. */
@@ -29,17 +32,15 @@ export class Surface {
   /** Paints now. */
   draw() {
     this.#isWaiting = false;
+    if (!this.width || !this.height) return;
     this.#fit();
-    if (!this.width || !this.height) return; // hidden
     this.context.clearRect(0, 0, this.width, this.height);
     this.paint(this.context, this.width, this.height);
   }
 
   #fit() {
-    const { clientWidth, clientHeight } = this.parent;
     const ratio = devicePixelRatio || 1;
-    const [columns, rows] = [Math.round(clientWidth * ratio), Math.round(clientHeight * ratio)];
-    [this.width, this.height] = [clientWidth, clientHeight];
+    const [columns, rows] = [Math.round(this.width * ratio), Math.round(this.height * ratio)];
     if (this.canvas.width === columns && this.canvas.height === rows) return;
     this.canvas.width = columns;
     this.canvas.height = rows;

@@ -59,3 +59,19 @@ export function largest(values) {
   for (let at = 0; at < values.length; at++) if (values[at] > most) most = values[at]; // NaN is not
   return most;
 }
+
+const USUAL = 0.98; // share of the values
+const FAR = 3; // times a usual value, from which others are outliers
+const ROOM = 1.5; // times a usual value that are visible beside outliers
+
+/**
+ * Returns the largest value that an axis should show. A few outliers, as of a clip whose first frame is a T-pose, are cut off
+ * so that the rest stays readable.
+ *
+ * @param {ArrayLike<number>[]} curves
+ */
+export function readable(curves) {
+  const sorted = Float64Array.from(curves.flatMap((values) => Array.from(values)).filter((value) => !Number.isNaN(value))).sort();
+  const most = sorted[sorted.length - 1] ?? 0, usual = sorted[Math.floor(USUAL * (sorted.length - 1))] ?? 0;
+  return usual > 0 && most > FAR * usual ? ROOM * usual : most;
+}

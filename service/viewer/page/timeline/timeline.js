@@ -1,4 +1,4 @@
-import { FONT } from './paint.js';
+import { FONT, clip } from './paint.js';
 import { Pointer } from './pointer.js';
 import { EDGE, GUTTER, LANE, NARROW, RULER, paintMoment, paintRange, paintRuler, paintVisible, timeAxis } from './ruler.js';
 import { rowsOf } from './rows.js';
@@ -27,7 +27,7 @@ export class Timeline {
   /** @type {Theme} */
   #theme;
   #time = 0;
-  #spokenFrame = -1;
+  #describedFrame = -1;
 
   /**
    * @param {HTMLElement} element
@@ -49,10 +49,10 @@ export class Timeline {
     new Pointer(this);
     this.span.on(() => this.redraw());
     onTheme(() => this.redraw());
-    new ResizeObserver(() => this.#fit()).observe(element);
+    new ResizeObserver(() => requestAnimationFrame(() => this.#fit())).observe(element); // later, for it changes the size
     player.state.on((changed) => {
       if (changed.has('from') || changed.has('to')) this.back.request();
-      if (changed.has('playing')) this.#speak(true);
+      if (changed.has('playing')) this.#describe(true);
     });
   }
 
@@ -63,16 +63,16 @@ export class Timeline {
     this.span.resize(data.duration);
     this.#fit();
     this.redraw();
-    this.#speak(true);
+    this.#describe(true);
   }
 
   /** @param {number} time */
   at(time) {
     if (time === this.#time) return;
     this.#time = time;
-    if (this.player.state.values.playing) this.span.reveal(time);
+    this.span.reveal(time);
     this.front.draw();
-    this.#speak(false);
+    this.#describe(false);
   }
 
   /** Paints all again, as when a stylesheet has changed the colours. */
@@ -83,8 +83,7 @@ export class Timeline {
 
   /** Where times are. */
   get axis() {
-    const { clientWidth } = this.slider;
-    return timeAxis(this.span, this.#isNarrow ? NARROW_EDGE : GUTTER, clientWidth - EDGE);
+    return timeAxis(this.span, this.#isNarrow ? NARROW_EDGE : GUTTER, this.back.width - EDGE);
   }
 
   /** Height of all strips. */
@@ -93,7 +92,7 @@ export class Timeline {
   }
 
   get #isNarrow() {
-    return this.slider.clientWidth < NARROW;
+    return this.back.width < NARROW;
   }
 
   /** @param {Row} row */
@@ -132,11 +131,10 @@ export class Timeline {
   #paintStrips(context) {
     this.#theme = themeOf(this.element);
     const { axis, bottom } = this;
-    context.save();
-    context.beginPath();
-    context.rect(axis.left - 6, 0, axis.right - axis.left + 12, bottom);
-    context.clip();
+    clip(context, axis.left - 6, axis.right + 6, bottom);
     paintRuler(context, this.#theme, axis, this.span, bottom);
+    context.restore();
+    clip(context, axis.left, axis.right + 1, bottom);
     for (const [row, box] of this.#boxes(context)) {
       context.strokeStyle = this.#theme.line;
       context.beginPath();
@@ -147,6 +145,8 @@ export class Timeline {
     }
     const { from, to } = this.player.state.values;
     const range = /** @type {[number, number]} */ (this.player.range);
+    context.restore();
+    clip(context, axis.left - 6, axis.right + 6, bottom);
     paintRange(context, this.#theme, axis, range, { isWhole: !from && !to, bottom });
     context.restore();
     paintVisible(context, this.#theme, axis, this.span, bottom);
@@ -210,15 +210,15 @@ export class Timeline {
   }
 
   /**
-   * Says the moment to screen readers: each frame while it stands, once a second while it plays.
+   * Describes the moment for screen readers: at each frame while it is paused, once a second while it plays.
    *
    * @param {boolean} isNew whether more has changed than the time
    */
-  #speak(isNew) {
+  #describe(isNew) {
     const frame = this.frameOf(this.#time);
-    const isQuiet = this.player.state.values.playing && Math.abs(frame - this.#spokenFrame) < this.player.rate;
-    if (!this.data || (!isNew && (isQuiet || frame === this.#spokenFrame))) return;
-    this.#spokenFrame = frame;
+    const isQuiet = this.player.state.values.playing && Math.abs(frame - this.#describedFrame) < this.player.rate;
+    if (!this.data || (!isNew && (isQuiet || frame === this.#describedFrame))) return;
+    this.#describedFrame = frame;
     const values = this.#rows.map((row) => row.words?.(frame) ?? `${row.label} ${row.text(frame)}`).filter(Boolean);
     this.slider.setAttribute('aria-valuemin', '0');
     this.slider.setAttribute('aria-valuemax', this.data.duration.toFixed(3));

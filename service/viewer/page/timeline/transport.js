@@ -81,6 +81,8 @@ export class Transport {
     this.slider.value = String(speed);
     this.slider.setAttribute('aria-valuetext', `${speed.toFixed(2)} times`);
     this.normal.textContent = `${speed.toFixed(2)}×`;
+    this.normal.setAttribute('aria-label', `${speed.toFixed(2)}×, set normal speed`);
+    this.normal.title = 'Set normal speed';
     this.normal.disabled = speed === 1;
     const [start, end] = this.player.range;
     this.range.hidden = !from && !to;

@@ -1,0 +1,157 @@
+import { MOUSE, TOUCH, Vector3 } from '../vendor/three.js';
+
+/** @import { Stage } from './stage.js' */
+
+/** @typedef {'free' | 'front' | 'side' | 'top'} ViewName */
+/** @typedef {{ x: number, y: number, z: number }} Place */
+
+/** Where each fixed view looks from: to the left of the character, above, before. The side is its left one. */
+const FROM = { front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0] };
+const DISTANCE = 30; // metres; it changes nothing but what is cut off
+const FIRST = new Vector3(0.54, 0.2, 0.82).normalize(); // where the free camera is at first, from the character
+
+const UP = new Vector3(0, 1, 0);
+
+/**
+ * The camera. Free turns around the character; front, side and top have no perspective. With `follow`, the camera moves as the
+ * character does, without delay, and so shows it at the same place.
+ */
+export class View {
+  /** Called for each change by the user, who must see it drawn. */
+  onchange = () => {};
+  /** Called after the user has changed the view. */
+  onend = () => {};
+  #stage;
+  /** @type {ViewName} */
+  #name = 'free';
+  #isFollowing = true;
+  #place = new Vector3(0, 0.9, 0);
+  #heading = 0;
+  #hasPlace = false;
+  #isOurs = false; // whether a change is not the user's
+  #mustCentre = false;
+  #width = 1;
+
+  /** @param {Stage} stage */
+  constructor(stage) {
+    this.#stage = stage;
+    const { controls } = stage;
+    Object.assign(controls, { minDistance: 0.5, maxDistance: 40, minZoom: 0.1, maxZoom: 12, maxPolarAngle: 0.497 * Math.PI, zoomSpeed: 1.4 });
+    controls.addEventListener('change', () => this.#isOurs || this.onchange());
+    controls.addEventListener('end', () => this.onend());
+    this.#reset();
+  }
+
+  get name() {
+    return this.#name;
+  }
+
+  /** @param {ViewName} name */
+  set(name) {
+    if (name === this.#name) return;
+    this.#name = name;
+    const { controls, perspective, orthographic } = this.#stage;
+    const isFree = name === 'free';
+    controls.object = this.#stage.camera = isFree ? perspective : orthographic;
+    controls.enableRotate = isFree;
+    controls.maxPolarAngle = isFree ? 0.497 * Math.PI : Math.PI;
+    controls.mouseButtons.LEFT = isFree ? MOUSE.ROTATE : MOUSE.PAN;
+    controls.touches.ONE = isFree ? TOUCH.ROTATE : TOUCH.PAN;
+    this.#reset();
+  }
+
+  /**
+   * Shows the view as it was at first.
+   *
+   * @param {number} [width] metres from left to right that must be seen, as of bodies beside each other
+   */
+  home(width = this.#width) {
+    this.#width = width;
+    this.#reset();
+  }
+
+  /** @param {boolean} isOn */
+  follow(isOn) {
+    if (isOn && !this.#isFollowing) this.#mustCentre = true;
+    this.#isFollowing = isOn;
+  }
+
+  /**
+   * Says where the character is.
+   *
+   * @param {Place} target the middle of the body; best of `Path`, which is smooth
+   * @param {number} heading radians about Y
+   */
+  at(target, heading) {
+    const { controls, camera } = this.#stage;
+    const next = new Vector3(target.x, target.y, target.z);
+    const moved = next.clone().sub(this.#mustCentre ? controls.target : this.#place);
+    if (this.#isFollowing || !this.#hasPlace) {
+      controls.target.add(moved);
+      camera.position.add(moved);
+      if (this.#name !== 'free') this.#turn(next, heading - this.#heading);
+    }
+    if (this.#isFollowing || !this.#hasPlace) this.#heading = heading;
+    this.#place.copy(next);
+    this.#mustCentre = false;
+    this.#hasPlace = true;
+    this.#update();
+  }
+
+  /** The view as the address holds it: places of the camera and its target, from the character if it is followed; zoom. */
+  get text() {
+    const { controls, camera } = this.#stage;
+    const from = this.#isFollowing ? this.#place : new Vector3();
+    const numbers = [...camera.position.clone().sub(from).toArray(), ...controls.target.clone().sub(from).toArray(), camera.zoom];
+    return numbers.map((number) => String(Number(number.toFixed(2)))).join(' ');
+  }
+
+  set text(text) {
+    const numbers = text.trim().split(/\s+/).map(Number);
+    if (numbers.length !== 7 || !numbers.every(Number.isFinite) || numbers[6] <= 0) return;
+    const { controls, camera } = this.#stage;
+    const from = this.#isFollowing ? this.#place : new Vector3();
+    camera.position.fromArray(numbers, 0).add(from);
+    controls.target.fromArray(numbers, 3).add(from);
+    camera.zoom = numbers[6];
+    camera.updateProjectionMatrix();
+    this.#hasPlace ||= !this.#isFollowing;
+    this.#update();
+  }
+
+  #reset() {
+    const { controls, camera } = this.#stage;
+    controls.target.copy(this.#place);
+    const { perspective, orthographic } = this.#stage;
+    const wide = this.#width + 1.1; // with arms
+    if (this.#name === 'free') {
+      const tall = Math.max(2.3, wide / perspective.aspect);
+      camera.position.copy(this.#place).addScaledVector(FIRST, tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + 0.4 * this.#width);
+    } else {
+      orthographic.zoom = Math.min(1, (orthographic.right - orthographic.left) / wide);
+      orthographic.updateProjectionMatrix();
+      const [left, up, ahead] = FROM[this.#name];
+      camera.position.set(left, up, ahead + (up ? 1e-3 : 0)).applyAxisAngle(UP, this.#heading).multiplyScalar(DISTANCE).add(this.#place);
+    }
+    this.#update();
+  }
+
+  /**
+   * Turns the camera about the character.
+   *
+   * @param {Vector3} middle
+   * @param {number} angle
+   */
+  #turn(middle, angle) {
+    const { controls, camera } = this.#stage;
+    for (const place of [controls.target, camera.position]) place.sub(middle).applyAxisAngle(UP, angle).add(middle);
+  }
+
+  #update() {
+    const isLevel = this.#name === 'front' || this.#name === 'side';
+    this.#isOurs = true;
+    this.#stage.controls.update();
+    this.#isOurs = false;
+    this.#stage.aim(this.#place.x, this.#place.z, isLevel ? this.#stage.controls.getAzimuthalAngle() : undefined);
+  }
+}

@@ -28,7 +28,9 @@ async function ask(service) {
     make('p', { class: 'hint' }, 'It is the one that the service was started with. It is kept until you close this tab.'),
     make('label', { for: 'entry-token', class: 'label' }, 'Token'), field, fault, submit);
   dialog.replaceChildren(form);
+  const reopen = () => dialog.showModal(); // browsers close a dialog at the second Escape, whatever the page says
   dialog.addEventListener('cancel', keepOpen);
+  dialog.addEventListener('close', reopen);
   dialog.showModal();
   await new Promise((resolve) => {
     form.addEventListener('submit', async (event) => {
@@ -42,6 +44,7 @@ async function ask(service) {
     });
   });
   dialog.removeEventListener('cancel', keepOpen);
+  dialog.removeEventListener('close', reopen);
   dialog.close();
   dialog.replaceChildren();
 }

@@ -68,7 +68,8 @@ export class Keys {
 
   /** @param {KeyboardEvent} event */
   #key(event) {
-    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+    const isCommand = (event.ctrlKey || event.metaKey || event.altKey) && !event.getModifierState('AltGraph'); // AltGr types [ on many keyboards
+    if (event.defaultPrevented || isCommand) return;
     const key = nameOf(event);
     const target = event.target instanceof Element ? event.target : document.body;
     const open = document.querySelector('dialog[open], :popover-open');
@@ -82,8 +83,8 @@ export class Keys {
 
 /** @param {KeyboardEvent} event */
 function nameOf({ key, code, shiftKey }) {
-  const isLatin = /^[ -~]+$/.test(key);
-  const name = key === ' ' ? 'Space' : isLatin ? key : code.replace(/^Key/, ''); // other alphabets: the letter at that place
+  const isOther = !/^[ -~]+$/.test(key) || (/^Digit/.test(code) && !shiftKey); // other alphabets, and French digits: by their place
+  const name = key === ' ' ? 'Space' : isOther ? code.replace(/^(Key|Digit)/, '') : key;
   return name.length === 1 ? name.toLowerCase() : `${shiftKey ? 'Shift+' : ''}${name}`;
 }
 

@@ -31,6 +31,10 @@ export class Lists {
     this.search.addEventListener('keydown', (event) => this.#key(event));
     for (const one of this.all) one.element.addEventListener('focusin', () => { this.current = one; });
     state.on((changed) => {
+      for (const one of [this.locomotions, this.actions]) {
+        const chosen = state.values[one.offer.key];
+        if (this.catalogue.clips.has(chosen) && !one.names.includes(chosen)) this.#fill(one);
+      }
       if (changed.has('locomotion') || changed.has('action')) this.#fillHands();
       this.#sync();
     });
@@ -44,11 +48,7 @@ export class Lists {
    */
   reload(catalogue) {
     this.catalogue = catalogue;
-    const clips = [...catalogue.clips.values()];
-    for (const one of [this.locomotions, this.actions]) {
-      const own = clips.filter((clip) => clip.kind === one.offer.key);
-      one.fill((own.length ? own : clips).map((clip) => clip.name), catalogue.clips); // any clip can be either
-    }
+    for (const one of [this.locomotions, this.actions]) this.#fill(one);
     this.#fillHands();
     this.#sync();
   }
@@ -66,6 +66,21 @@ export class Lists {
   find() {
     this.search.focus();
     this.search.select();
+  }
+
+  /**
+   * Offers the clips of a list's kind, and its choice: any clip can be the locomotion or the action, so a bank without actions
+   * offers all.
+   *
+   * @param {Listing} list
+   */
+  #fill(list) {
+    const { clips } = this.catalogue;
+    const { key } = list.offer;
+    const own = [...clips.values()].filter((clip) => clip.kind === key).map((clip) => clip.name);
+    const names = own.length ? own : [...clips.keys()];
+    const chosen = this.state.values[key];
+    list.fill(clips.has(chosen) && !names.includes(chosen) ? [...names, chosen] : names, clips);
   }
 
   /** Offers the hands that fit the action or the locomotion. */

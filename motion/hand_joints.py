@@ -15,7 +15,7 @@ from motionsplice.motion.role_names import words_of
 from motionsplice.motion.roles import SIDES, Roles, Side
 from motionsplice.motion.skeleton import Integers, Skeleton
 
-FINGER = re.compile(r"(thumb|index|middle|mid|ring|pinky|little)\D*(\d*)")
+FINGER = re.compile(r"(thumb|index|middle|mid|ring(?!pinky)|pinky|little)\D*(\d*)")
 HAND = re.compile(FINGER.pattern + "|finger")
 FEWEST_TIPS = 3
 SAME_FINGER = {"mid": "middle", "little": "pinky"}

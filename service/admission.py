@@ -10,8 +10,8 @@ from starlette.types import Scope
 from motionsplice.service.problems import OriginError, TokenError
 from motionsplice.service.settings import Settings
 
-OPEN = frozenset({"/healthz", "/readyz", "/", "/docs", "/redoc", "/openapi.json"})
-ASSETS = "/static-offline-docs/"
+OPEN = frozenset({"/healthz", "/readyz", "/", "/docs", "/redoc", "/openapi.json", "/view"})
+ASSETS = ("/static-offline-docs/", "/view/")
 SUBPROTOCOL, BEARER = "motionsplice", "bearer."
 LOOPBACK = rb"(?:localhost|127\.0\.0\.1|\[::1\])(?::\d{1,5})?"
 LOOPBACK_HOST, LOOPBACK_PAGE = re.compile(LOOPBACK), re.compile(rb"https?://" + LOOPBACK)

@@ -26,6 +26,7 @@ from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
 from motionsplice.service.settings import Settings
 from motionsplice.service.shared import Shared
+from motionsplice.service.viewer.routes import viewer_routes
 
 
 def create_app(bank: Bank, settings: Settings | None = None) -> Front:
@@ -54,6 +55,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     app.include_router(bank_routes(shared))
     app.include_router(exchange_routes(shared, job))
     app.include_router(health_routes(shared))
+    app.include_router(viewer_routes())
     app.openapi = lambda: document(app, shared)  # type: ignore[method-assign]
     app.add_exception_handler(MotionError, _motion_problem)
     app.add_exception_handler(RequestValidationError, _request_problem)
@@ -67,7 +69,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
 
     @app.get("/", include_in_schema=False)
     async def get_root() -> RedirectResponse:
-        return RedirectResponse("docs")
+        return RedirectResponse("view/")
 
     return front
 

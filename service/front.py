@@ -19,6 +19,7 @@ from motionsplice.service.answers.pose import PoseAnswers
 from motionsplice.service.answers.poses import poses
 from motionsplice.service.answers.splice import splice
 from motionsplice.service.answers.stream import stream
+from motionsplice.service.answers.take import take
 from motionsplice.service.characters.connection import REFUSED, event_message
 from motionsplice.service.characters.hub import Hub, accept
 from motionsplice.service.logs import request_id, request_ids
@@ -56,6 +57,7 @@ class Front:
             ("POST", "/v1/poses"): _poses,
             ("GET", "/v1/splice"): _splice,
             ("GET", "/v1/stream"): _stream,
+            ("POST", "/v1/take"): _take,
         }
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -187,6 +189,11 @@ async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, hea
 
 async def _splice(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
     await (await splice(shared, scope["query_string"])).send(send, headers)
+    return 200
+
+
+async def _take(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
+    await (await take(shared, scope, receive)).send(send, headers)
     return 200
 
 

@@ -12,6 +12,7 @@ import os
 import queue
 import socket
 import tempfile
+import textwrap
 import threading
 from urllib.parse import urlencode, urlsplit
 
@@ -29,7 +30,8 @@ bl_info = {
 }
 PROTOCOL = 3
 PATIENCE = 10.0  # seconds
-TICK = 1 / 60  # seconds between two looks for new frames
+CONNECTING = 3.0  # seconds; Blender is blocked meanwhile
+TICK = 1 / 120  # seconds between two looks for new frames; Blender calls up to 5 ms late
 CHARACTER = 1  # the id of the previewed character
 TEXT, CLOSE, PING, PONG = 0x1, 0x8, 0x9, 0xA  # opcodes of RFC 6455
 
@@ -38,22 +40,34 @@ class ServiceError(Exception):
     """A request that the service refused, or did not answer."""
 
 
-def request(address, path, token, **headers):
+def request(address, path, token, expected=200, **headers):
     """Sends a request. Returns the connection and the answer. Raises ServiceError."""
-    url = urlsplit(address)
-    kind = http.client.HTTPSConnection if url.scheme == "https" else http.client.HTTPConnection
+    address = address if "://" in address else f"http://{address}"
     if token:
         headers["Authorization"] = f"Bearer {token}"
     try:
-        connection = kind(url.netloc, timeout=PATIENCE)
-        connection.request("GET", path, headers=headers)
+        url = urlsplit(address)
+        kind = http.client.HTTPSConnection if url.scheme == "https" else http.client.HTTPConnection
+        connection = kind(url.netloc, timeout=CONNECTING)
+        connection.connect()
+        connection.sock.settimeout(PATIENCE)
+        connection.request("GET", url.path.rstrip("/") + path, headers=headers)
         answer = connection.getresponse()
-        if answer.status not in (200, 101):
-            with contextlib.closing(connection):
-                raise ServiceError(json.loads(answer.read())["detail"])
-    except (OSError, http.client.HTTPException, ValueError, KeyError) as error:
-        raise ServiceError(f"no answer from {address}: {error!r}. Start it: motionsplice serve BANK") from error
-    return connection, answer
+        if answer.status == expected:
+            return connection, answer
+        with contextlib.closing(connection):
+            body = answer.read()
+    except (OSError, http.client.HTTPException, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        mend = "Start the service (motionsplice serve BANK), or correct the address"
+        raise ServiceError(f"no answer from {address}: {reason}. {mend}") from error
+    if answer.status == 401:
+        raise ServiceError("the token is missing or wrong. Enter the token of the service")
+    try:
+        detail = str(json.loads(body)["detail"])
+    except (ValueError, KeyError, TypeError):
+        detail = f"{address} is not a motionsplice service: it answered {answer.status}. Correct the address"
+    raise ServiceError(detail)
 
 
 class Link:
@@ -62,7 +76,7 @@ class Link:
     def __init__(self, address, path, token=""):
         fields = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13"}
         fields["Sec-WebSocket-Key"] = base64.b64encode(os.urandom(16)).decode()
-        connection, answer = request(address, path, token, **fields)
+        connection, answer = request(address, path, token, 101, **fields)
         self.socket = connection.sock
         self.answer = answer  # kept, because it would close its file, from which messages are read
         self.lock = threading.Lock()
@@ -78,7 +92,7 @@ class Link:
     def __iter__(self):
         """Yields what arrives until the connection ends."""
         text = b""
-        with contextlib.suppress(OSError):
+        with contextlib.closing(self.answer), contextlib.suppress(OSError):
             while True:
                 first, size = self._read(2)
                 if size >= 126:
@@ -142,51 +156,73 @@ class Preview:
     status = ""
 
     def __init__(self, armature, address, token):
-        self.armature = armature.name
+        self.armature = armature.session_uid  # survives undo and a new name, and is not found in another file
         self.rig = None
         self.created = False
         self.events = queue.SimpleQueue()
         self.frame = None  # the newest one that has not been shown
         self.link = Link(address, "/v1/characters?rate=60&axes=blender&format=json", token)
         threading.Thread(target=self._receive, daemon=True).start()
-        Preview.running, Preview.status = self, "connected"
+        Preview.running = self
+        self.show("connected")
 
     def play(self, locomotion, action):
-        """Shows a splice: creates the character, or changes what it plays."""
+        """Shows a splice: creates the character, or changes what it plays. Raises ServiceError."""
         do = "play" if self.created else "create"
         act = {"do": "act", "id": CHARACTER, "action": action} if action else {"do": "stop", "id": CHARACTER}
-        self.link.send([{"do": do, "id": CHARACTER, "locomotion": locomotion}, act])
+        try:
+            self.link.send([{"do": do, "id": CHARACTER, "locomotion": locomotion}, act])
+        except OSError as error:
+            raise ServiceError("the connection was lost. Press Preview again") from error
 
     def stop(self, status):
         self.link.close()
-        Preview.running, Preview.status = None, status
+        Preview.running = None
+        self.show(status)
+
+    @staticmethod
+    def show(status):
+        """Shows a status in the panels, which Blender draws anew only on request."""
+        Preview.status = status
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.tag_redraw()
 
     def tick(self):
         """Shows the newest frame. Returns the seconds until the next call; None ends the timer."""
-        armature = bpy.data.objects.get(self.armature)
-        while not self.events.empty():
-            self._take(self.events.get())
-        if armature is None:
-            self.stop("the armature was deleted")
         if Preview.running is not self:
             return None
-        if self.frame is not None and self.frame["bank"] == self.rig["bank"]:
+        armature = next((found for found in bpy.data.objects if found.session_uid == self.armature), None)
+        if armature is None:
+            self.stop("the armature was deleted, or another file was opened")
+        while Preview.running is self and not self.events.empty():
+            self._take(self.events.get(), armature.data.bones)
+        if Preview.running is not self:
+            return None
+        if self.rig and self.frame and self.frame["bank"] == self.rig["bank"]:
             frame, self.frame = self.frame, None
-            apply(armature, self.rig, frame["root_positions"][-1][0], frame["rotations"][-1][0])
+            root = frame["root_positions"][-1][0]
+            bone = armature.data.bones.get(self.rig["joints"][0])
+            if bone is not None and bpy.context.scene.motionsplice.in_place:
+                root = (*bone.head_local.xy, root[2])
+            apply(armature, self.rig, root, frame["rotations"][-1][0])
         return TICK
 
-    def _take(self, event):
+    def _take(self, event, bones):
         if event is None:
-            if Preview.running is self:
-                self.stop("the connection was lost")
+            self.stop("the connection was lost. Press Preview to connect again")
         elif event["event"] in ("welcome", "bank"):
             self.rig = event
             if event.get("protocol", PROTOCOL) != PROTOCOL:
                 self.stop(f"the service has protocol {event['protocol']}, this add-on {PROTOCOL}")
+            elif not any(joint in bones for joint in event["joints"]):
+                self.stop(f"the armature has none of the bank's joints, such as {event['joints'][0]!r}")
         elif event["event"] == "done":
-            self.created, Preview.status = True, "playing"
+            self.created = True
+            self.show("playing")
         elif event["event"] == "refused":
-            Preview.status = event["detail"]
+            self.show(event["detail"])
 
     def _receive(self):
         for event in self.link:
@@ -202,6 +238,9 @@ class Settings(bpy.types.PropertyGroup):
     token: bpy.props.StringProperty(name="Token", subtype="PASSWORD")
     locomotion: bpy.props.StringProperty(name="Locomotion", default="walk")
     action: bpy.props.StringProperty(name="Action", default="carry_box")
+    in_place: bpy.props.BoolProperty(
+        name="In place", description="Keep the previewed character where its armature stands", default=True
+    )
 
 
 class ImportSplice(bpy.types.Operator):
@@ -226,7 +265,11 @@ class ImportSplice(bpy.types.Operator):
             path = os.path.join(folder, "splice.glb")
             with open(path, "wb") as file:
                 file.write(splice)
-            return bpy.ops.import_scene.gltf(filepath=path, bone_heuristic="FORTUNE")
+            try:
+                return bpy.ops.import_scene.gltf(filepath=path, bone_heuristic="FORTUNE")
+            except (AttributeError, RuntimeError):  # it is disabled, or has printed its error
+                self.report({"ERROR"}, "Blender's importer failed. Enable the add-on glTF 2.0, or see the console")
+                return {"CANCELLED"}
 
 
 class StartPreview(bpy.types.Operator):
@@ -237,6 +280,7 @@ class StartPreview(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
+        cls.poll_message_set("Select an armature")
         return Preview.running is not None or (context.object is not None and context.object.type == "ARMATURE")
 
     def execute(self, context):
@@ -244,9 +288,9 @@ class StartPreview(bpy.types.Operator):
         try:
             if Preview.running is None:
                 preview = Preview(context.object, settings.address, settings.token)
-                bpy.app.timers.register(preview.tick)
+                bpy.app.timers.register(preview.tick, persistent=True)
             Preview.running.play(settings.locomotion, settings.action)
-        except (ServiceError, OSError) as error:
+        except ServiceError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
@@ -275,12 +319,18 @@ class Panel(bpy.types.Panel):
     bl_region_type = "UI"
 
     def draw(self, context):
-        settings = context.scene.motionsplice
+        layout, settings = self.layout, context.scene.motionsplice
+        layout.use_property_split, layout.use_property_decorate = True, False
         for name in ("address", "token", "locomotion", "action"):
-            self.layout.prop(settings, name)
-        for operator in (ImportSplice, StartPreview, StopPreview):
-            self.layout.operator(operator.bl_idname)
-        self.layout.label(text=Preview.status)
+            layout.prop(settings, name)
+        layout.operator(ImportSplice.bl_idname)
+        layout.prop(settings, "in_place")
+        layout.operator(StartPreview.bl_idname, text="Change clips" if Preview.running else "Preview")
+        layout.operator(StopPreview.bl_idname)
+        lines = layout.column(align=True)
+        width = context.region.width / context.preferences.system.ui_scale
+        for line in textwrap.wrap(Preview.status, max(int(width / 8), 10)):  # about 8 pixels a character
+            lines.label(text=line)
 
 
 CLASSES = (Settings, ImportSplice, StartPreview, StopPreview, Panel)

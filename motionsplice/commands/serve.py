@@ -45,7 +45,7 @@ def start(bank: Path, settings: Settings) -> None:
     console.print(table)
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     console.print(f"bank {digest}", highlight=False)
-    console.print(f"Serving {bank} at http://{host}:{port}/docs (stop with Ctrl-C)", highlight=False, soft_wrap=True)
+    console.print(f"Serving {bank} at http://{host}:{port}/view (stop with Ctrl-C)", highlight=False, soft_wrap=True)
     serve(bank, settings, listener)
 
 

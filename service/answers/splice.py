@@ -9,24 +9,15 @@ from typing import Any
 import numpy as np
 import orjson
 
-from motionsplice.motion.clip import Clip
-from motionsplice.motion.formats.bvh import pieces
-from motionsplice.motion.formats.files import WRITERS
 from motionsplice.service.answers.answer import Answer
+from motionsplice.service.answers.files import FILES, check_encoding, disposition, written
 from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
-from motionsplice.service.problems import RequestError
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
 from motionsplice.service.wire.messages import FORMS, frame_fields, json, packed
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
-FILES = {  # the media types of motion files, by their suffix
-    "bvh": b"application/x-bvh",
-    "glb": b"model/gltf-binary",
-    "gltf": b"model/gltf+json",
-    "vrma": b"model/gltf-binary",
-}
 JSON_BLOCK = 64
 SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", *FILES))
 
@@ -38,21 +29,19 @@ async def splice(shared: Shared, query: bytes) -> Answer:
     how = encoding(values)
     form: str = values["format"]
     if form in FILES:
-        if not how.axes.ours or how.parts != "local":
-            problem = f"a {form.upper()} file holds local rotations in the axes gltf"
-            raise RequestError(problem, mend="Leave out axes and parts")
+        check_encoding(form, how)
         write = _file(frames, form)
     else:
         write = _json(frames, how) if form == "json" else _msgpack(frames, how)
-    written = []
+    pieces = []
     with shared.admitted():
         for piece in write:
-            written.append(piece)
+            pieces.append(piece)
             await asyncio.sleep(0)
     if form in FILES:
-        name = f'attachment; filename="{_file_name(values)}.{form}"'.encode()
-        return Answer(b"".join(written), FILES[form], headers=[(b"content-disposition", name)])
-    return Answer(b"".join(written), FORMS[form].media_type)
+        headers = disposition(form, values["locomotion"], values["action"], values["hands"])
+        return Answer(b"".join(pieces), FILES[form], headers=headers)
+    return Answer(b"".join(pieces), FORMS[form].media_type)
 
 
 def _fields(frames: Frames) -> dict[str, Any]:
@@ -90,12 +79,5 @@ def _file(frames: Frames, form: str) -> Iterator[bytes]:
         roots.append(poses.root_positions)
         rotations.append(poses.rotations)
         yield b""
-    bank = frames.edition.bank
-    places, turns = (np.concatenate(one).astype(np.float64) for one in (roots, rotations))
-    clip = Clip(frames.splice.name, bank.skeleton, frames.rate, places, turns)
-    yield from pieces(clip) if form == "bvh" else [WRITERS[f".{form}"](clip, bank.roles)]
-
-
-def _file_name(values: dict[str, str | None]) -> str:
-    name = "+".join(one for one in (values["locomotion"], values["action"], values["hands"]) if one)
-    return "".join(one if one.isascii() and (one.isalnum() or one in "+-_.") else "_" for one in name)
+    motion = np.concatenate(roots), np.concatenate(rotations)
+    yield from written(frames.edition.bank, frames.splice.name, frames.rate, *motion, form)

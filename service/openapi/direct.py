@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from motionsplice.service.answers.files import FILES
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.poses import POSES
-from motionsplice.service.answers.splice import FILES, SPLICE
+from motionsplice.service.answers.splice import SPLICE
 from motionsplice.service.answers.stream import MEDIA_TYPE as STREAM_TYPE
 from motionsplice.service.answers.stream import STREAM
+from motionsplice.service.answers.take import TAKE
 from motionsplice.service.openapi.schemas import Schema, reference
 from motionsplice.service.routes import NOT_READY, OCTETS, REFUSED, UNKNOWN, Responses, problem_response
 from motionsplice.service.wire.messages import JSON, MSGPACK
@@ -18,8 +20,8 @@ BUSY = problem_response(429, "Too many streams at once")
 LIMITED = problem_response(422, "An invalid parameter, or more than the service allows")
 
 
-def direct_operations(batch: dict[str, Any]) -> dict[str, Any]:
-    """Returns the operations by path. `batch` is an example of a batch of poses."""
+def direct_operations(batch: dict[str, Any], order: dict[str, Any]) -> dict[str, Any]:
+    """Returns the operations by path. `batch` and `order` are examples of a batch of poses and of a take."""
     return {
         "/v1/pose": {
             "get": _operation(
@@ -69,6 +71,28 @@ def direct_operations(batch: dict[str, Any]) -> dict[str, Any]:
                 BUSY,
                 NOT_READY,
             )
+        },
+        "/v1/take": {
+            "post": {
+                **_operation(
+                    "post_take",
+                    "What a character does",
+                    "All frames of a character that is given commands at certain frames, computed at once.",
+                    TAKE,
+                    {MSGPACK: OCTETS, **{form.decode(): OCTETS for form in FILES.values()}, JSON: reference("Take")},
+                    UNKNOWN,
+                    LIMITED,
+                    BUSY,
+                    NOT_READY,
+                    problem_response(408, "The body did not arrive"),
+                    problem_response(413, "The body is too large"),
+                    problem_response(415, "A body of an unsupported type"),
+                ),
+                "requestBody": {
+                    "required": True,
+                    "content": {JSON: {"schema": reference("TakeOrder"), "example": order}},
+                },
+            }
         },
         "/v1/stream": {
             "get": _operation(

@@ -38,7 +38,7 @@ def document(app: FastAPI, shared: Shared) -> dict[str, Any]:
     if app.openapi_schema is None:
         about = ABOUT + _websocket_query()
         schema = get_openapi(title=app.title, version=__version__, description=about, routes=app.routes)
-        paths = schema["paths"] | direct_operations(_batch_example(shared.serving.bank))
+        paths = schema["paths"] | direct_operations(*_examples(shared.serving.bank))
         _fill_in(paths, shared)
         for operations in paths.values():
             for operation in operations.values():
@@ -94,5 +94,9 @@ def _clips(bank: Bank) -> tuple[str, str]:
     return first.get("locomotion", bank.clips[0].name), first.get("action", bank.clips[0].name)
 
 
-def _batch_example(bank: Bank) -> dict[str, Any]:
-    return {"clips": list(_clips(bank)), "locomotion": [0, 0], "time": [0.5, 1.0], "action": [1, -1]}
+def _examples(bank: Bank) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Returns a batch of poses and a take."""
+    locomotion, action = _clips(bank)
+    batch = {"clips": [locomotion, action], "locomotion": [0, 0], "time": [0.5, 1.0], "action": [1, -1]}
+    commands = [{"do": "create", "locomotion": locomotion}, {"at": 30, "do": "act", "action": action}]
+    return batch, {"rate": 60.0, "frames": 90, "commands": commands}

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, get_args
 
 from motionsplice.motion.axes import AxesName
+from motionsplice.runtime.characters.state import EVENT_NAMES
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.splice import SPLICE
@@ -95,19 +96,57 @@ def _seconds(description: str) -> Schema:
     return {"type": "array", "items": {"type": "number"}, "description": f"[n] seconds into the {description}"}
 
 
+_FRAMES: dict[str, Schema] = {
+    "frame": {"type": "integer", "description": "Number of the first frame"},
+    "count": {"type": "integer", "description": "F"},
+    "rate": {"type": "number", "description": "Frames per second"},
+}
 SCHEMAS: Mapping[str, Schema] = {
     **{name: {"type": "string", "title": name, "enum": list(values)} for values, name in ENUMERATIONS.items()},
     "Problem": Problem.model_json_schema(),
     "Pose": _frames("Pose", "One frame of one character"),
     "Poses": _frames("Poses", "One frame of n characters: lists [n, ...]", ANY),
-    "Frames": _frames(
-        "Frames",
+    "Frames": _frames("Frames", "F frames of one character: lists [F, ...]", ANY, **_FRAMES),
+    "Take": _frames(
+        "Take",
         "F frames of one character: lists [F, ...]",
         ANY,
-        frame={"type": "integer", "description": "Number of the first frame"},
-        count={"type": "integer", "description": "F"},
-        rate={"type": "number", "description": "Frames per second"},
+        **_FRAMES,
+        phases={**_numbers(ANY), "description": "[F] phase of the locomotion, in strides"},
+        action_times={
+            "type": "array",
+            "items": {"type": ["number", "null"]},
+            "description": "[F] seconds into the action; null without one",
+        },
+        events={"type": "array", "items": reference("TakeEvent"), "description": "What happened, in order"},
     ),
+    "TakeEvent": {
+        "type": "object",
+        "title": "TakeEvent",
+        "description": "An event of a take",
+        "required": ["frame", "event"],
+        "properties": {
+            "frame": {"type": "integer", "description": "The first frame that shows it"},
+            "event": {"type": "string", "enum": list(EVENT_NAMES.values())},
+            "action": {"type": "string", "description": "The clip of an action"},
+        },
+    },
+    "TakeOrder": {
+        "type": "object",
+        "title": "TakeOrder",
+        "description": "What a character is to do",
+        "additionalProperties": False,
+        "required": ["frames", "commands"],
+        "properties": {
+            "rate": {"type": "number", "default": 60.0, "description": "Frames per second"},
+            "frames": {"type": "integer", "description": "F"},
+            "commands": {
+                "type": "array",
+                "items": {"type": "object", "additionalProperties": True},
+                "description": "Commands of the WebSocket without `id`; `at` is the frame at which each is done",
+            },
+        },
+    },
     "Batch": {
         "type": "object",
         "title": "Batch",

@@ -8,19 +8,22 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
+from threading import Thread
+from types import ModuleType, SimpleNamespace
 from typing import Any
 from unittest.mock import MagicMock
 
 import pytest
+from pydantic import SecretStr
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
 from tests.clients.happenings import lose, newer_bank
-from tests.service.running import Running, running
+from tests.service.running import Running, eventually, running
 
 ROOT = Path(__file__).parents[2]
 CLIENT = ROOT / "clients" / "blender"
@@ -39,6 +42,7 @@ def addon(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The add-on's names, without Blender."""
     bpy: Any = ModuleType("bpy")
     bpy.types, bpy.props = MagicMock(PropertyGroup=object, Operator=object, Panel=object), MagicMock()
+    bpy.context, bpy.data, bpy.ops = MagicMock(), MagicMock(), MagicMock()
     monkeypatch.setitem(sys.modules, "bpy", bpy)
     monkeypatch.setitem(sys.modules, "mathutils", MagicMock())
     return runpy.run_path(str(CLIENT / "motionsplice.py"))
@@ -64,6 +68,90 @@ def test_its_websocket_says_why_the_service_refuses(addon: dict[str, Any], servi
         addon["Link"](service.url, "/v1/characters?rat=60")
     with pytest.raises(addon["ServiceError"], match="motionsplice serve BANK"):
         addon["Link"]("http://127.0.0.1:1", "/v1/characters")
+
+
+def test_an_address_may_lack_its_scheme_and_end_with_a_slash(addon: dict[str, Any], service: Running) -> None:
+    for address in (service.url.removeprefix("http://"), service.url + "/"):
+        connection, answer = addon["request"](address, "/v1/skeleton", "")
+        assert "joints" in json.loads(answer.read())
+        connection.close()
+
+
+@pytest.mark.parametrize("status", [200, 404])
+def test_another_server_is_not_taken_for_the_service(addon: dict[str, Any], status: int) -> None:
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(status)
+            self.end_headers()
+            self.wfile.write(b"<html>")
+
+    with HTTPServer(("127.0.0.1", 0), Handler) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        with pytest.raises(addon["ServiceError"], match=f"not a motionsplice service: it answered {status}"):
+            addon["Link"](f"http://127.0.0.1:{server.server_port}", "/v1/characters")
+        server.shutdown()
+
+
+def test_a_wrong_token_is_reported_in_the_add_ons_terms(addon: dict[str, Any], bank: Bank) -> None:
+    with running(bank.path, Settings(token=SecretStr("right-token"))) as guarded:
+        for token in ("", "wrong-token"):
+            with pytest.raises(addon["ServiceError"], match="Enter the token of the service"):
+                addon["Link"](guarded.url, "/v1/characters", token)
+        link = addon["Link"](guarded.url, "/v1/characters", "right-token")
+        assert next(events := iter(link))["event"] == "welcome"
+        link.close()
+        assert not list(events)
+
+
+@pytest.fixture
+def armature() -> MagicMock:
+    armature = MagicMock(session_uid=7)
+    armature.data.bones = ["Hips"]
+    sys.modules["bpy"].data.objects = [armature]
+    return armature
+
+
+def test_a_preview_ends_when_its_armature_is_not_in_the_file(
+    addon: dict[str, Any], service: Running, armature: MagicMock
+) -> None:
+    preview = addon["Preview"](armature, service.url, "")
+    eventually(lambda: preview.tick() == addon["TICK"] and preview.rig is not None)
+    armature.session_uid = 8  # the armature of this name in another file
+    assert preview.tick() is None
+    assert addon["Preview"].running is None
+    assert addon["Preview"].status.startswith("the armature was deleted")
+    eventually(lambda: preview.link.socket.fileno() == -1)
+    with pytest.raises(addon["ServiceError"], match="Press Preview again"):
+        preview.play("walk", "wave")
+
+
+def test_a_preview_ends_when_the_service_stops(addon: dict[str, Any], bank: Bank, armature: MagicMock) -> None:
+    with running(bank.path, Settings()) as stopping:
+        preview = addon["Preview"](armature, stopping.url, "")
+        eventually(lambda: preview.tick() == addon["TICK"] and preview.rig is not None)
+    eventually(lambda: preview.tick() is None)
+    assert addon["Preview"].status == "the connection was lost. Press Preview to connect again"
+
+
+def test_a_preview_needs_an_armature_with_joints_of_the_bank(
+    addon: dict[str, Any], service: Running, armature: MagicMock
+) -> None:
+    armature.data.bones = ["Bone"]
+    preview = addon["Preview"](armature, service.url, "")
+    eventually(lambda: preview.tick() is None)
+    assert addon["Preview"].status == "the armature has none of the bank's joints, such as 'Hips'"
+
+
+@pytest.mark.parametrize("error", [RuntimeError("Traceback ..."), AttributeError("could not be found")])
+def test_a_failing_importer_is_reported_without_traceback(
+    addon: dict[str, Any], service: Running, error: Exception
+) -> None:
+    sys.modules["bpy"].ops.import_scene.gltf.side_effect = error
+    settings = SimpleNamespace(address=service.url, token="", locomotion="walk", action="wave")
+    operator = addon["ImportSplice"]()
+    operator.report = MagicMock()
+    assert operator.execute(SimpleNamespace(scene=SimpleNamespace(motionsplice=settings))) == {"CANCELLED"}
+    assert "Blender's importer failed" in operator.report.call_args.args[1]
 
 
 @pytest.mark.skipif(not PYTHON, reason="bpy is not installed: set BPY_PYTHON to a Python that has it")

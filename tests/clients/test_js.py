@@ -132,6 +132,7 @@ def test_splices_and_streams_over_http_are_the_same_frames(bank: Bank) -> None:
     assert wrong.startswith("RefusedError token the token is missing or wrong")
     assert found["worst"]["float32"] < 1e-5
     assert found["worst"]["int16"] < 1e-4
+    assert found["worst"]["take"] < 1e-5
     assert found["seen"] == 3
 
 

@@ -60,6 +60,15 @@ def test_its_batch_is_answered(hands_client: TestClient) -> None:
     assert without != walk
 
 
+def test_its_take_is_played(client: TestClient) -> None:
+    (order,) = (example for example in EXAMPLES if "commands" in example)
+    (example,) = (example for example in EXAMPLES if "phases" in example)
+    take = client.post("/v1/take", json=order).json()
+    assert take.keys() == example.keys()
+    assert [event["action"] for event in take["events"] if event["event"] == "action_began"] == ["wave"]
+    assert {key for event in take["events"] for key in event} == {key for event in example["events"] for key in event}
+
+
 def test_its_commands_are_done(hands_service: Running) -> None:
     assert {command["do"] for command in COMMANDS} == set(NEEDED)
     with Player(hands_service) as player:

@@ -37,7 +37,7 @@ def served(bank: Bank, log: Path, *flags: str) -> Iterator[tuple[subprocess.Pope
     ):
         assert server.stdout is not None
         for line in server.stdout:
-            if found := re.search(r"(http://127\.0\.0\.1:\d+)/docs", line):
+            if found := re.search(r"(http://127\.0\.0\.1:\d+)/view", line):
                 break
         assert found is not None
         url = found.group(1)

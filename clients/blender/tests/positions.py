@@ -25,6 +25,7 @@ def main(golden, url):
     motionsplice.register()
     settings = bpy.context.scene.motionsplice
     settings.address, settings.locomotion, settings.action = url, "walk", "wave"
+    settings.in_place = False
     bpy.context.scene.render.fps = 60
     found = {"golden": of_golden_files(Path(golden)), "splice": of_splice(url)}
     found["frames"], found["live"], found["exchanged"] = live()

@@ -42,19 +42,19 @@ export class Frames {
      * @param {string} name
      * @param {number} numbers
      */
-    const floats = (name, numbers) => sized(name, view(Float32Array, name, message[name]), rows * numbers);
+    const of = (name, numbers) => floats(name, message[name], rows * numbers);
     /** [F][n][3] */
-    this.rootPositions = floats('root_positions', 3);
+    this.rootPositions = of('root_positions', 3);
     /** [F][n][J][4], if the parts include local rotations; in int16 they are to be divided by 32767 and normalised */
     this.rotations = message.rotations === undefined ? undefined
-      : encoding === 'float32' ? floats('rotations', 4 * joints)
+      : encoding === 'float32' ? of('rotations', 4 * joints)
         : sized('rotations', view(Int16Array, 'rotations', message.rotations), rows * 4 * joints);
     /** [F][n][J][3], if the parts include world positions */
-    this.worldPositions = message.world_positions === undefined ? undefined : floats('world_positions', 3 * joints);
+    this.worldPositions = message.world_positions === undefined ? undefined : of('world_positions', 3 * joints);
     /** [F][n][3], with `deltas`: what root motion has added since the frame before, in the character's own heading */
-    this.rootSteps = message.root_steps === undefined ? undefined : floats('root_steps', 3);
+    this.rootSteps = message.root_steps === undefined ? undefined : of('root_steps', 3);
     /** [F][n], with `deltas`: radians that root motion has turned since the frame before */
-    this.rootTurns = message.root_turns === undefined ? undefined : floats('root_turns', 1);
+    this.rootTurns = message.root_turns === undefined ? undefined : of('root_turns', 1);
     if (!this.rotations && !this.worldPositions) throw new FormatError('rotations and world_positions: missing');
     /** @type {Map<number, number> | undefined} */
     this.rowsById = undefined;
@@ -125,6 +125,18 @@ function view(type, name, blob) {
   if (blob.length % size) throw new FormatError(`${name}: ${blob.length} bytes are not whole numbers of ${size} bytes`);
   const aligned = blob.byteOffset % size ? blob.slice() : blob;
   return new type(aligned.buffer, aligned.byteOffset, aligned.length / size);
+}
+
+/**
+ * Returns a blob of so many numbers.
+ *
+ * @param {string} name
+ * @param {unknown} blob
+ * @param {number} length
+ * @throws {FormatError}
+ */
+export function floats(name, blob, length) {
+  return sized(name, view(Float32Array, name, blob), length);
 }
 
 /**

@@ -1,12 +1,12 @@
 import { address } from './address.js';
 import { ConnectionLostError, FormatError, RefusedError } from './errors.js';
-import { Frames } from './frames.js';
+import { Frames, floats } from './frames.js';
 import { Motion } from './motion.js';
 import { decode } from './msgpack.js';
 import { Rig } from './rig.js';
 
 /** @import { How } from './address.js' */
-/** @import { Posture } from './commands.js' */
+/** @import { Command, Posture } from './commands.js' */
 
 /**
  * A splice, as the protocol's "Parameters" describe it.
@@ -34,11 +34,66 @@ const LONGEST = 2 ** 28; // bytes of a stream's message
  * @throws {RefusedError | ConnectionLostError | FormatError}
  */
 export async function splice(url, what, { token, axes = 'gltf', parts, encoding = 'float32' } = {}) {
-  const query = { ...what, axes, parts, encoding, format: 'msgpack' };
-  const message = /** @type {any} */ (decode(new Uint8Array(await (await get(address(url, '/v1/splice', query), token)).arrayBuffer())));
-  const skeleton = address(url, `/v1/banks/${message?.bank}/skeleton`, { axes }); // of the bank that made the frames
+  const message = await map(address(url, '/v1/splice', { ...what, axes, parts, encoding, format: 'msgpack' }), token);
+  return motionOf(message, url, token, axes, encoding);
+}
+
+/**
+ * @param {URL} url
+ * @param {string | undefined} token
+ * @param {object} [body]
+ * @returns {Promise<any>}
+ */
+async function map(url, token, body) {
+  return decode(new Uint8Array(await (await get(url, token, body)).arrayBuffer())) ?? {};
+}
+
+/**
+ * @param {any} message
+ * @param {string} url
+ * @param {string | undefined} token
+ * @param {import('./rig.js').Axes} axes
+ * @param {import('./frames.js').Encoding} encoding
+ */
+async function motionOf(message, url, token, axes, encoding) {
+  const skeleton = address(url, `/v1/banks/${message.bank}/skeleton`, { axes }); // of the bank that made the frames
   const rig = new Rig({ ...await (await get(skeleton, token)).json(), bank: message.bank }, axes);
   return new Motion(rig, message.rate).add(new Frames(message, rig, encoding));
+}
+
+/**
+ * What a character is to do: a number of frames, and commands at frames, 0 if not given. The first is `create`.
+ *
+ * @typedef {object} TakeOrder
+ * @property {number} [rate] frames per second, 60 if not given
+ * @property {number} frames
+ * @property {({ at?: number } & Command)[]} commands in the protocol's words, without `id`
+ */
+
+/**
+ * What a character did.
+ *
+ * @typedef {object} Take
+ * @property {Motion} motion
+ * @property {Float32Array} phases of the locomotion at each frame, in strides
+ * @property {Float32Array} actionTimes seconds into the action at each frame; NaN without one
+ * @property {{ frame: number, event: string, action?: string }[]} events
+ */
+
+/**
+ * Fetches what a character does that is given commands at certain frames.
+ *
+ * @param {string} url of the service
+ * @param {TakeOrder} order
+ * @param {How} [how]
+ * @returns {Promise<Take>}
+ * @throws {RefusedError | ConnectionLostError | FormatError}
+ */
+export async function take(url, order, { token, axes = 'gltf', parts, encoding = 'float32' } = {}) {
+  const message = await map(address(url, '/v1/take', { axes, parts, encoding, format: 'msgpack' }), token, order);
+  const motion = await motionOf(message, url, token, axes, encoding);
+  const { count, phases, action_times, events } = message;
+  return { motion, phases: floats('phases', phases, count), actionTimes: floats('action_times', action_times, count), events };
 }
 
 /**
@@ -122,10 +177,11 @@ async function* read(body) {
 /**
  * @param {URL} url
  * @param {string | undefined} token
+ * @param {object} [body] to be sent as JSON
  */
-async function get(url, token) {
-  const headers = token ? { Authorization: `Bearer ${token}` } : undefined;
-  const response = await fetch(url, { headers }).catch((error) => {
+async function get(url, token, body) {
+  const headers = { ...(token && { Authorization: `Bearer ${token}` }), ...(body && { 'Content-Type': 'application/json' }) };
+  const response = await fetch(url, { headers, ...(body && { method: 'POST', body: JSON.stringify(body) }) }).catch((error) => {
     throw new ConnectionLostError(`no answer from ${url.origin}: ${error.cause?.message ?? error.message}`);
   });
   if (response.ok) return response;

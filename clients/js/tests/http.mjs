@@ -1,6 +1,6 @@
 // Fetches a splice and streams it from a live service that wants a token. Usage: node http.mjs URL TOKEN
 import WebSocket from 'ws';
-import { connect, splice, stream } from '../motionsplice.js';
+import { connect, splice, stream, take } from '../motionsplice.js';
 
 const [url, token] = process.argv.slice(2);
 const what = { locomotion: 'walk', action: 'carry_box' };
@@ -25,6 +25,11 @@ for (const encoding of ['float32', 'int16']) {
   for await (const message of frames) if (message.rig !== streamed.rig) throw new Error('another rig');
   if (JSON.stringify(flat(streamed)) !== JSON.stringify(flat(motion))) throw new Error('the stream differs from the splice');
 }
+const commands = [{ do: 'create', locomotion: 'walk', loop: false }, { do: 'act', action: 'carry_box', blend: 0 }];
+const taken = await take(url, { frames: 60, commands }, { token });
+const [pose, same] = [taken.motion.pose(0.5), (await splice(url, what, { token, rate: 60 })).pose(0.5)];
+worst.take = Math.max(...pose.rotations.slice(4).map((one, at) => Math.abs(one - same.rotations[4 + at]))); // the root may head elsewhere
+if (taken.phases.length !== 60 || !(taken.actionTimes[59] > taken.actionTimes[0]) || !taken.events.some(({ event }) => event === 'left_down')) throw new Error('a take has no moments');
 let seen = 0;
 const { frames } = await stream(url, { ...what, pace: 'realtime' }, { token });
 for await (const message of frames) if ((seen += message.count) === 3) break; // which ends the request

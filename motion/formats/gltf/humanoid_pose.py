@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ THUMB = ("Metacarpal", "Proximal", "Distal")
 def vrm_bones(skeleton: Skeleton, roles: Roles) -> dict[int, str]:
     """Returns VRM's bone of each joint that has one. Of a long spine, three joints do."""
     bones = {roles.root: "hips"}
-    trunk = [roles.pelvis, *roles.spine]
+    trunk = [roles.pelvis, *(joint for joint in roles.spine if joint != roles.neck)]
     if len(trunk) > len(TRUNK):
         trunk = [trunk[0], trunk[len(trunk) // 2], trunk[-1]]
     bones |= dict(zip(trunk, TRUNK[len(trunk)], strict=True))
@@ -35,14 +36,18 @@ def vrm_bones(skeleton: Skeleton, roles: Roles) -> dict[int, str]:
         for joint, (finger, place) in finger_places(skeleton, fingers_of(skeleton, roles, side)).items():
             phalanges = THUMB if finger == "thumb" else PHALANGES
             if 1 <= place <= len(phalanges):
-                bones[joint] = f"{side}{FINGERS[finger]}{phalanges[place - 1]}"
+                bone = f"{side}{FINGERS[finger]}{phalanges[place - 1]}"
+                if bone not in bones.values():
+                    bones[joint] = bone
     return bones | {joint: bone for bone, role in ROLES.items() if (joint := int(getattr(roles, role))) >= 0}
 
 
 class Humanoid:
     """The n bones of a person in a rig, parents first.
 
-    A bone's frame is aligned with the world in the T-pose. Joints without a bone are part of the next bone below.
+    A bone's frame is aligned with the world in the T-pose. Joints without a bone are part of the next bone below. In
+    rigs such as 3ds Max Biped, collar bones are children of the neck. Here they are below the chest, as VRM and Unity
+    have them, and the neck joint is part of them as well as a bone.
 
     Args:
         skeleton: The rig, with J joints.
@@ -59,7 +64,8 @@ class Humanoid:
         named = vrm_bones(skeleton, roles)
         self.joints = sorted(named)
         self.bones = [named[joint] for joint in self.joints]
-        paths = [_path(skeleton, joint, named) for joint in self.joints]
+        carriers = named.keys() - {roles.neck}
+        paths = [_path(skeleton, joint, named if named[joint] == "head" else carriers) for joint in self.joints]
         above = [int(skeleton.parents[path[0]]) for path in paths]
         self.above = [self.joints.index(joint) if joint >= 0 else -1 for joint in above]
         self._before = np.array([straight[joint] if joint >= 0 else IDENTITY for joint in above])
@@ -88,7 +94,7 @@ class Humanoid:
         return positions, quaternion.multiply(quaternion.multiply(self._before, turns), self._after)
 
 
-def _path(skeleton: Skeleton, joint: int, named: dict[int, str]) -> list[int]:
+def _path(skeleton: Skeleton, joint: int, named: Container[int]) -> list[int]:
     """Returns the joints from below the next bone above down to a joint, which is included."""
     path = [joint]
     while (parent := int(skeleton.parents[path[0]])) >= 0 and parent not in named:

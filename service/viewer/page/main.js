@@ -1,12 +1,72 @@
 import { Catalogue } from './catalogue.js';
+import { Columns } from './panels/columns.js';
+import { Connection } from './panels/connection.js';
+import { Controls } from './panels/controls.js';
+import { askForToken } from './panels/entry.js';
+import { Help } from './panels/help.js';
+import { Keys } from './panels/keys.js';
+import { Lists } from './panels/lists.js';
+import { TakeAway } from './panels/take_away.js';
+import { Title } from './panels/title.js';
 import { Player } from './player.js';
 import { Service } from './service.js';
 import { Sides } from './sides.js';
 import { State } from './state.js';
+import { RefusedError } from './vendor/motionsplice.js';
+import { Viewer } from './viewer.js';
+
+/** @param {string} id */
+const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
+/**
+ * Loads the catalogue; asks for the token if the service wants one.
+ *
+ * @param {Service} service
+ * @returns {Promise<Catalogue>}
+ */
+async function enter(service) {
+  try {
+    return await Catalogue.load(service);
+  } catch (error) {
+    if (!(error instanceof RefusedError) || error.type !== 'token') throw error;
+    await askForToken(service);
+    return enter(service);
+  }
+}
 
 const service = new Service();
 const state = new State(new URLSearchParams(location.search));
 const player = new Player(state);
-const catalogue = await Catalogue.load(service);
+const catalogue = await enter(service);
+if (!catalogue.clips.has(state.values.locomotion)) state.set({ locomotion: catalogue.baseline });
+if (!location.search) state.set({ action: [...catalogue.clips.values()].find(({ kind }) => kind === 'action')?.name ?? '' });
+
 const sides = new Sides(service, catalogue);
-console.log(state, player, sides);
+const lists = new Lists(element('lists'), catalogue, state);
+const controls = new Controls(element('controls'), catalogue, state);
+const title = new Title(element('bank'), catalogue, state);
+const help = new Help(/** @type {HTMLDialogElement} */ (element('help')));
+element('show-help').addEventListener('click', () => help.toggle());
+new Columns();
+
+const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
+const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
+new Keys({ state, player, lists, takeAway, help });
+const connection = new Connection(element('banner'), service, catalogue, reload);
+void viewer.refresh();
+
+export { player, sides, state, viewer };
+
+/** @param {Catalogue} found */
+function reload(found) {
+  sides.reload(found);
+  for (const part of [lists, controls, title]) part.reload(found);
+  void viewer.refresh();
+}
+
+/** @param {unknown} error */
+function failed(error) {
+  if (connection.notice(error)) return;
+  if (error instanceof RefusedError && error.type === 'token') void askForToken(service).then(() => viewer.refresh());
+  else viewer.readout.fault(error instanceof Error ? error.message : String(error));
+}

@@ -1,4 +1,4 @@
-import { Frames, Motion, Rig, decode } from './vendor/motionsplice.js';
+import { take as fetchTake } from './vendor/motionsplice.js';
 import { SIDES, takeOf } from './takes.js';
 
 /** @import { Catalogue } from './catalogue.js' */
@@ -6,37 +6,33 @@ import { SIDES, takeOf } from './takes.js';
 /** @import { Values } from './state.js' */
 /** @import { SideName, Take } from './takes.js' */
 
-/** @typedef {{ frame: number, event: string, action?: string }} Happened */
+const MOST_KEPT = 60;
 
 /** One of the motions that are compared. */
 export class Side {
   /**
    * @param {SideName} name
    * @param {Take} take what was asked for
-   * @param {Motion} motion
-   * @param {any} message the answer
+   * @param {Awaited<ReturnType<typeof fetchTake>>} answer
    */
-  constructor(name, take, motion, message) {
+  constructor(name, take, answer) {
     this.name = name;
     this.take = take;
-    this.motion = motion;
     this.label = SIDES[name].label;
     this.colour = SIDES[name].colour;
+    this.motion = answer.motion;
     /** Phase of each frame, in strides. */
-    this.phases = floats(message.phases);
+    this.phases = answer.phases;
     /** Seconds into the action at each frame; NaN where there is none. */
-    this.actionTimes = floats(message.action_times);
-    /** @type {Happened[]} */
-    this.events = message.events;
+    this.actionTimes = answer.actionTimes;
+    this.events = answer.events;
   }
 }
 
-/** Fetches what the state asks for. Takes that were fetched before are kept. */
+/** Fetches the sides that the state asks for. Those that were fetched lately are kept. */
 export class Sides {
   /** @type {Map<string, Promise<Side>>} */
   #kept = new Map();
-  /** @type {Map<string, Promise<Rig>>} */
-  #rigs = new Map();
 
   /**
    * @param {Service} service
@@ -48,21 +44,33 @@ export class Sides {
   }
 
   /**
+   * Begins anew with another bank.
+   *
+   * @param {Catalogue} catalogue
+   */
+  reload(catalogue) {
+    this.catalogue = catalogue;
+    this.#kept.clear();
+  }
+
+  /**
    * Returns the sides that are shown, in order.
    *
    * @param {Values} values
    */
   async of(values) {
-    const names = /** @type {SideName[]} */ (values.show.split(',').filter((name) => name in SIDES));
-    const sides = await Promise.all(names.map((name) => this.#side(name, values)));
+    const names = /** @type {SideName[]} */ (values.show.split(',').filter((name) => Object.hasOwn(SIDES, name)));
+    const sides = await Promise.all(names.map((name) => this.side(name, values)));
     return sides.filter((side) => side !== undefined);
   }
 
   /**
+   * Returns one side; undefined if there is nothing to show.
+   *
    * @param {SideName} name
    * @param {Values} values
    */
-  async #side(name, values) {
+  async side(name, values) {
     const take = takeOf(name, values, this.catalogue);
     if (!take) return undefined;
     const key = `${name} ${JSON.stringify(take)}`;
@@ -79,25 +87,6 @@ export class Sides {
    * @param {Take} take
    */
   async #fetch(name, take) {
-    const response = await this.service.request('/v1/take?format=msgpack', {
-      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(take),
-    });
-    const message = /** @type {any} */ (decode(new Uint8Array(await response.arrayBuffer())));
-    const rig = await this.#rig(message.bank);
-    return new Side(name, take, new Motion(rig, message.rate).add(new Frames(message, rig, 'float32')), message);
+    return new Side(name, take, await fetchTake(this.service.url, take, { token: this.service.token }));
   }
-
-  /** @param {string} bank */
-  #rig(bank) {
-    const rig = this.#rigs.get(bank) ?? this.service.json(`/v1/banks/${bank}/skeleton`).then((found) => new Rig({ ...found, bank }, 'gltf'));
-    this.#rigs.set(bank, rig);
-    return rig;
-  }
-}
-
-const MOST_KEPT = 60;
-
-/** @param {Uint8Array} blob */
-function floats(blob) {
-  return new Float32Array(blob.buffer, blob.byteOffset, blob.byteLength / 4);
 }

@@ -29,11 +29,12 @@ const LONGEST = 60; // seconds of a take
 export function takeOf(side, values, catalogue) {
   const name = side === 'action' ? values.action : side === 'truth' ? values.truth : values.locomotion;
   const clip = catalogue.clips.get(name);
-  if (!clip || ((side === 'splice' || side === 'naive') && !catalogue.clips.has(values.action))) return undefined;
+  const hasAction = catalogue.clips.has(values.action);
+  if (!clip || (side === 'naive' && !hasAction)) return undefined;
   const leading = catalogue.clips.get(values.locomotion) ?? clip;
   const seconds = Math.min(LONGEST, side === 'action' ? clip.duration : values.length || leading.duration);
   const take = { rate: leading.rate, frames: Math.floor(seconds * leading.rate + 1e-6) + 1, commands: [create(side, values, catalogue)] };
-  if (side === 'splice' || side === 'naive') take.commands.push(act(side, values, leading.rate));
+  if ((side === 'splice' || side === 'naive') && hasAction) take.commands.push(act(side, values, leading.rate));
   if (values.hands && side !== 'locomotion' && side !== 'truth') take.commands.push({ at: 0, do: 'wear', hands: values.hands, blend: 0 });
   return take;
 }

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from bench.retarget.rigs import on_rig
 from motionsplice.motion import quaternion
 from motionsplice.motion.axes import AXES
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.kinematics import bind_positions, joint_positions, local_rotations, world_transforms
 from motionsplice.motion.procedural.hand_rig import with_fingers
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.quaternion import Floats
@@ -20,7 +21,23 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.sending.vmc import MOST, Vmc
 
 WALK = make("walk", "wave", seconds=2.0)
-RIGS = {name: on_rig(WALK, kind) for name, kind in KINDS.items()}
+
+
+def with_arms_on_the_neck(clip: Clip) -> Clip:
+    """Returns a clip on a T-posed rig whose collar bones are children of the neck, as in 3ds Max Biped."""
+    rig, binds = clip.skeleton, bind_positions(clip.skeleton)
+    parents = rig.parents.copy()
+    parents[[rig.index("LeftShoulder"), rig.index("RightShoulder")]] = rig.index("Neck")
+    offsets = binds - binds[parents]
+    offsets[0] = rig.offsets[0]
+    skeleton = Skeleton(rig.names, parents, offsets, rig.end_parents, rig.end_offsets)
+    _, world = world_transforms(rig, clip.root_positions, clip.rotations)
+    nodding = quaternion.about(np.array([1.0, 0.0, 0.0]), np.linspace(0.2, 0.5, clip.frame_count))
+    world[:, rig.index("Neck")] = quaternion.multiply(world[:, rig.index("Neck")], nodding)
+    return Clip(clip.name, skeleton, clip.rate, clip.root_positions, local_rotations(skeleton, world))
+
+
+RIGS = {name: on_rig(WALK, kind) for name, kind in KINDS.items()} | {"Biped": with_arms_on_the_neck(WALK)}
 UNITY = AXES["unity"]
 LIMBS = {  # Unity's bone and the one below, our roles of both, and where the bone points in the T-pose
     f"{side}{upper}": (f"{side}{lower}", f"{side.lower()}_{role}", f"{side.lower()}_{below}", aim)
@@ -65,7 +82,7 @@ def received(found: list[tuple[str, list[Any]]]) -> dict[str, tuple[Floats, Floa
 
 @pytest.mark.parametrize("name", RIGS)
 def test_limbs_of_a_t_pose_skeleton_point_as_in_the_clip(name: str) -> None:
-    """A T-pose and an A-pose, a body that faces back, bones along X, twist bones, spines of 3 to 5 joints."""
+    """T-pose, A-pose, a body that faces back, bones along X, twist bones, 3 to 5 spine joints, arms on the neck."""
     clip = RIGS[name]
     roles, vmc, places = find_roles(clip.skeleton), Vmc(clip, find_roles(clip.skeleton)), joint_positions(clip)
     for frame in range(0, clip.frame_count, 10):
@@ -144,3 +161,15 @@ def test_a_rig_without_head_is_sent_too() -> None:
     headless = Skeleton(names, skeleton.parents, skeleton.offsets, skeleton.end_parents, skeleton.end_offsets)
     clip = Clip("walk", headless, WALK.rate, WALK.root_positions, WALK.rotations)
     assert "Head" not in Vmc(clip, find_roles(headless)).bones
+
+
+def test_no_bone_is_sent_twice() -> None:
+    """A known rig calls the left little finger LeftHandRingPinky; a copied joint repeats a finger's name."""
+    clip = with_fingers(WALK)
+    names = [name.replace("LeftHandPinky", "LeftHandRingPinky") for name in clip.skeleton.names]
+    names[names.index("RightHandPinky3")] = "RightHandPinky2_end"
+    rig = clip.skeleton
+    skeleton = Skeleton(tuple(names), rig.parents, rig.offsets, rig.end_parents, rig.end_offsets)
+    bones = Vmc(replace(clip, skeleton=skeleton), find_roles(skeleton)).bones
+    assert len(set(bones)) == len(bones)
+    assert set(PARENTS) - set(bones) == {"RightLittleDistal"}

@@ -78,6 +78,14 @@ frames = models.Frames.from_dict(json.loads((FOLDER / "splice.json").read_bytes(
 assert (frames.frame, frames.count, frames.rate, len(frames.world_positions)) == (15, 4, 30.0, 4)
 fast = {"pace": models.Pace.FAST, "ahead": 2}
 save("frames.stream", call("motion", "get_stream", **splice, **encoded, **fast, rate=30.0, first=15, count=4))
+commands = [{"do": "create", "locomotion": "walk"}, {"at": 1, "do": "act", "action": "wave", "when": "foot"}]
+order = models.TakeOrder.from_dict({"frames": 60, "commands": commands})
+for form in SpliceFormat:
+    how = encoded if form in (SpliceFormat.JSON, SpliceFormat.MSGPACK) else {}
+    save(f"take.{form}", call("motion", "post_take", body=order, **how, format_=form))
+taken = models.Take.from_dict(json.loads((FOLDER / "take.json").read_bytes()))
+assert (taken.count, len(taken.phases), taken.action_times[0]) == (60, 60, None)
+assert [one.action for one in taken.events if one.event == "action_began"] == ["wave"]
 
 unknown = operation("bank", "get_clip").sync("wlak", client=client)
 assert isinstance(unknown, models.Problem)

@@ -75,6 +75,14 @@ save("poses.msgpack", await client.POST("/v1/poses", {
   ...binary,
 }));
 
+const order: components["schemas"]["TakeOrder"] = {
+  rate: 60, frames: 60, commands: [{ do: "create", locomotion: "walk" }, { at: 1, do: "act", action: "wave", when: "foot" }],
+};
+const take = good(await json.POST("/v1/take", { ...query, body: order }));
+const times: (number | null)[] = take.action_times;
+check(times.length === 60 && times[0] === null, "times");
+check(take.events.find((one) => one.event === "action_began")?.action === "wave", "events");
+
 const frames = good(await json.GET("/v1/splice", { params: { query: { ...splice, ...encoded, ...part } } }));
 const all: number[][][] | undefined = frames.rotations;
 check(frames.count === 4 && all?.length === 4, "frames");

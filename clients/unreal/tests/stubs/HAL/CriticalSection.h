@@ -1,0 +1,3 @@
+#pragma once
+#include "CoreMinimal.h"
+using FCriticalSection = std::mutex;

@@ -1,0 +1,7 @@
+#pragma once
+#include "CoreMinimal.h"
+
+class ULiveLinkSourceSettings : public UObject
+{
+	GENERATED_BODY()
+};

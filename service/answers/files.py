@@ -1,0 +1,43 @@
+"""Answers that are motion files: BVH, glTF and VRM animations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.formats.bvh import pieces
+from motionsplice.motion.formats.files import WRITERS
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.requests import Float32s
+from motionsplice.service.answers.answer import Headers
+from motionsplice.service.problems import RequestError
+from motionsplice.service.wire.encoding import Encoding
+
+FILES = {  # the media types of motion files, by their suffix
+    "bvh": b"application/x-bvh",
+    "glb": b"model/gltf-binary",
+    "gltf": b"model/gltf+json",
+    "vrma": b"model/gltf-binary",
+}
+
+
+def check_encoding(form: str, how: Encoding) -> None:
+    """Raises RequestError for an encoding that a file cannot have."""
+    if not how.axes.ours or how.parts != "local":
+        problem = f"a {form.upper()} file holds local rotations in the axes gltf"
+        raise RequestError(problem, mend="Leave out axes and parts")
+
+
+def written(bank: Bank, name: str, rate: float, roots: Float32s, rotations: Float32s, form: str) -> Iterator[bytes]:
+    """Yields the file of a motion with root positions [F, 3] and rotations [F, J, 4], in pieces."""
+    clip = Clip(name, bank.skeleton, rate, roots.astype(np.float64), rotations.astype(np.float64))
+    yield from pieces(clip) if form == "bvh" else [WRITERS[f".{form}"](clip, bank.roles)]
+
+
+def disposition(form: str, *names: str | None) -> Headers:
+    """Returns the header that names the file after clips."""
+    name = "+".join(one for one in names if one)
+    safe = "".join(one if one.isascii() and (one.isalnum() or one in "+-_.") else "_" for one in name)
+    return [(b"content-disposition", f'attachment; filename="{safe}.{form}"'.encode())]

@@ -1,0 +1,136 @@
+import { SIDES } from '../takes.js';
+import { SIDE_NAMES, sidesField } from './compared.js';
+import { hint, number, row, segments, select, shownIf, toggle } from './fields.js';
+import { Group } from './group.js';
+
+/** @import { Catalogue } from '../catalogue.js' */
+/** @import { State } from '../state.js' */
+
+const LONGEST = 60; // seconds of a take
+const MASKS = { upper_body: 'Upper body', arms: 'Both arms', left_arm: 'Left arm', right_arm: 'Right arm', head: 'Head' };
+const WHENS = { now: 'At once', phase: 'In phase with its start', foot: 'At the next foot', left_foot: 'At the left foot', right_foot: 'At the right foot' };
+const POSTURES = { relative: 'Relative', absolute: 'Absolute', running: 'Running mean', off: 'Off' };
+const POSTURE_HELP = 'Relative: the locomotion\'s torso, plus what the action changes against its neutral clip. '
+  + 'Absolute: the mean posture of the action. Running mean: as absolute, from the last two seconds. Off: no transfer.';
+
+/** The right column: every other value of the state, in groups. */
+export class Controls {
+  /** @type {string[]} */
+  #joints = [];
+
+  /**
+   * @param {HTMLElement} element
+   * @param {Catalogue} catalogue
+   * @param {State} state
+   */
+  constructor(element, catalogue, state) {
+    this.catalogue = catalogue;
+    this.state = state;
+    this.groups = [this.#compare(), this.#action(), this.#mix(), this.#camera(), this.#show(), this.#length()];
+    element.replaceChildren(...this.groups.map((group) => group.element));
+    state.on(() => this.#sync());
+  }
+
+  /**
+   * Offers clips of another bank.
+   *
+   * @param {Catalogue} catalogue
+   */
+  reload(catalogue) {
+    this.catalogue = catalogue;
+    this.#sync();
+  }
+
+  /**
+   * Offers joints whose curves can be shown.
+   *
+   * @param {string[]} names
+   */
+  joints(names) {
+    if (names.join() === this.#joints.join()) return;
+    this.#joints = names;
+    this.#sync();
+  }
+
+  #sync() {
+    for (const group of this.groups) group.sync();
+  }
+
+  #compare() {
+    const { state } = this;
+    const sides = Object.fromEntries(SIDE_NAMES.map((side) => [side, SIDES[side].label]));
+    return new Group(state, 'Compare', ['show', 'layout', 'against', 'truth'], [
+      sidesField(state, () => this.catalogue),
+      segments(state, 'layout', 'Layout', { beside: 'Beside', over: 'Over' }),
+      select(state, 'against', 'Distance to', { '': 'Not shown', ...sides }, 'Colours the joints by their distance to this motion'),
+      select(state, 'truth', 'Truth clip', () => this.#clips('None')),
+    ]);
+  }
+
+  #action() {
+    const { state } = this;
+    const seconds = { unit: 's', step: 0.05 };
+    const length = () => this.catalogue.clips.get(state.values.action)?.duration ?? 10;
+    return new Group(state, 'Action', ['mask', 'when', 'at', 'start', 'blend', 'weight', 'posture', 'own', 'once'], [
+      select(state, 'mask', 'Drives', MASKS, 'The joints that the action drives'),
+      select(state, 'posture', 'Posture', POSTURES, POSTURE_HELP),
+      select(state, 'when', 'Begins', WHENS),
+      number(state, 'at', 'Asked at', { ...seconds, most: () => this.#seconds(), limit: LONGEST, title: 'Time of the take at which the action is asked for' }),
+      number(state, 'start', 'Starts from', { ...seconds, most: length, title: 'Time of the action clip from which it plays' }),
+      number(state, 'blend', 'Blend', { ...seconds, most: 2, limit: 10, title: 'Time to fade in, and to fade out' }),
+      number(state, 'weight', 'Weight', { unit: '%', step: 1, most: 100, limit: 100, scale: 100 }),
+      row(
+        toggle(state, 'own', 'Own clock', 'The action plays at its own speed instead of in step'),
+        toggle(state, 'once', 'Once', 'The action ends instead of repeating'),
+      ),
+    ], (values) => (this.catalogue.clips.has(values.action) ? '' : 'Choose an action.'));
+  }
+
+  #mix() {
+    const { state } = this;
+    return new Group(state, 'Mix', ['second', 'share'], [
+      select(state, 'second', 'Mix in', () => this.#clips('Nothing')),
+      shownIf(number(state, 'share', 'Share', { unit: '%', step: 1, most: 100, limit: 100, scale: 100, title: 'How much of the second locomotion' }),
+        () => state.values.second !== ''),
+      hint(state, ({ locomotion, second, share }) => (second && second !== locomotion
+        ? `${Math.round(100 * (1 - share))} % ${locomotion}, ${Math.round(100 * share)} % ${second}` : '')),
+    ]);
+  }
+
+  #length() {
+    const { state } = this;
+    return new Group(state, 'Length', ['length'], [
+      number(state, 'length', 'Take', { unit: 's', step: 0.5, most: LONGEST, limit: LONGEST, title: '0: as long as the locomotion' }),
+      hint(state, ({ length }) => (length ? 'The locomotion repeats.' : `0: as long as the locomotion, ${this.#seconds().toFixed(1)} s`)),
+    ]);
+  }
+
+  #camera() {
+    const { state } = this;
+    return new Group(state, 'Camera', ['view', 'follow', 'camera'], [
+      segments(state, 'view', 'View', { free: 'Free', front: 'Front', side: 'Side', top: 'Top' }),
+      toggle(state, 'follow', 'Follow the character'),
+    ]);
+  }
+
+  #show() {
+    const { state } = this;
+    return new Group(state, 'Show', ['body', 'trails', 'path', 'contacts', 'joint'], [
+      segments(state, 'body', 'Body', { mannequin: 'Mannequin', stick: 'Stick' }),
+      row(toggle(state, 'trails', 'Trails', 'Paths of feet and hands'), toggle(state, 'path', 'Path', 'Path of the root'),
+        toggle(state, 'contacts', 'Contacts', 'Where the feet stand')),
+      select(state, 'joint', 'Curves of', () => ({ '': 'No joint', ...Object.fromEntries(this.#joints.map((name) => [name, name])) })),
+    ]);
+  }
+
+  /** Seconds of the take. */
+  #seconds() {
+    const { length, locomotion } = this.state.values;
+    return Math.min(LONGEST, length || (this.catalogue.clips.get(locomotion)?.duration ?? 10));
+  }
+
+  /** @param {string} none */
+  #clips(none) {
+    return { '': none, ...Object.fromEntries([...this.catalogue.clips.keys()].map((name) => [name, name])) };
+  }
+}

@@ -1,0 +1,72 @@
+import { RefusedError } from '../vendor/motionsplice.js';
+import { byId, make } from './dom.js';
+
+/** @import { Service } from '../service.js' */
+
+/**
+ * Asks for the token until the service accepts it. The token goes into the tab's storage, never into the address.
+ *
+ * @param {Service} service
+ * @returns {Promise<void>} when the service accepts the token
+ */
+export function askForToken(service) {
+  asking ??= ask(service).finally(() => { asking = undefined; }); // requests that are refused together ask once
+  return asking;
+}
+
+/** @type {Promise<void> | undefined} */
+let asking;
+
+/** @param {Service} service */
+async function ask(service) {
+  const dialog = /** @type {HTMLDialogElement} */ (byId('entry'));
+  const field = make('input', { type: 'password', id: 'entry-token', autocomplete: 'current-password', required: true, 'aria-describedby': 'entry-fault' });
+  const fault = make('p', { id: 'entry-fault', role: 'alert', class: 'warning' });
+  const submit = make('button', { class: 'primary' }, 'Enter');
+  const form = make('form', { method: 'dialog' },
+    make('h2', { id: 'entry-title' }, 'This service needs a token'),
+    make('p', { class: 'hint' }, 'It is the one that the service was started with. It is kept until you close this tab.'),
+    make('label', { for: 'entry-token', class: 'label' }, 'Token'), field, fault, submit);
+  dialog.replaceChildren(form);
+  dialog.addEventListener('cancel', keepOpen);
+  dialog.showModal();
+  await new Promise((resolve) => {
+    form.addEventListener('submit', async (event) => {
+      event.preventDefault();
+      submit.disabled = true;
+      fault.textContent = await faultOf(service, field.value.trim());
+      submit.disabled = false;
+      if (!fault.textContent) return resolve(undefined);
+      field.setAttribute('aria-invalid', 'true');
+      field.select();
+    });
+  });
+  dialog.removeEventListener('cancel', keepOpen);
+  dialog.close();
+  dialog.replaceChildren();
+}
+
+/**
+ * Tries a token, and keeps it if the service accepts it. Returns why not, if it does not.
+ *
+ * @param {Service} service
+ * @param {string} token
+ */
+async function faultOf(service, token) {
+  const before = service.token;
+  service.token = token;
+  try {
+    await service.json('/v1/server');
+    service.remember(token);
+    return '';
+  } catch (error) {
+    service.token = before;
+    if (error instanceof RefusedError && error.type === 'token') return 'The service does not accept this token.';
+    return error instanceof Error ? error.message : String(error);
+  }
+}
+
+/** @param {Event} event */
+function keepOpen(event) {
+  event.preventDefault();
+}

@@ -1,0 +1,117 @@
+import { make } from './dom.js';
+import { Listing, summary } from './listing.js';
+import { RowMenu } from './row_menu.js';
+
+/** @import { Catalogue } from '../catalogue.js' */
+/** @import { State } from '../state.js' */
+
+/** The left column: a search over lists of locomotions, actions and hands, and what is known of the last choice. */
+export class Lists {
+  /**
+   * @param {HTMLElement} element
+   * @param {Catalogue} catalogue
+   * @param {State} state
+   */
+  constructor(element, catalogue, state) {
+    this.catalogue = catalogue;
+    this.state = state;
+    this.menu = new RowMenu(state);
+    /** @param {string} name @param {HTMLElement} row */
+    const onMenu = (name, row) => this.menu.open(this.catalogue, name, row);
+    this.locomotions = new Listing({ title: 'Locomotions', key: 'locomotion' }, state, onMenu);
+    this.actions = new Listing({ title: 'Actions', key: 'action', none: 'No action' }, state, onMenu);
+    this.hands = new Listing({ title: 'Hands', key: 'hands', none: "The clips' own hands" }, state, onMenu);
+    this.all = [this.locomotions, this.actions, this.hands];
+    /** The list that was used last. */
+    this.current = this.actions;
+    this.search = make('input', { type: 'search', placeholder: 'Search clips and tags', 'aria-label': 'Search clips and tags', 'aria-keyshortcuts': '/' });
+    this.details = make('div', { class: 'details' });
+    element.replaceChildren(make('div', { class: 'search' }, this.search), ...this.all.map((one) => one.element), this.details, this.menu.element);
+    this.search.addEventListener('input', () => this.#filter());
+    this.search.addEventListener('keydown', (event) => this.#key(event));
+    for (const one of this.all) one.element.addEventListener('focusin', () => { this.current = one; });
+    state.on((changed) => {
+      if (changed.has('locomotion') || changed.has('action')) this.#fillHands();
+      this.#sync();
+    });
+    this.reload(catalogue);
+  }
+
+  /**
+   * Shows other clips, after the bank has changed.
+   *
+   * @param {Catalogue} catalogue
+   */
+  reload(catalogue) {
+    this.catalogue = catalogue;
+    const clips = [...catalogue.clips.values()];
+    for (const one of [this.locomotions, this.actions]) {
+      const own = clips.filter((clip) => clip.kind === one.offer.key);
+      one.fill((own.length ? own : clips).map((clip) => clip.name), catalogue.clips); // any clip can be either
+    }
+    this.#fillHands();
+    this.#sync();
+  }
+
+  /**
+   * Plays the next or previous clip of the list that was used last.
+   *
+   * @param {number} by
+   */
+  step(by) {
+    (this.current.element.hidden ? this.actions : this.current).step(by);
+  }
+
+  /** Moves the focus to the search. */
+  find() {
+    this.search.focus();
+    this.search.select();
+  }
+
+  /** Offers the hands that fit the action or the locomotion. */
+  #fillHands() {
+    const { action, locomotion, hands } = this.state.values;
+    const names = [...new Set([action, locomotion].flatMap((name) => this.catalogue.clips.get(name)?.hands ?? []))];
+    this.hands.fill(names, new Map());
+    if (hands && !names.includes(hands)) this.state.set({ hands: '' });
+    this.#filter();
+  }
+
+  #filter() {
+    const names = new Set(this.catalogue.search(this.search.value).map((clip) => clip.name));
+    this.locomotions.filter(names);
+    this.actions.filter(names);
+    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    this.hands.filter(new Set(this.hands.names.filter((name) => words.every((word) => name.toLowerCase().includes(word)))));
+  }
+
+  #sync() {
+    for (const one of this.all) one.sync();
+    const clip = this.catalogue.clips.get(this.state.values[this.current.offer.key]) ?? this.catalogue.clips.get(this.state.values.locomotion);
+    const [name, ...lines] = clip ? summary(clip).split('\n') : [''];
+    const text = lines.join('\n');
+    if (this.details.dataset.text === name + text) return;
+    this.details.dataset.text = name + text;
+    this.details.replaceChildren(make('strong', {}, name), ...lines.map((line) => make('p', { class: line.startsWith('⚠') ? 'warning' : '' }, line)));
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    if (event.key === 'Escape') {
+      if (this.search.value) this.search.value = '';
+      else this.search.blur();
+      this.#filter();
+    } else if (event.key === 'ArrowDown') {
+      this.#found?.focus();
+    } else if (event.key === 'Enter') {
+      const list = this.#found;
+      if (list?.first) this.state.set({ [list.offer.key]: list.first });
+    } else return;
+    event.preventDefault();
+  }
+
+  /** The list used last if the search finds something there, or else the first where it does. */
+  get #found() {
+    return [this.current, ...this.all].find((one) => !one.element.hidden && one.first);
+  }
+}

@@ -1,0 +1,173 @@
+import { SIDES, takeOf } from '../takes.js';
+import { SIDE_NAMES } from './compared.js';
+import { button, make, newId } from './dom.js';
+import { curlLine, fileName, pythonLines } from './recipes.js';
+import { Recorder } from './recorder.js';
+
+/** @import { Catalogue } from '../catalogue.js' */
+/** @import { Player } from '../player.js' */
+/** @import { Service } from '../service.js' */
+/** @import { State } from '../state.js' */
+/** @import { SideName, Take } from '../takes.js' */
+
+const FORMATS = { bvh: 'BVH', glb: 'GLB', gltf: 'glTF', vrma: 'VRMA' };
+
+/** What is seen, taken elsewhere: as files of motion, pictures, a link, or lines that give the same. */
+export class TakeAway {
+  /** @type {Recorder | undefined} */
+  #recorder;
+
+  /**
+   * @param {HTMLElement} element
+   * @param {Service} service
+   * @param {State} state
+   * @param {{ catalogue: Catalogue }} sides
+   * @param {{ picture(): Promise<Blob>, canvas?: HTMLCanvasElement }} stage
+   * @param {Player} player
+   */
+  constructor(element, service, state, sides, stage, player) {
+    this.element = element;
+    this.service = service;
+    this.state = state;
+    this.sides = sides;
+    this.stage = stage;
+    this.player = player;
+    const id = newId();
+    this.side = make('select', { id });
+    this.status = make('p', { role: 'status', class: 'status' });
+    this.text = make('textarea', { readonly: true, rows: 6, 'aria-label': 'Text to copy', hidden: true, spellcheck: 'false' });
+    this.video = button('WebM of the range', () => this.#record());
+    this.video.hidden = !Recorder.isPossible;
+    element.replaceChildren(
+      make('h2', {}, 'Motion'),
+      make('div', { class: 'field' }, make('label', { for: id, class: 'label' }, 'Of'), this.side),
+      make('div', { class: 'buttons' }, ...Object.entries(FORMATS).map(([format, label]) => button(label, () => this.#saveMotion(format)))),
+      make('h2', {}, 'Picture'),
+      make('div', { class: 'buttons' }, button('PNG', () => this.savePicture()), this.video),
+      make('h2', {}, 'Copy'),
+      make('div', { class: 'buttons' }, button('Link', () => this.copyLink()),
+        button('curl', () => this.#copyRecipe('curl')), button('Python', () => this.#copyRecipe('Python'))),
+      this.text, this.status,
+    );
+    state.on(() => this.#offer());
+    element.addEventListener('toggle', () => {
+      this.status.textContent = '';
+      this.text.hidden = true;
+    });
+    this.#offer();
+  }
+
+  /** Saves what is seen as a PNG. */
+  async savePicture() {
+    await this.#trying('Drawing ...', async () => this.#save(await this.stage.picture(), 'png'));
+  }
+
+  /** Copies a link that shows the same. */
+  async copyLink() {
+    const link = new URL(location.href);
+    link.search = this.state.query.toString();
+    link.searchParams.set('time', this.player.time.toFixed(4));
+    link.searchParams.set('playing', 'false'); // the colleague sees the moment that is meant
+    await this.#copy('The link', link.href);
+  }
+
+  /** @param {string} format */
+  async #saveMotion(format) {
+    const take = this.#take;
+    if (!take) return;
+    await this.#trying('Waiting for the service ...', async () => {
+      const answer = await this.service.request(`/v1/take?format=${format}`, {
+        method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(take),
+      });
+      this.#save(await answer.blob(), format);
+    });
+  }
+
+  /** @param {'curl' | 'Python'} kind */
+  async #copyRecipe(kind) {
+    const take = this.#take;
+    if (!take) return;
+    const { service, sides } = this;
+    const text = kind === 'curl' ? curlLine(service.url, take, 'bvh', service.token !== undefined) : pythonLines(take, sides.catalogue.server.bank);
+    await this.#copy(kind === 'curl' ? 'The curl line' : 'The Python lines', text);
+  }
+
+  async #record() {
+    if (this.#recorder) {
+      this.#recorder.stop();
+      return;
+    }
+    const canvas = this.stage.canvas ?? /** @type {HTMLCanvasElement} */ (document.querySelector('#stage'));
+    this.#recorder = new Recorder(canvas, this.player, this.state);
+    this.video.textContent = 'Stop recording';
+    await this.#trying('Recording ...', async () => {
+      const video = await this.#recorder?.record((share) => { this.status.textContent = `Recording ... ${Math.round(100 * share)} %`; });
+      if (video) this.#save(video, 'webm');
+    });
+    this.#recorder = undefined;
+    this.video.textContent = 'WebM of the range';
+  }
+
+  /** The take of the chosen side. @returns {Take | undefined} */
+  get #take() {
+    return takeOf(/** @type {SideName} */ (this.side.value), this.state.values, this.sides.catalogue);
+  }
+
+  #offer() {
+    const before = this.side.value;
+    const names = SIDE_NAMES.filter((name) => takeOf(name, this.state.values, this.sides.catalogue));
+    if ([...this.side.options].map((one) => one.value).join() === names.join()) return;
+    this.side.replaceChildren(...names.map((name) => make('option', { value: name }, SIDES[name].label)));
+    if (names.some((name) => name === before) && before !== 'locomotion') this.side.value = before;
+  }
+
+  /**
+   * @param {Blob} data
+   * @param {string} suffix
+   */
+  #save(data, suffix) {
+    const take = this.#take;
+    const name = `${take ? fileName(take) : 'motionsplice'}.${suffix}`;
+    const url = URL.createObjectURL(data);
+    make('a', { href: url, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 60_000);
+    this.status.textContent = `Saved ${name}, ${size(data.size)}.`;
+  }
+
+  /**
+   * Copies a text; shows it where the browser does not let a page copy.
+   *
+   * @param {string} what
+   * @param {string} text
+   */
+  async #copy(what, text) {
+    this.text.value = text;
+    this.text.hidden = false;
+    const isCopied = await navigator.clipboard?.writeText(text).then(() => true, () => false) ?? this.#copyOldWay();
+    this.status.textContent = isCopied ? `${what} ${what.endsWith('s') ? 'are' : 'is'} on the clipboard.` : 'Copy the text above.';
+  }
+
+  /** Copies the text that is shown, where the page has no clipboard: without HTTPS, except on this machine. */
+  #copyOldWay() {
+    this.text.select();
+    return document.execCommand('copy');
+  }
+
+  /**
+   * @param {string} meanwhile
+   * @param {() => Promise<void>} work
+   */
+  async #trying(meanwhile, work) {
+    this.status.textContent = meanwhile;
+    try {
+      await work();
+    } catch (error) {
+      this.status.textContent = error instanceof Error ? error.message : String(error);
+    }
+  }
+}
+
+/** @param {number} bytes */
+function size(bytes) {
+  return bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}

@@ -1,0 +1,192 @@
+import { contactsOf } from './facts.js';
+import { Body } from './scene/body.js';
+import { distances, mean, shares, upperBody, worst } from './scene/differences.js';
+import { Path } from './scene/path.js';
+import { Traces } from './scene/traces.js';
+import { Quaternion, Vector3 } from './vendor/three.js';
+
+/** @import { Stage } from './scene/stage.js' */
+/** @import { View } from './scene/view.js' */
+/** @import { Pose } from './vendor/motionsplice.js' */
+/** @import { Side, Sides } from './sides.js' */
+/** @import { Values } from './state.js' */
+/** @import { SideName } from './takes.js' */
+
+const APART = 1.3; // metres between characters that stand beside each other
+const AHEAD = new Vector3(0, 0, 1), UP = new Vector3(0, 1, 0);
+
+/** One side as it is shown: its body, its traces, and where its joints are. */
+class Shown {
+  moment = 0;
+  heading = 0;
+
+  /**
+   * @param {Side} side
+   * @param {Body} body
+   * @param {Traces} traces
+   */
+  constructor(side, body, traces) {
+    this.side = side;
+    this.body = body;
+    this.traces = traces;
+    this.path = new Path(side.motion);
+    this.pose = side.motion.pose(0);
+  }
+}
+
+/** The characters on the stage. */
+export class Show {
+  /** @type {Shown[]} */
+  #shown = [];
+  #turn = new Quaternion();
+  #facing = new Vector3();
+
+  /**
+   * @param {Stage} stage
+   * @param {View} view
+   * @param {Sides} sides
+   */
+  constructor(stage, view, sides) {
+    this.stage = stage;
+    this.view = view;
+    this.catalogue = () => sides.catalogue;
+  }
+
+  /**
+   * Shows other sides.
+   *
+   * @param {Side[]} sides
+   * @param {Values} values
+   */
+  sides(sides, values) {
+    for (const one of this.#shown) {
+      if (sides.includes(one.side)) continue;
+      this.stage.remove(one.body.object);
+      this.stage.remove(one.traces.object);
+      one.body.dispose();
+      one.traces.dispose();
+    }
+    this.#shown = sides.map((side) => this.#shown.find((one) => one.side === side) ?? this.#begin(side, values));
+  }
+
+  /**
+   * @param {Side} side
+   * @param {Values} values
+   */
+  #begin(side, values) {
+    const clip = this.catalogue().clips.get(clipOf(side.name, values));
+    const shown = new Shown(side, new Body(side.motion.rig, side.colour), new Traces(side, clip ? contactsOf(side, clip, values) : { left: [], right: [] }));
+    this.stage.add(shown.body.object);
+    this.stage.add(shown.traces.object);
+    return shown;
+  }
+
+  /** Where the joints of each side are [J][3], without the place beside the others. */
+  positions() {
+    return this.#shown.map(({ body }) => body.positions);
+  }
+
+  /**
+   * Poses all characters at a time. Returns how far the first one is from the side that it is compared with.
+   *
+   * @param {number} time
+   * @param {Values} values
+   */
+  at(time, values) {
+    const leading = this.#shown.find(({ side }) => side.name !== 'action' && side.name !== 'truth') ?? this.#shown[0];
+    if (!leading) return undefined;
+    for (const one of this.#shown) this.#pose(one, momentOf(one.side, leading.side, time));
+    this.#shown.forEach((one, index) => this.#place(one, leading, index, values));
+    const place = leading.path.at(leading.moment);
+    this.view.at(place, place.heading);
+    return this.#compare(values);
+  }
+
+  /**
+   * @param {Shown} one
+   * @param {number} moment
+   */
+  #pose(one, moment) {
+    const pose = one.side.motion.pose(moment);
+    if (!pose?.rotations) return;
+    one.pose = pose;
+    one.moment = moment;
+    this.#facing.copy(AHEAD).applyQuaternion(this.#turn.fromArray(pose.rotations));
+    one.heading = Math.atan2(this.#facing.x, this.#facing.z);
+  }
+
+  /**
+   * Puts a character beside the others or over them. An action as captured walks elsewhere: its hips are put where those
+   * of the leading character are.
+   *
+   * @param {Shown} one
+   * @param {Shown} leading
+   * @param {number} index
+   * @param {Values} values
+   */
+  #place(one, leading, index, values) {
+    if (!one.pose || !leading.pose) return;
+    const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
+    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, leading.heading - one.heading, leading.pose.root);
+    one.body.style = values.body === 'stick' ? 'stick' : 'mannequin';
+    one.body.opacity = values.layout === 'over' && index > 0 ? 0.45 : 1;
+    one.body.set(one.pose, [shift, 0, 0]);
+    const { trails, path, contacts } = values;
+    const own = one.side.name !== 'action' || one === leading;
+    one.traces.show({ trails: trails && own, path: path && own, contacts: contacts && own });
+    one.traces.offset([shift, 0, 0]);
+    one.traces.at(one.moment);
+  }
+
+  /**
+   * Turns a pose about the vertical, and puts its root at a place.
+   *
+   * @param {Pose} pose
+   * @param {number} turn radians
+   * @param {ArrayLike<number>} place [3]
+   */
+  #carry(pose, turn, place) {
+    const rotations = /** @type {Float32Array} */ (pose.rotations);
+    this.#turn.fromArray(rotations).premultiply(new Quaternion().setFromAxisAngle(UP, turn)).toArray(rotations);
+    pose.root.set(place);
+  }
+
+  /** @param {Values} values */
+  #compare(values) {
+    const [first] = this.#shown;
+    const other = this.#shown.find(({ side }) => side.name === values.against && side !== first.side);
+    for (const one of this.#shown) if (one !== first || !other) one.body.colours(undefined);
+    if (!other) return undefined;
+    const { rig } = first.side.motion;
+    const found = distances(first.body.positions, other.body.positions, rig, 'root');
+    first.body.colours(shares(found));
+    const joints = upperBody(rig);
+    const { joint, metres } = worst(found, joints);
+    return { label: other.side.label, mean: mean(found, joints), worst: metres, joint: rig.joints[joint] };
+  }
+}
+
+/**
+ * Returns the moment of a side's own motion that is shown at a time. The action as captured is shown at the moment that
+ * the splice plays.
+ *
+ * @param {Side} side
+ * @param {Side} leading
+ * @param {number} time
+ */
+function momentOf(side, leading, time) {
+  if (side.name !== 'action' || side === leading || !leading.actionTimes.length) return time;
+  const place = Math.max(0, Math.min(leading.actionTimes.length - 1, time * leading.motion.rate));
+  const before = leading.actionTimes[Math.floor(place)];
+  const after = leading.actionTimes[Math.ceil(place)];
+  if (Number.isNaN(before)) return 0;
+  return after >= before ? before + (after - before) * (place % 1) : before; // a loop jumps back
+}
+
+/**
+ * @param {SideName} name
+ * @param {Values} values
+ */
+function clipOf(name, values) {
+  return name === 'action' || name === 'truth' ? values[name] : values.locomotion;
+}

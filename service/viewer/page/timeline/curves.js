@@ -1,0 +1,239 @@
+import { jointCurves } from './curve_values.js';
+import { FONT, alongFrames, clip, line, note } from './paint.js';
+import { EDGE, GUTTER, NARROW, RULER, paintMoment, paintRuler, timeAxis } from './ruler.js';
+import { Scrub } from './scrub.js';
+import { Span } from './span.js';
+import { Surface, make } from './surface.js';
+import { onTheme, themeOf } from './theme.js';
+import { axis as valueAxis, multiples, plain, readable } from './ticks.js';
+
+/** @import { Player } from '../player.js' */
+/** @import { Side } from '../sides.js' */
+/** @import { JointCurves } from './curve_values.js' */
+/** @import { Box } from './paint.js' */
+/** @import { Theme } from './theme.js' */
+
+/** @typedef {{ label: string, colour: string, curves: JointCurves }} Shown */
+
+/** @type {{ key: keyof JointCurves, label: string, unit: string, least: number, digits: number, width: number }[]} */
+const PLOTS = [
+  { key: 'angle', label: 'Angle from bind pose', unit: '°', least: 10, digits: 1, width: 5 },
+  { key: 'turning', label: 'Angular speed', unit: '°/s', least: 50, digits: 0, width: 4 },
+  { key: 'speed', label: 'World speed', unit: 'm/s', least: 0.5, digits: 2, width: 4 },
+];
+const GAP = 13;
+const NARROW_GUTTER = 34;
+
+/** Curves of one joint over time, a line for each side. */
+export class Curves {
+  /** @type {Shown[]} */
+  #shown = [];
+  /** Curves that were computed, by joint. @type {WeakMap<Side, Map<string, JointCurves | undefined>>} */
+  #known = new WeakMap();
+  /** @type {Record<string, { top: number, step: number }>} */
+  #axes = {};
+  /** @type {HTMLElement[]} */
+  #numbers = [];
+  /** @type {Theme} */
+  #theme;
+  #time = 0;
+  /** Seconds that are pointed at. @type {number | undefined} */
+  #pointed = undefined;
+
+  /**
+   * @param {HTMLElement} element
+   * @param {Player} player
+   */
+  constructor(element, player) {
+    this.element = element;
+    this.player = player;
+    this.span = Span.of(player);
+    element.classList.add('curves');
+    this.legend = make('div', 'curves-legend');
+    this.plots = make('div', 'curves-plots');
+    element.append(this.legend, this.plots);
+    this.#theme = themeOf(element);
+    this.back = new Surface(this.plots, (context, width, height) => this.#paintCurves(context, height));
+    this.front = new Surface(this.plots, (context, width, height) => this.#paintMoments(context, height));
+    new Scrub(this.plots, player, () => this.axis, (time) => {
+      this.#pointed = time;
+      this.front.request();
+      this.#write();
+    });
+    this.span.on(() => this.redraw());
+    onTheme(() => this.redraw());
+  }
+
+  /**
+   * @param {Side[]} sides
+   * @param {string} joint
+   */
+  show(sides, joint) {
+    this.#shown = [];
+    for (const side of sides) {
+      const curves = this.#of(side, joint);
+      if (curves) this.#shown.push({ label: side.label, colour: side.colour, curves });
+    }
+    for (const { key, least } of PLOTS) this.#axes[key] = valueAxis(readable(this.#shown.map(({ curves }) => curves[key])), least);
+    const isEmpty = !this.#shown.length;
+    this.plots.hidden = isEmpty;
+    this.legend.replaceChildren(isEmpty ? make('span', 'curves-empty', joint ? `No motion has a joint ${joint}` : 'Choose a joint to see its curves')
+      : make('span', 'curves-joint', joint));
+    this.#numbers = this.#shown.map(({ label, colour }) => {
+      const side = make('span', 'curves-side'), swatch = make('span', 'curves-swatch'), numbers = make('span', 'curves-numbers');
+      swatch.style.background = colour;
+      side.append(swatch, make('span', 'curves-name', label), numbers);
+      this.legend.append(side);
+      return numbers;
+    });
+    this.redraw();
+    this.#write();
+  }
+
+  /** @param {number} time */
+  at(time) {
+    if (time === this.#time) return;
+    this.#time = time;
+    if (!this.#shown.length || !this.back.width) return;
+    this.front.draw();
+    this.#write();
+  }
+
+  /** Paints all again. */
+  redraw() {
+    this.back.request();
+    this.front.request();
+  }
+
+  get axis() {
+    const { width } = this.back;
+    return timeAxis(this.span, width < NARROW ? NARROW_GUTTER : GUTTER, width - EDGE);
+  }
+
+  /**
+   * @param {Side} side
+   * @param {string} joint
+   */
+  #of(side, joint) {
+    const known = this.#known.get(side) ?? new Map();
+    this.#known.set(side, known);
+    if (!known.has(joint)) known.set(joint, jointCurves(side.motion, joint));
+    return /** @type {JointCurves | undefined} */ (known.get(joint));
+  }
+
+  /** Writes the values of the moment that is shown, or pointed at. */
+  #write() {
+    const frame = Math.round((this.#pointed ?? this.#time) * this.player.rate);
+    this.#shown.forEach(({ curves }, at) => {
+      const last = curves.angle.length - 1;
+      const values = PLOTS.map(({ key, unit, digits, width }) => (
+        `${curves[key][Math.min(frame, last)].toFixed(digits).padStart(width, '\u2007')}${unit === '°' ? '' : ' '}${unit}`)); // a space as wide as a digit
+      const text = values.join(' ');
+      if (this.#numbers[at].textContent !== text) this.#numbers[at].textContent = text;
+    });
+  }
+
+  /**
+   * Yields the plots and where they are.
+   *
+   * @param {CanvasRenderingContext2D} context
+   * @param {number} bottom
+   * @returns {Generator<[PLOTS[0], Box, { top: number, step: number }]>}
+   */
+  * #boxes(context, bottom) {
+    const { left, right, x } = this.axis;
+    const height = (bottom - RULER - GAP * PLOTS.length - 8) / PLOTS.length;
+    let top = RULER + GAP;
+    for (const plot of PLOTS) {
+      yield [plot, { context, theme: this.#theme, left, right, top, height, x: (frame) => x(frame / this.player.rate) }, this.#axes[plot.key]];
+      top += height + GAP;
+    }
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {number} bottom
+   */
+  #paintCurves(context, bottom) {
+    if (!this.#shown.length) return;
+    this.#theme = themeOf(this.element);
+    const { axis } = this;
+    const isNarrow = this.back.width < NARROW;
+    clip(context, axis.left - 6, axis.right + 6, bottom);
+    paintRuler(context, this.#theme, axis, this.span, bottom);
+    context.restore();
+    for (const [plot, box, { top, step }] of this.#boxes(context, bottom)) {
+      this.#levels(box, top, step);
+      clip(context, axis.left, axis.right, bottom);
+      for (const { curves, colour } of [...this.#shown].reverse()) {
+        const values = curves[plot.key];
+        line(box, alongFrames(values, [0, values.length - 1], top), colour, 1.5); // the first side on top
+      }
+      context.restore();
+      if (isNarrow) note(box, `${plot.label} (${plot.unit})`, axis.left + 4, box.top + 9);
+      else this.#label(box, plot.label, plot.unit);
+    }
+  }
+
+  /**
+   * @param {Box} box
+   * @param {number} top
+   * @param {number} step
+   */
+  #levels({ context, theme, left, right, top: start, height }, top, step) {
+    context.font = FONT;
+    context.textAlign = 'right';
+    context.textBaseline = 'middle';
+    for (const value of multiples(0, top, step)) {
+      const y = Math.round(start + height * (1 - value / top)) + 0.5;
+      context.strokeStyle = theme.line;
+      context.beginPath();
+      context.moveTo(left, y);
+      context.lineTo(right, y);
+      context.stroke();
+      context.fillStyle = theme.faint;
+      context.fillText(plain(value, step), left - 6, y);
+    }
+    context.textAlign = 'left';
+    context.textBaseline = 'alphabetic';
+  }
+
+  /**
+   * @param {Box} box
+   * @param {string} label
+   * @param {string} unit
+   */
+  #label({ context, theme, top, height }, label, unit) {
+    context.font = FONT;
+    context.fillStyle = theme.faint;
+    const words = label.split(' from ');
+    context.fillText(words[0], 8, top + height / 2 - 2);
+    context.fillText(words[1] ? `from ${words[1]}, ${unit}` : unit, 8, top + height / 2 + 12);
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {number} bottom
+   */
+  #paintMoments(context, bottom) {
+    if (!this.#shown.length) return;
+    const { axis } = this, pointed = this.#pointed;
+    const text = (/** @type {number} */ time) => `${time.toFixed(2)} s  ${Math.round(time * this.player.rate)}`;
+    paintMoment(context, this.#theme, axis, this.#time, { bottom, text: text(this.#time), isHead: true });
+    if (pointed !== undefined) paintMoment(context, this.#theme, axis, pointed, { bottom, text: text(pointed), isHead: false });
+    const frame = Math.round((pointed ?? this.#time) * this.player.rate);
+    for (const [plot, box, { top }] of this.#boxes(context, bottom)) {
+      for (const { curves, colour } of [...this.#shown].reverse()) {
+        const value = curves[plot.key][Math.min(frame, curves.angle.length - 1)];
+        const x = box.x(frame);
+        if (x < axis.left || x > axis.right) continue;
+        context.beginPath();
+        context.arc(x, box.top + box.height * (1 - Math.min(1, value / top)), 3, 0, 2 * Math.PI);
+        context.fillStyle = colour;
+        context.strokeStyle = this.#theme.panel;
+        context.fill();
+        context.stroke();
+      }
+    }
+  }
+}

@@ -1,0 +1,38 @@
+import { Span } from './span.js';
+import { zoomByWheel } from './zoom.js';
+
+/** @import { Player } from '../player.js' */
+/** @import { Axis } from './ruler.js' */
+
+/** Seeks where the pointer goes down or is dragged, at whole frames, and reports what it points at. */
+export class Scrub {
+  #isDown = false;
+
+  /**
+   * @param {HTMLElement} element
+   * @param {Player} player
+   * @param {() => Axis} axis
+   * @param {(time: number | undefined, event: PointerEvent) => void} pointed
+   */
+  constructor(element, player, axis, pointed) {
+    const timeOf = (/** @type {PointerEvent} */ event) => {
+      const seconds = Math.max(0, Math.min(player.duration, axis().time(event.clientX - element.getBoundingClientRect().left)));
+      return Math.min(player.duration, Math.round(seconds * player.rate) / player.rate);
+    };
+    element.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0) return;
+      element.setPointerCapture(event.pointerId);
+      this.#isDown = true;
+      pointed(undefined, event);
+      player.seek(timeOf(event));
+    });
+    element.addEventListener('pointermove', (event) => {
+      if (this.#isDown) player.seek(timeOf(event));
+      else if (event.pointerType !== 'touch') pointed(event.offsetX < axis().left ? undefined : timeOf(event), event);
+    });
+    for (const end of /** @type {const} */ (['pointerup', 'pointercancel'])) element.addEventListener(end, () => { this.#isDown = false; });
+    element.addEventListener('dblclick', () => Span.of(player).fit());
+    zoomByWheel(element, Span.of(player), axis);
+    element.addEventListener('pointerleave', (event) => pointed(undefined, event));
+  }
+}

@@ -1,0 +1,147 @@
+import { icon } from './icons.js';
+import { parseMoment } from './moment.js';
+import { make } from './surface.js';
+
+/** @import { Player } from '../player.js' */
+/** @import { State } from '../state.js' */
+/** @import { Icon } from './icons.js' */
+
+const SPEEDS = ['0.1', '2', '0.05']; // least, most, step
+
+/** Buttons and fields of playback. */
+export class Transport {
+  #shownTime = '';
+  #shownFrame = '';
+  #shownLast = '';
+
+  /**
+   * @param {HTMLElement} element
+   * @param {Player} player
+   * @param {State} state
+   */
+  constructor(element, player, state) {
+    this.player = player;
+    this.state = state;
+    element.classList.add('transport');
+
+    const buttons = make('div', 'transport-group transport-buttons');
+    this.play = this.#button('play', 'Play', 'space', () => player.toggle());
+    this.play.classList.add('transport-play');
+    buttons.append(
+      this.#button('first', 'First frame', 'Home', () => player.seek(0)),
+      this.#button('back', 'One frame back', 'left arrow', () => player.step(-1)),
+      this.play,
+      this.#button('ahead', 'One frame ahead', 'right arrow', () => player.step(1)),
+      this.#button('last', 'Last frame', 'End', () => player.seek(player.duration)),
+    );
+
+    this.time = this.#field('Time', 'transport-time', (text) => parseMoment(text, player.rate));
+    this.frame = this.#field('Frame', 'transport-frame', (text) => (/^\s*\d+\s*$/.test(text) ? Number(text) / player.rate : undefined));
+    this.last = make('span', 'transport-last');
+    const moment = make('div', 'transport-group');
+    moment.append(this.time, make('span', 'transport-unit', 's'), make('span', 'transport-word', 'frame'), this.frame, this.last);
+
+    this.range = make('div', 'transport-group transport-range');
+    this.rangeText = make('span', 'transport-range-text');
+    this.range.append(make('span', 'transport-word', 'repeat'), this.rangeText,
+      this.#button('clear', 'Repeat all', '', () => state.set({ from: 0, to: 0 })));
+
+    this.slider = this.#slider();
+    this.normal = this.#button('play', 'Normal speed', '', () => state.set({ speed: 1 }));
+    this.normal.classList.add('transport-normal');
+    const speed = make('div', 'transport-group transport-speed');
+    speed.append(make('span', 'transport-word', 'speed'), this.slider, this.normal);
+    element.append(buttons, moment, this.range, speed);
+    state.on((changed) => {
+      if (['playing', 'speed', 'from', 'to'].some((key) => changed.has(/** @type {any} */ (key)))) this.#update();
+    });
+    this.#update();
+    this.at(player.time);
+  }
+
+  /** @param {number} time */
+  at(time) {
+    const { rate, duration } = this.player;
+    const last = `/ ${Math.round(duration * rate)}`;
+    if (last !== this.#shownLast) {
+      this.last.textContent = this.#shownLast = last;
+      this.#update(); // the range ends with the motion
+    }
+    const text = time.toFixed(2), frame = String(Math.round(time * rate));
+    if (text !== this.#shownTime && document.activeElement !== this.time) this.time.value = this.#shownTime = text;
+    if (frame !== this.#shownFrame && document.activeElement !== this.frame) this.frame.value = this.#shownFrame = frame;
+  }
+
+  #update() {
+    const { playing, speed, from, to } = this.state.values;
+    const name = playing ? 'Pause' : 'Play';
+    this.play.replaceChildren(icon(playing ? 'pause' : 'play'));
+    this.play.setAttribute('aria-label', name);
+    this.play.title = `${name} (space)`;
+    this.slider.value = String(speed);
+    this.slider.setAttribute('aria-valuetext', `${speed.toFixed(2)} times`);
+    this.normal.textContent = `${speed.toFixed(2)}×`;
+    this.normal.setAttribute('aria-label', `${speed.toFixed(2)}×, set normal speed`);
+    this.normal.title = 'Set normal speed';
+    this.normal.disabled = speed === 1;
+    const [start, end] = this.player.range;
+    this.range.hidden = !from && !to;
+    this.rangeText.textContent = `${start.toFixed(2)} to ${end.toFixed(2)} s`;
+  }
+
+  /**
+   * @param {Icon} shape
+   * @param {string} name
+   * @param {string} key that does the same
+   * @param {() => void} act
+   */
+  #button(shape, name, key, act) {
+    const button = make('button', 'transport-button');
+    button.type = 'button';
+    button.append(icon(shape));
+    button.setAttribute('aria-label', name);
+    button.title = key ? `${name} (${key})` : name;
+    button.addEventListener('click', act);
+    return button;
+  }
+
+  /**
+   * Returns a field that seeks. Text that is not understood is put back.
+   *
+   * @param {string} name
+   * @param {string} className
+   * @param {(text: string) => number | undefined} read returns seconds
+   */
+  #field(name, className, read) {
+    const field = make('input', `transport-field ${className}`);
+    field.type = 'text';
+    field.inputMode = 'decimal';
+    field.autocomplete = 'off';
+    field.setAttribute('aria-label', name);
+    field.addEventListener('focus', () => field.select());
+    const leave = () => {
+      this.#shownTime = this.#shownFrame = '';
+      this.at(this.player.time);
+    };
+    field.addEventListener('change', () => {
+      const time = read(field.value);
+      if (time !== undefined) this.player.seek(time);
+    });
+    field.addEventListener('blur', leave);
+    field.addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') field.value = field.defaultValue;
+      if (event.key === 'Escape' || event.key === 'Enter') field.blur();
+    });
+    return field;
+  }
+
+  #slider() {
+    const slider = make('input', 'transport-slider');
+    slider.type = 'range';
+    [slider.min, slider.max, slider.step] = SPEEDS;
+    slider.setAttribute('aria-label', 'Speed');
+    slider.title = 'Speed';
+    slider.addEventListener('input', () => this.state.set({ speed: Number(slider.value) }));
+    return slider;
+  }
+}

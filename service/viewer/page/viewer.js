@@ -1,0 +1,162 @@
+import { contactsOf, differencesOf, mismatchesOf } from './facts.js';
+import { Readout } from './readout.js';
+import { Show } from './show.js';
+import { Stage } from './scene/stage.js';
+import { View } from './scene/view.js';
+import { Curves } from './timeline/curves.js';
+import { Grid } from './timeline/grid.js';
+import { Timeline } from './timeline/timeline.js';
+import { Transport } from './timeline/transport.js';
+
+/** @import { Player } from './player.js' */
+/** @import { ViewName } from './scene/view.js' */
+/** @import { Side, Sides } from './sides.js' */
+/** @import { Key, State } from './state.js' */
+
+const DRAWN = 250; // ms after which the address follows the state
+/** Values that change what the service is asked for. @type {Key[]} */
+const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'own', 'once', 'length', 'show', 'truth', 'against'];
+
+/** The middle of the page: the stage and what lies below it. It shows what the state says. */
+export class Viewer {
+  /** @type {Side[]} */
+  #sides = [];
+  #asked = 0; // number of the newest request
+  #answered = 0; // of the newest request that was answered
+  #before = 0;
+  #isStale = true; // whether the picture is to be drawn again
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #address;
+
+  /**
+   * @param {State} state
+   * @param {Player} player
+   * @param {Sides} sides
+   * @param {(error: unknown) => void} onError
+   * @param {(joints: string[]) => void} onJoints
+   */
+  constructor(state, player, sides, onError, onJoints) {
+    this.state = state;
+    this.player = player;
+    this.sides = sides;
+    this.onError = onError;
+    this.onJoints = onJoints;
+    const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+    this.stage = new Stage(/** @type {HTMLCanvasElement} */ (element('stage')));
+    this.view = new View(this.stage);
+    this.show = new Show(this.stage, this.view, sides);
+    this.readout = new Readout(element('readout'));
+    this.transport = new Transport(element('transport'), player, state);
+    this.timeline = new Timeline(element('timeline'), player);
+    this.curves = new Curves(element('curves'), player);
+    this.grid = new Grid(element('grid'), player);
+    this.#look(new Set(['view', 'follow']));
+    if (state.values.camera) this.view.text = state.values.camera;
+    this.view.onchange = () => { this.#isStale = true; };
+    this.view.onend = () => state.set({ camera: this.view.text });
+    const dark = matchMedia('(prefers-color-scheme: dark)');
+    const theme = () => { this.stage.theme(dark.matches); this.#isStale = true; };
+    dark.addEventListener('change', theme);
+    theme();
+    state.on((changed) => this.#changed(changed));
+    requestAnimationFrame((now) => this.#picture(now));
+  }
+
+  /** The sides that are shown. */
+  get shown() {
+    return this.#sides;
+  }
+
+  /** Whether the picture shows what the state says. */
+  get isSettled() {
+    return this.#answered === this.#asked && !this.#isStale;
+  }
+
+  /** Asks for what the state says, and shows it. */
+  async refresh() {
+    const number = ++this.#asked;
+    try {
+      const found = await this.sides.of(this.state.values);
+      if (number === this.#asked) this.#take(found);
+      const mismatches = await this.#mismatches();
+      if (mismatches && number === this.#asked) this.#describe(mismatches);
+    } catch (error) {
+      if (number === this.#asked) this.onError(error);
+    } finally {
+      if (number === this.#asked) this.#answered = number;
+    }
+  }
+
+  /** @param {Side[]} sides */
+  #take(sides) {
+    this.#sides = sides;
+    const [first] = sides;
+    const { state, player } = this;
+    player.rate = first?.motion.rate ?? 60;
+    player.duration = first?.motion.duration ?? 0;
+    this.show.sides(sides, state.values);
+    this.readout.sides(sides);
+    this.onJoints(first?.motion.rig.joints ?? []);
+    this.curves.show(sides, state.values.joint);
+    this.#describe(undefined);
+    this.#isStale = true;
+  }
+
+  /** @param {Float32Array | undefined} mismatches */
+  #describe(mismatches) {
+    const { values } = this.state;
+    const clip = this.sides.catalogue.clips.get(values.locomotion);
+    const side = this.#sides.find(({ name }) => name === 'splice') ?? this.#sides[0];
+    if (!side || !clip) return;
+    const other = this.#sides.find(({ name }) => name === values.against && name !== side.name);
+    const hasAction = side.actionTimes.some((time) => !Number.isNaN(time));
+    this.timeline.show({
+      duration: side.motion.duration, rate: side.motion.rate, phases: side.phases, events: side.events, contacts: contactsOf(side, clip, values),
+      actionTimes: hasAction ? side.actionTimes : undefined, actionDuration: this.sides.catalogue.clips.get(values.action)?.duration,
+      mismatches, differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
+    });
+  }
+
+  /** Computes how well the legs fit at each frame, and fills the grid, if the splice is shown. */
+  async #mismatches() {
+    const { values } = this.state;
+    const splice = this.#sides.find(({ name }) => name === 'splice');
+    if (!splice) return undefined;
+    const [locomotion, action] = await Promise.all([this.sides.side('locomotion', values), this.sides.side('action', values)]);
+    if (!locomotion || !action) return undefined;
+    this.grid.show(locomotion, action, splice.actionTimes);
+    return mismatchesOf(locomotion, action, splice.actionTimes);
+  }
+
+  /** @param {Set<Key>} changed */
+  #changed(changed) {
+    this.#isStale = true;
+    this.#look(changed);
+    if (ASKED.some((key) => changed.has(key))) void this.refresh();
+    if (changed.has('joint')) this.curves.show(this.#sides, this.state.values.joint);
+    clearTimeout(this.#address);
+    this.#address = setTimeout(() => history.replaceState(null, '', `?${this.state.query}`), DRAWN);
+  }
+
+  /** @param {Set<Key>} changed */
+  #look(changed) {
+    const { view, follow } = this.state.values;
+    if (changed.has('view') && ['free', 'front', 'side', 'top'].includes(view)) this.view.set(/** @type {ViewName} */ (view));
+    if (changed.has('follow')) this.view.follow(follow);
+  }
+
+  /** @param {number} now milliseconds */
+  #picture(now) {
+    requestAnimationFrame((next) => this.#picture(next));
+    const passed = Math.min(0.1, (now - this.#before) / 1000); // a page that was hidden goes on where it was
+    this.#before = now;
+    const { state, player } = this;
+    if (!state.values.playing && !this.#isStale) return;
+    this.#isStale = false;
+    const time = player.advance(passed);
+    const apart = this.show.at(time, state.values);
+    this.stage.draw();
+    for (const part of [this.transport, this.timeline, this.curves, this.grid]) part.at(time);
+    this.readout.at(apart);
+  }
+}

@@ -23,8 +23,8 @@ export class Body {
   #mesh;
   /** Drawn before a body that is seen through, so that its own far side is hidden. @type {SkinnedMesh | undefined} */
   #mask;
-  /** @type {Style} */
-  #style = 'mannequin';
+  /** @type {Style | undefined} */
+  #style;
   #colour;
   #isCompared = false;
 
@@ -56,10 +56,11 @@ export class Body {
   }
 
   get style() {
-    return this.#style;
+    return this.#style ?? 'mannequin';
   }
 
   set style(style) {
+    if (style === this.#style) return;
     this.#style = style;
     const { shape, attributes } = formsOf(this.#rig)[style];
     const geometry = new BufferGeometry();
@@ -110,7 +111,7 @@ export class Body {
   /** @param {Float32Array | undefined} values */
   #paint(values) {
     this.#isCompared = values !== undefined;
-    const { colourJoints, colourShares, shades } = formsOf(this.#rig)[this.#style].shape;
+    const { colourJoints, colourShares, shades } = formsOf(this.#rig)[this.style].shape;
     const attribute = /** @type {BufferAttribute} */ (this.#mesh.geometry.getAttribute('color'));
     const out = /** @type {Float32Array} */ (attribute.array);
     const { r, g, b } = this.#colour;

@@ -98,6 +98,8 @@ export class Show {
     for (const one of this.#shown) this.#pose(one, momentOf(one.side, leading.side, time));
     this.#shown.forEach((one, index) => this.#place(one, leading, index, values));
     const place = leading.path.at(leading.moment);
+    this.stage.floor = leading.traces.floor;
+    this.view.wide(values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART);
     this.view.at(place, place.heading);
     return this.#compare(values);
   }

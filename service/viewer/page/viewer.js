@@ -114,6 +114,7 @@ export class Viewer {
       duration: side.motion.duration, rate: side.motion.rate, phases: side.phases, events: side.events, contacts: contactsOf(side, clip, values),
       actionTimes: hasAction ? side.actionTimes : undefined, actionDuration: this.sides.catalogue.clips.get(values.action)?.duration,
       mismatches, differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
+      names: { action: values.action, difference: other && `To ${other.label.toLowerCase()}` },
     });
   }
 

@@ -149,7 +149,7 @@ export class Viewer {
   /** @param {number} now milliseconds */
   #picture(now) {
     requestAnimationFrame((next) => this.#picture(next));
-    const passed = Math.min(0.1, (now - this.#before) / 1000); // a page that was hidden goes on where it was
+    const passed = Math.min(0.25, (now - this.#before) / 1000); // a page that was hidden goes on where it was
     this.#before = now;
     const { state, player } = this;
     if (!state.values.playing && !this.#isStale) return;

@@ -11,7 +11,7 @@ const MOUSE = [
   ['Right click on a clip', 'Mix in, compare as truth'],
 ];
 
-/** The dialog that lists all keys, from the table that also runs them. */
+/** The dialog that lists all keys. It uses the same table as the key handler. */
 export class Help {
   /** @param {HTMLDialogElement} dialog */
   constructor(dialog) {

@@ -14,9 +14,9 @@ import { toggleSide, SIDE_NAMES } from './compared.js';
 /**
  * @typedef {object} Binding
  * @property {string} group
- * @property {string[]} keys as `KeyboardEvent.key` names them, with `Shift+` before names that are longer than one letter
+ * @property {string[]} keys as `KeyboardEvent.key` names them, with `Shift+` before names longer than one character
  * @property {string} does
- * @property {(parts: Parts, key: string) => void} [run] without it, the key belongs to a part of the page and is only listed
+ * @property {(parts: Parts, key: string) => void} [run] without it, the page handles the key elsewhere, and the table only lists it
  */
 
 const VIEWS = ['free', 'front', 'side', 'top'];
@@ -52,9 +52,9 @@ export const BINDINGS = [
   { group: 'Export', keys: ['?'], does: 'These keys', run: ({ help }) => help.toggle() },
 ];
 
-/** Runs what the table says, unless the key belongs to the element that has the focus. */
+/** Runs the bindings, except for keys that the focused element uses itself. */
 export class Keys {
-  #byPointer = false; // how the focus came to where it is
+  #byPointer = false; // whether the focus was last set by a click
 
   /** @param {Parts} parts */
   constructor(parts) {
@@ -89,8 +89,8 @@ function nameOf({ key, code, shiftKey }) {
 }
 
 /**
- * Whether an element uses a key itself. A button that was clicked leaves the space bar to the player, as in other tools
- * with a timeline; a button that was reached by Tab does not.
+ * Returns whether an element uses a key itself. After a click on a button the space bar still plays and pauses, as in other tools
+ * with a timeline. After Tab it presses the button.
  *
  * @param {Element} target
  * @param {string} key
@@ -107,7 +107,7 @@ function ownsKey(target, key, byPointer) {
 }
 
 /**
- * Plays in a direction; doubles the speed if it does so already.
+ * Plays in a direction. Doubles the speed if it already plays in that direction.
  *
  * @param {Parts} parts
  * @param {1 | -1} direction

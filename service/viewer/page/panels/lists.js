@@ -5,7 +5,7 @@ import { RowMenu } from './row_menu.js';
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { State } from '../state.js' */
 
-/** The left column: a search over lists of locomotions, actions and hands, and what is known of the last choice. */
+/** The left column: a search field, the lists of locomotions, actions and hands, and details of the clip chosen last. */
 export class Lists {
   /**
    * @param {HTMLElement} element
@@ -69,8 +69,8 @@ export class Lists {
   }
 
   /**
-   * Offers the clips of a list's kind, and its choice: any clip can be the locomotion or the action, so a bank without actions
-   * offers all.
+   * Offers the clips of a list's kind. Any clip can be the locomotion or the action, so a list also offers its current choice, and
+   * all clips if the bank has none of its kind.
    *
    * @param {Listing} list
    */
@@ -125,7 +125,7 @@ export class Lists {
     event.preventDefault();
   }
 
-  /** The list used last if the search finds something there, or else the first where it does. */
+  /** The list used last if the search finds a clip in it, else the first list with a match. */
   get #found() {
     return [this.current, ...this.all].find((one) => !one.element.hidden && one.first);
   }

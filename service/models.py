@@ -11,6 +11,7 @@ from motionsplice.motion.axes import AXES, Axes
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import FEET, Contact
 from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.service.report import ReportFile
 from motionsplice.service.settings import Settings
 from motionsplice.service.wire.encoding import INT16_ERROR, NUMBERS, PARTS
 from motionsplice.service.wire.messages import PROTOCOL
@@ -53,6 +54,7 @@ class ServerInfo(BaseModel):
     int16_error: float = Field(description="largest error of a rotation in int16, degrees")
     parts: list[str]
     uploads: bool = Field(description="whether clips can be uploaded")
+    report: bool = Field(description="whether there is a report of quality")
     limits: dict[str, int | float]
 
     @classmethod
@@ -67,6 +69,7 @@ class ServerInfo(BaseModel):
             int16_error=INT16_ERROR,
             parts=list(PARTS),
             uploads=settings.clips is not None and settings.token is not None,
+            report=ReportFile(settings.report).exists,
             limits={name: getattr(settings, name) for name in LIMITS},
         )
 

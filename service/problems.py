@@ -49,6 +49,10 @@ class UnknownBankError(MotionError):
     """A bank or table that is not served, or not any more."""
 
 
+class ReportError(MotionError):
+    """A report that the service does not have, or that is not valid."""
+
+
 class TokenError(MotionError):
     """A missing or wrong token."""
 
@@ -63,6 +67,7 @@ PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
     UploadError: (403, "uploads"),
     UnknownClipError: (404, "unknown-clip"),
     UnknownBankError: (404, "unknown-bank"),
+    ReportError: (404, "report"),
     TooSlowError: (408, "timeout"),
     TooLargeError: (413, "too-large"),
     MediaTypeError: (415, "media-type"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from typing import Annotated, Any
 
@@ -15,6 +16,7 @@ from motionsplice.motion.axes import AXES, AxesName
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
 from motionsplice.service.problems import MEDIA_TYPE, NotReadyError, RequestError, UnknownBankError
+from motionsplice.service.report import QualityReport, ReportFile
 from motionsplice.service.shared import Shared
 
 Responses = dict[int | str, dict[str, Any]]
@@ -89,6 +91,21 @@ def bank_routes(shared: Shared) -> APIRouter:
     async def get_clip(name: Annotated[str, Path(description="A clip name, as in the list of all clips")]) -> ClipInfo:
         """One entry of the list of all clips."""
         return ClipInfo.of(serving.bank, serving.bank.clip(name))
+
+    report = ReportFile(shared.settings.report)
+
+    @router.get(
+        "/report",
+        summary="How good its splices are",
+        response_class=Response,
+        responses={
+            200: {"description": "The report", "model": QualityReport},
+            **problem_response(404, "This service has no report"),
+        },
+    )
+    async def get_report() -> Response:
+        """What `bench.quality` measured, pair by pair. Compare its `bank` with the one that is served."""
+        return Response(await asyncio.to_thread(report.read), media_type="application/json")
 
     @router.get(
         "/manifest",

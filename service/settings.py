@@ -26,6 +26,7 @@ class Settings(BaseSettings):
     workers: int = Field(default=1, ge=1, le=256, description="Processes that share the port and the mapped bank")
     watch: bool = Field(default=False, description="Serve a new bank when one is written in place of the old")
     clips: Path | None = Field(default=None, description="Folder for uploaded clips; without it, uploads are refused")
+    report: Path | None = Field(default=None, description="scores.json of `bench.quality`, which /view/report shows")
     token: SecretStr | None = Field(
         default=None,
         min_length=8,

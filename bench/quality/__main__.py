@@ -1,7 +1,9 @@
-"""Measures how close splices are to the true motion: `python -m bench.quality [CLIPS] [--out FOLDER]`.
+"""Measures how close splices are to the true motion: `python -m bench.quality [CLIPS | --bank BANK] [--out FOLDER]`.
 
 With CLIPS, judges the pairs of a CSV file. Without, judges the built-in motions: all actions on all locomotions, and
-the examples of Heck's thesis (4.4). Prints tables. With --out, also writes scores.json and the report index.html.
+the examples of Heck's thesis (4.4). With --bank, judges a bank as it is: the pairs of a CSV file; without it, as the
+built-in motions if the bank has them, or else all actions on all locomotions, whose truth is unknown. Prints tables.
+With --out, also writes scores.json, which `motionsplice serve BANK --report` shows, and the report index.html.
 `bench/quality/scores.py` explains each number.
 """
 
@@ -10,7 +12,6 @@ from __future__ import annotations
 import json
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -19,13 +20,16 @@ from rich.console import Console
 from rich.table import Table
 
 from bench.clips import bank_of
-from bench.quality.judge import STRIP_RATE, claim_values, errors_over_time, judge
-from bench.quality.pair_list import EXAMPLES, PAIRS, grid_pairs, read_pairs
+from bench.quality.document import document
+from bench.quality.judge import STRIP_RATE, Judged, claim_values, errors_over_time, judge
+from bench.quality.pair_list import EXAMPLES, PAIRS, grid_pairs, has_built_in_clips, pairs_of_bank, read_pairs
 from bench.quality.report import Cell, claim_row, clip_table, means_table, pair_table, picture, write_report
 from bench.quality.scores import Form, score_clip
 from bench.quality.targets import BUILT_IN, OURS, REAL, targets
 from motionsplice.cli import run
 from motionsplice.commands.motion import Posture
+from motionsplice.motion.errors import SettingsError
+from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 
 FORMS = (Form("naive"), Form("exact"), Form("splice"))
@@ -37,6 +41,9 @@ console = Console(width=250)
 
 def main(
     clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
+    bank_folder: Annotated[
+        Path | None, typer.Option("--bank", help="A bank to judge as it is, in place of clips")
+    ] = None,
     pairs: Annotated[
         Path | None,
         typer.Option(
@@ -54,12 +61,16 @@ def main(
 ) -> None:
     """Prints how close splices are to the truth."""
     forms = [*FORMS, *(Form("splice", form.value) for form in posture or [])]
-    kind, bounds = ("real", REAL) if clips else ("built-in", BUILT_IN)
+    if bank_folder and (clips or baseline):
+        raise SettingsError("--bank was given with CLIPS or --baseline", mend="A bank is judged as it is")
     with tempfile.TemporaryDirectory() as folder:
-        bank = bank_of(clips, baseline, Path(folder))
+        bank = Bank.open(bank_folder) if bank_folder else bank_of(clips, baseline, Path(folder))
         evaluator = Evaluator(bank)
-        grid = [] if clips else [judge(evaluator, pair, forms) for pair in grid_pairs()]
-        listed = [judge(evaluator, pair, forms) for pair in read_pairs(pairs or (PAIRS if clips else EXAMPLES))]
+        is_built_in = clips is None and has_built_in_clips(bank)
+        kind, bounds = ("built-in", BUILT_IN) if is_built_in else ("real", REAL)
+        file = pairs or (PAIRS if clips else EXAMPLES if is_built_in else None)
+        grid = [judge(evaluator, pair, forms) for pair in (grid_pairs() if is_built_in else ())]
+        listed = [judge(evaluator, pair, forms) for pair in (read_pairs(file) if file else pairs_of_bank(bank))]
         scores = [one.score for one in grid or listed]
         clip_scores = [score_clip(bank, clip.name) for clip in bank.clips]
         judged_targets = targets(scores, clip_scores, bounds)
@@ -81,16 +92,10 @@ def main(
         show("Targets", ["measure", "measured", "target"], rows)
         if out is None:
             return
-        worst = sorted(grid, key=lambda one: one.score.of(OURS).ratio or 0.0)[: -WORST_DRAWN - 1 : -1]
-        drawn = [*listed, *worst]
-        document = {
-            "pairs": [asdict(one.score) for one in (*grid, *listed)],
-            "clips": [asdict(one) for one in clip_scores],
-        }
+        drawn = [*(listed if file else ()), *sorted(grid if file else listed, key=_badness)[: -WORST_DRAWN - 1 : -1]]
+        numbers = document(bank, (*grid, *listed), clip_scores, judged_targets)
         out.mkdir(parents=True, exist_ok=True)
-        (out / "scores.json").write_text(
-            json.dumps(document | {"targets": [asdict(one) for one in judged_targets]}, indent=1)
-        )
+        (out / "scores.json").write_text(json.dumps(numbers), encoding="utf-8")
         write_report(
             out / "index.html",
             title=f"Splices of {kind} motion compared with the truth",
@@ -110,6 +115,15 @@ def main(
             means=means,
         )
         console.print(f"Report: {out / 'index.html'}")
+        if bank_folder:
+            console.print(
+                f"In the viewer: motionsplice serve {bank_folder} --report {out / 'scores.json'}", soft_wrap=True
+            )
+
+
+def _badness(one: Judged) -> tuple[float, float]:
+    score = one.score.of(OURS)
+    return score.ratio or 0.0, score.mismatch or 0.0
 
 
 def show(title: str, columns: Sequence[str], rows: Sequence[Sequence[Cell]]) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from bench.quality.claims import CLAIMS, Performance
-from bench.quality.measures import upper_body_errors
+from bench.quality.measures import mismatch, upper_body_errors
 from bench.quality.pair_list import Pair, truth_of
 from bench.quality.scores import Form, PairScore, Spliced, score_pair, splice_pair
 from motionsplice.motion.clip import Clip
@@ -58,3 +60,16 @@ def errors_over_time(bank: Bank, judged: Judged) -> dict[str, Floats]:
     truth = judged.truth.resampled(STRIP_RATE)
     clips = {one.form.label: one.clip.resampled(STRIP_RATE) for one in judged.splices}
     return {label: 100.0 * upper_body_errors(clip, truth, bank.roles).mean(axis=1) for label, clip in clips.items()}
+
+
+def legs_over_time(bank: Bank, judged: Judged) -> dict[str, Floats]:
+    """Returns the distance of the legs at aligned frames [F] in cm, at STRIP_RATE, for each splice that has these."""
+    pair, values = judged.pair, {}
+    locomotion = bank.motion(pair.locomotion)
+    for one in judged.splices:
+        if one.action_frames is not None:
+            action = bank.motion(pair.action, seam=one.form.how == "splice")
+            apart = 100.0 * mismatch(locomotion, action, one.action_frames, bank.roles)
+            moments = np.arange(int(one.clip.duration * STRIP_RATE + 1e-6) + 1) / STRIP_RATE
+            values[one.form.label] = np.interp(moments * locomotion.rate, np.arange(len(apart)), apart)
+    return values

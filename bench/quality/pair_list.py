@@ -16,6 +16,7 @@ from motionsplice.precompute.body.rig import Rig
 from motionsplice.runtime.bank import Bank
 
 PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))
+MOST_PAIRS = 400  # of a bank that are judged without a list; each takes about a second
 COLUMNS = ("locomotion", "action", "truth", "example", "claim")
 
 
@@ -62,6 +63,23 @@ def read_pairs(file: Path) -> list[Pair]:
 def grid_pairs() -> list[Pair]:
     """Returns every built-in action on every built-in locomotion, each with its generated truth."""
     return [Pair(locomotion, action, f"{locomotion}+{action}") for locomotion in LOCOMOTIONS for action in ACTIONS]
+
+
+def pairs_of_bank(bank: Bank) -> list[Pair]:
+    """Returns every action of a bank on every locomotion, with no truth. Raises SettingsError if there are too many."""
+    names: dict[str, list[str]] = {"locomotion": [], "action": []}
+    for clip in bank.clips:
+        names[clip.kind].append(clip.name)
+    pairs = [Pair(locomotion, action) for locomotion in names["locomotion"] for action in names["action"]]
+    if not 0 < len(pairs) <= MOST_PAIRS:
+        problem = f"the bank has {len(pairs)} pairs of a locomotion and an action, expected 1 to {MOST_PAIRS}"
+        raise SettingsError(problem, mend="Choose some in a CSV file, with --pairs")
+    return pairs
+
+
+def has_built_in_clips(bank: Bank) -> bool:
+    """Returns whether a bank has all built-in locomotions and actions, by name."""
+    return {*LOCOMOTIONS, *ACTIONS} <= {clip.name for clip in bank.clips}
 
 
 def truth_of(pair: Pair, bank: Bank) -> Clip | None:

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 
 TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}  # Starlette adds UTF-8
 METHODS = ["GET", "HEAD"]
-INDEX = "index.html"
+PAGES = {"": "index.html", "report": "report.html"}  # by the path below /view/
 HEADERS = {
     # nothing from other hosts, no inline scripts; blobs are pictures, recordings and textures that the page makes
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
@@ -65,7 +65,7 @@ def viewer_routes() -> APIRouter:
 
     @router.api_route("/view/{path:path}", methods=METHODS)
     async def get_page(path: str, request: Request) -> Response:
-        file = page_files().get(path or INDEX)
+        file = page_files().get(PAGES.get(path, path))
         if file is None:
             raise HTTPException(404, "the page has no such file")
         headers = {**HEADERS, "etag": file.etag}

@@ -23,6 +23,7 @@
  * @property {string} version
  * @property {string} bank digest
  * @property {boolean} uploads
+ * @property {boolean} report
  * @property {Record<string, number>} limits
  */
 

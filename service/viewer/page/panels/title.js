@@ -1,3 +1,5 @@
+import { byId } from './dom.js';
+
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { State } from '../state.js' */
 
@@ -19,6 +21,7 @@ export class Title {
   reload({ clips, baseline, server }) {
     this.element.textContent = `${clips.size} clips, baseline ${baseline}`;
     this.element.title = `Bank ${server.bank}\nmotionsplice ${server.version}`;
+    byId('show-report').hidden = !server.report;
     this.#name();
   }
 

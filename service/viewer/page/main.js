@@ -1,3 +1,4 @@
+import { Adding } from './adding/panel.js';
 import { Catalogue } from './catalogue.js';
 import { Columns } from './panels/columns.js';
 import { Connection } from './panels/connection.js';
@@ -53,6 +54,10 @@ const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joi
 const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help });
 const connection = new Connection(element('banner'), service, catalogue, reload);
+const adding = new Adding(
+  { element: element('adding'), column: element('lists-column'), dialog: /** @type {HTMLDialogElement} */ (element('adding-dialog')) },
+  service, catalogue, { reload: () => connection.look(), play },
+);
 void viewer.refresh();
 
 export { player, sides, state, viewer };
@@ -60,8 +65,19 @@ export { player, sides, state, viewer };
 /** @param {Catalogue} found */
 function reload(found) {
   sides.reload(found);
-  for (const part of [lists, controls, title]) part.reload(found);
+  for (const part of [lists, controls, title, adding]) part.reload(found);
   void viewer.refresh();
+}
+
+/**
+ * Plays a clip that was just added.
+ *
+ * @param {'locomotion' | 'action'} kind
+ * @param {string} name
+ */
+function play(kind, name) {
+  player.seek(0);
+  state.set({ [kind]: name, playing: true, from: 0, to: 0 });
 }
 
 /** @param {unknown} error */

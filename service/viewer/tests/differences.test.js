@@ -39,7 +39,7 @@ test('a heading is the turn about Y', () => {
 test('the upper body has no legs and no hips', () => {
   const names = upperBody(rig).map((joint) => rig.joints[joint]);
   assert.ok(!names.some((name) => /Hips|Leg|Foot|Toe/.test(name)));
-  assert.equal(names.length, 10);
+  assert.equal(names.length, 9);
 });
 
 test('colours darken all the way', () => {

@@ -27,8 +27,8 @@ export class Connection {
     this.service = service;
     this.bank = catalogue.server.bank;
     this.onReload = onReload;
-    addEventListener('online', () => this.#look());
-    document.addEventListener('visibilitychange', () => document.hidden || this.#look());
+    addEventListener('online', () => this.look());
+    document.addEventListener('visibilitychange', () => document.hidden || this.look());
     this.#wait(BETWEEN);
   }
 
@@ -38,7 +38,7 @@ export class Connection {
    * @param {unknown} error
    */
   notice(error) {
-    if (error instanceof RefusedError && error.type === 'unknown-bank') this.#look();
+    if (error instanceof RefusedError && error.type === 'unknown-bank') this.look();
     if (!(error instanceof ConnectionLostError)) return false;
     if (!this.#isGone) this.#lose();
     return true;
@@ -48,17 +48,21 @@ export class Connection {
     this.#isGone = true;
     this.#tries = 0;
     this.#wait(PAUSES[0]);
-    this.#show('gone', 'The service does not answer. What was loaded still plays.', button('Try now', () => this.#look()));
+    this.#show('gone', 'The service does not answer. What was loaded still plays.', button('Try now', () => this.look()));
   }
 
   /** @param {number} pause */
   #wait(pause) {
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => this.#look(), pause);
+    this.#timer = setTimeout(() => this.look(), pause);
   }
 
-  /** @returns {Promise<void>} */
-  async #look() {
+  /**
+   * Looks at once whether the service is there, and which bank it has.
+   *
+   * @returns {Promise<void>}
+   */
+  async look() {
     clearTimeout(this.#timer);
     if (document.hidden && !this.#isGone) return this.#wait(BETWEEN);
     try {
@@ -68,7 +72,7 @@ export class Connection {
     } catch (error) {
       if (error instanceof RefusedError && error.type === 'token') {
         await askForToken(this.service);
-        return this.#look();
+        return this.look();
       }
       if (this.#isGone) this.#wait(PAUSES[Math.min(++this.#tries, PAUSES.length - 1)]);
       else if (!this.notice(error)) this.#wait(BETWEEN);

@@ -46,17 +46,17 @@ const of = (name, key) => (pair) => /** @type {number | null | undefined} */ (pa
 
 /** @type {Column[]} */
 export const COLUMNS = [
-  { key: 'naive', label: 'Naive cm', digits: 1, help: 'Mean error of plain replacement: how far its upper body is from the truth', value: of('naive', 'error') },
-  { key: 'splice', label: 'Splice cm', digits: 1, help: "Mean error of the bank's splice", value: of('splice', 'error') },
-  { key: 'high', label: 'p95 cm', digits: 1, help: "95th percentile of the splice's error", value: of('splice', 'worst_error') },
+  { key: 'worst', label: 'Worst\ncm', digits: 1, help: 'Value at the worst moment', value: (pair) => pair.worst.value },
+  { key: 'naive', label: 'Naive\ncm', digits: 1, help: 'Mean error of plain replacement: how far its upper body is from the truth', value: of('naive', 'error') },
+  { key: 'splice', label: 'Splice\ncm', digits: 1, help: "Mean error of the bank's splice", value: of('splice', 'error') },
+  { key: 'high', label: 'p95\ncm', digits: 1, help: "95th percentile of the splice's error", value: of('splice', 'worst_error') },
   { key: 'ratio', label: 'Ratio', digits: 2, bounds: [0.45, 0.7], help: "The splice's error divided by plain replacement's", value: of('splice', 'ratio') },
-  { key: 'floor', label: 'Floor cm', digits: 1, help: 'How much the truth differs from itself one stride later', value: (pair) => pair.floor },
-  { key: 'oracle', label: 'Oracle cm', digits: 1, help: 'Error of a splice that knows the truth and picks the best frames', value: (pair) => pair.oracle },
-  { key: 'lag', label: 'Lag °', digits: 0, bounds: [15, 30], help: "Timing of the arms from the truth's (or the locomotion's), in degrees of a stride", value: of('splice', 'lag') },
-  { key: 'legs', label: 'Legs cm', digits: 1, help: 'Distance of the legs at aligned frames', value: of('splice', 'mismatch') },
-  { key: 'posture', label: 'Posture °', digits: 1, bounds: [1.5, 3], help: 'Angle from the posture that the form promises', value: of('splice', 'posture') },
+  { key: 'floor', label: 'Floor\ncm', digits: 1, help: 'How much the truth differs from itself one stride later', value: (pair) => pair.floor },
+  { key: 'oracle', label: 'Oracle\ncm', digits: 1, help: 'Error of a splice that knows the truth and picks the best frames', value: (pair) => pair.oracle },
+  { key: 'lag', label: 'Lag\n°', digits: 0, bounds: [15, 30], help: "Timing of the arms from the truth's (or the locomotion's), in degrees of a stride", value: of('splice', 'lag') },
+  { key: 'legs', label: 'Legs\ncm', digits: 1, help: 'Distance of the legs at aligned frames', value: of('splice', 'mismatch') },
+  { key: 'posture', label: 'Posture\n°', digits: 1, bounds: [1.5, 3], help: 'Angle from the posture that the form promises', value: of('splice', 'posture') },
   { key: 'jitter', label: 'Jitter', digits: 2, bounds: [1.1, 1.5], help: "Jerk of the neck divided by the larger source's", value: of('splice', 'jitter') },
-  { key: 'worst', label: 'Worst cm', digits: 1, help: 'Value at the worst moment', value: (pair) => pair.worst.value },
 ];
 
 /**

@@ -4,7 +4,7 @@ import { make } from '../panels/dom.js';
 
 /** @import { Pair } from './pairs.js' */
 
-const SIZE = /** @type {const} */ ([220, 34]); // CSS pixels
+const SIZE = /** @type {const} */ ([220, 28]); // CSS pixels
 const DOT = 2.5;
 
 /**

@@ -5,6 +5,7 @@ import { painter, strip } from './strip.js';
 
 /** @import { Column, Pair, Report } from './pairs.js' */
 
+const HIGHEST = 20; // cm at the upper edge of the curves
 const NAMES = { locomotion: 'Locomotion', action: 'Action' };
 
 /** The pairs as a table that can be sorted and filtered. The address holds both, so that the way back from the viewer leads here. */
@@ -24,6 +25,8 @@ export class PairTable {
     this.key = query.get('sort') ?? (meanOf(report.pairs, 'ratio') === undefined ? 'legs' : 'ratio');
     this.isDown = query.get('order') !== 'up';
     this.columns = COLUMNS.filter((column) => meanOf(report.pairs, column.key) !== undefined);
+    const highest = report.pairs.flatMap(({ over_time: found }) => [...found.naive ?? [], ...found.splice ?? []]).reduce((a, b) => Math.max(a, b), 0);
+    this.top = Math.min(HIGHEST, Math.max(5, 5 * Math.ceil(highest / 5)));
     const names = newId();
     this.search = make('input', { type: 'search', placeholder: 'Filter by clip', 'aria-label': 'Filter by clip', list: names });
     this.search.value = query.get('clip') ?? '';
@@ -34,10 +37,9 @@ export class PairTable {
     this.element = make('section', {}, make('div', { class: 'bar' }, make('h2', {}, 'Pairs'), this.search, this.summary, this.#legend()),
       make('datalist', { id: names }, ...clipNames.map((name) => make('option', { value: name }))),
       make('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': 'Table of pairs' }, table));
-    const top = Math.max(5, 5 * Math.ceil(Math.max(...report.pairs.flatMap((pair) => Object.values(pair.over_time).flat())) / 5));
     const paint = painter();
     for (const pair of report.pairs) {
-      const one = strip(pair, report.rate, Math.min(top, 30), (time) => linkTo(pair, clips, time));
+      const one = strip(pair, report.rate, this.top, (time) => linkTo(pair, clips, time));
       this.#rows.set(pair, this.#row(pair, linkTo(pair, clips), one.element));
       paint(one);
     }
@@ -53,7 +55,7 @@ export class PairTable {
       this.#heads.set(key, cell);
       return cell;
     };
-    row.append(sortable('locomotion', NAMES.locomotion), sortable('action', NAMES.action), make('th', { scope: 'col' }, 'Over time, cm'),
+    row.append(sortable('locomotion', NAMES.locomotion), sortable('action', NAMES.action), make('th', { scope: 'col' }, `Over time\n0 to ${this.top} cm`),
       ...this.columns.map(({ key, label, help }) => sortable(key, label, help)));
     return row;
   }

@@ -44,12 +44,13 @@ export function heading(positions, rig) {
 }
 
 /**
- * Returns the joints of the upper body: all but the legs and what carries them.
+ * Returns the joints of the upper body: all but the legs and what carries them. Without the pelvis, which is at the same place in
+ * both halves, as in the measures of `bench.quality`.
  *
  * @param {Rig} rig
  */
 export function upperBody(rig) {
-  const lower = new Set([0]);
+  const lower = new Set([0, jointOf(rig, 'pelvis')]);
   const hips = [jointOf(rig, 'left_hip'), jointOf(rig, 'right_hip')];
   for (const hip of hips) for (let joint = hip; joint >= 0; joint = rig.parents[joint]) lower.add(joint);
   return rig.joints.map((_, joint) => joint).filter((joint) => !lower.has(joint) && !isBelow(rig, joint, hips));

@@ -102,8 +102,13 @@ class ReportFile:
                     f"the report cannot be read: {error.strerror}", file=self._file.name, mend=MAKE
                 ) from None
             except ValidationError as error:
-                wrong = [f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors()[:MOST_WRONG]]
-                problem = f"not a report of bench.quality: {'; '.join(wrong)}"
+                problem = f"not a report of bench.quality: {_faults(error)}"
                 raise ReportError(problem, file=self._file.name, mend=MAKE) from None
             self._known = mark, report.model_dump_json().encode()
         return self._known[1]
+
+
+def _faults(error: ValidationError) -> str:
+    """Returns what is wrong with a file, and where."""
+    faults = error.errors()[:MOST_WRONG]
+    return "; ".join(": ".join(filter(None, (".".join(map(str, one["loc"])), one["msg"]))) for one in faults)

@@ -21,6 +21,7 @@ from motionsplice.service.characters.commands import KEYS, NEEDED
 from motionsplice.service.characters.hub import CHARACTERS
 from motionsplice.service.exchange.job import JobInfo
 from motionsplice.service.problems import PROBLEMS
+from motionsplice.service.report import QualityReport
 from motionsplice.service.serving import Edition
 from motionsplice.service.wire.messages import PROTOCOL
 from tests.service.characters.player import Player
@@ -121,6 +122,8 @@ def test_its_other_examples_have_the_keys_of_the_services(client: TestClient) ->
     (problem,) = (example for example in EXAMPLES if "title" in example)
     answer = client.get("/v1/pose?locomotion=wlak&time=0").json()
     assert {**problem, "detail": "", "request_id": ""} == {**answer, "detail": "", "request_id": ""}
+    (report,) = (example for example in EXAMPLES if "targets" in example)
+    assert QualityReport.model_validate(report).model_dump(mode="json") == report
     (feet,) = (example for example in EXAMPLES if "left" in example)
     assert feet.keys() == client.get("/v1/clips/walk").json()["contacts"].keys()
 

@@ -12,9 +12,19 @@ import typer
 from typer.testing import CliRunner
 
 from bench.quality import __main__ as quality
+from bench.quality import pair_list
 from bench.quality.claims import CLAIMS, Performance
+from bench.quality.document import document
 from bench.quality.judge import claim_values, judge
-from bench.quality.pair_list import EXAMPLES, Pair, grid_pairs, read_pairs, truth_of
+from bench.quality.pair_list import (
+    EXAMPLES,
+    Pair,
+    grid_pairs,
+    has_built_in_clips,
+    pairs_of_bank,
+    read_pairs,
+    truth_of,
+)
 from bench.quality.report import Cell, means_table, pair_table
 from bench.quality.scores import ClipScore, Form, MethodScore, PairScore, score_clip, score_pair, splice_pair
 from bench.quality.targets import BUILT_IN, REAL, targets
@@ -25,6 +35,7 @@ from motionsplice.motion.samples import write_sample_clips
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.service.report import QualityReport
 
 FORMS = (Form("naive"), Form("exact"), Form("splice"))
 
@@ -180,3 +191,48 @@ def test_the_command_writes_numbers_and_a_page_with_pictures(tmp_path: Path) -> 
     page = (tmp_path / "out" / "index.html").read_text()
     assert page.count("data:image/png;base64,") == 1 + 2 * 2
     assert "Waving: curve &lt;- wave" in page
+
+
+def test_numbers_name_their_bank_and_the_worst_moment_of_each_pair(samples: Bank) -> None:
+    evaluator = Evaluator(samples)
+    pairs = [Pair("curve", "wave", "curve+wave"), Pair("walk", "wave"), Pair("curve", "wave", "curve+wave", "Waving")]
+    judged = [judge(evaluator, pair, FORMS) for pair in pairs]
+    numbers = json.loads(json.dumps(document(samples, judged, [], [])))
+    report = QualityReport.model_validate(numbers)
+    assert report.bank == samples.digest
+    assert [(one.locomotion, one.truth, one.example, one.measure) for one in report.pairs] == [
+        ("curve", "curve+wave", "Waving", "error"),
+        ("walk", "", "", "legs"),
+    ]
+    for pair, one in zip(report.pairs, judged, strict=False):
+        values = pair.over_time["splice"]
+        assert len(values) == int(one.splices[-1].clip.duration * report.rate + 1e-6) + 1
+        assert pair.worst.value == max(values)
+        assert values[round(pair.worst.time * report.rate)] == pair.worst.value
+    assert np.mean(report.pairs[0].over_time["splice"]) == pytest.approx(report.pairs[0].methods[-1].error, rel=0.02)
+    assert set(report.pairs[1].over_time) == {"exact", "splice"}
+
+
+def test_a_bank_is_judged_as_it_is(bank: Bank, tmp_path: Path) -> None:
+    app, pairs = typer.Typer(), tmp_path / "pairs.csv"
+    app.command()(quality.main)
+    pairs.write_text("locomotion,action,truth\nrun,wave,run\n")
+    command = ["--bank", str(bank.path), "--pairs", str(pairs), "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0, result.output
+    assert f"motionsplice serve {bank.path} --report {tmp_path / 'out' / 'scores.json'}" in result.output
+    assert json.loads((tmp_path / "out" / "scores.json").read_text())["bank"] == bank.digest
+    refused = CliRunner().invoke(app, [*command, "--baseline", "run"])
+    assert isinstance(refused.exception, SettingsError)
+
+
+def test_without_a_list_all_actions_of_a_bank_are_judged_on_all_locomotions(
+    bank: Bank, samples: Bank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pairs = pairs_of_bank(bank)
+    assert len(pairs) == 5 * 2
+    assert Pair("run", "wave") in pairs
+    assert (has_built_in_clips(samples), has_built_in_clips(bank)) == (True, False)
+    monkeypatch.setattr(pair_list, "MOST_PAIRS", 9)
+    with pytest.raises(SettingsError, match=r"the bank has 10 pairs .* --pairs"):
+        pairs_of_bank(bank)

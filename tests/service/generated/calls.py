@@ -57,6 +57,10 @@ clips = call("bank", "get_clips")
 walk = call("bank", "get_clip", "walk")
 assert walk in clips
 assert walk.contacts.left[0][0] < walk.contacts.left[0][1]
+report = call("bank", "get_report")
+assert report.bank == bank.digest
+assert report.pairs[0].over_time["splice"]
+assert report.pairs[0].worst.time >= 0.0
 save("manifest.msgpack", call("bank", "get_manifest"))
 save("lower.npy", call("bank", "get_table", "lower"))
 

@@ -47,6 +47,9 @@ check(offsets.length === bank.joints, "offsets");
 const clips = good(await client.GET("/v1/clips"));
 const walk = good(await client.GET("/v1/clips/{name}", { params: { path: { name: "walk" } } }));
 check(clips.some((clip) => clip.source === walk.source), "clips");
+const report = good(await client.GET("/v1/report"));
+const values: number[] = report.pairs[0].over_time["splice"];
+check(report.bank === bank.digest && values.length > 0, "report");
 save("manifest.msgpack", await client.GET("/v1/manifest", binary));
 save("lower.npy", await client.GET("/v1/tables/{name}", { params: { path: { name: "lower" } }, ...binary }));
 

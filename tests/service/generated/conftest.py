@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,17 +12,20 @@ from pydantic import SecretStr
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
+from tests.reports import report_of
 from tests.service.generated.live import TOKEN
 from tests.service.running import Running, running
 
 
 @pytest.fixture(scope="module")
 def full_service(clip_folder: Path, bank: Bank, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
-    """A running service that answers every operation: it has a token, and accepts clips."""
+    """A running service that answers every operation: it has a token, accepts clips, and has a report."""
     folder = tmp_path_factory.mktemp("service")
     shutil.copytree(clip_folder, folder / "clips")
     shutil.copytree(bank.path, folder / "bank")
-    with running(folder / "bank", Settings(token=SecretStr(TOKEN), clips=folder / "clips")) as service:
+    (folder / "scores.json").write_text(json.dumps(report_of(bank)))
+    settings = Settings(token=SecretStr(TOKEN), clips=folder / "clips", report=folder / "scores.json")
+    with running(folder / "bank", settings) as service:
         yield service
 
 

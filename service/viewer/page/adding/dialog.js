@@ -5,7 +5,6 @@ import { faultOf, NAME, nameFor, ordered, parts, SKELETON } from './files.js';
 /** @import { Wanted } from './queue.js' */
 
 const KINDS = { locomotion: 'Locomotion', action: 'Action' };
-const TAGS = 'Tags, comma-separated';
 
 /** @typedef {{ element: HTMLElement, wanted: () => Wanted, name?: HTMLInputElement, kind?: HTMLSelectElement }} Row */
 
@@ -65,7 +64,7 @@ export class AddDialog {
     }
     const name = make('input', { value: nameFor(file.name), required: true, maxlength: 100, pattern: NAME.source.slice(1, -1), title: 'Letters, digits, _, + and -' });
     const kind = select(KINDS);
-    const tags = make('input', { placeholder: TAGS });
+    const tags = make('input', { placeholder: 'comma-separated' });
     const note = make('p', { class: 'hint' });
     const known = () => {
       const clip = clips.get(name.value);

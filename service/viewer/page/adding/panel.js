@@ -146,7 +146,7 @@ function line(item, queue, onPlay) {
       if (share === undefined) bar.removeAttribute('value');
       else bar.value = share;
       play.hidden = state !== 'done' || item.text === 'Stored';
-      retry.hidden = state !== 'failed';
+      retry.hidden = state !== 'failed' || !item.isLost;
       remove.hidden = !isOver;
       const isNew = state !== before;
       before = state;

@@ -8,9 +8,9 @@ import { follow, pause, send } from './sending.js';
 /** @typedef {{ file: Blob, name: string, suffix: string, kind: 'locomotion' | 'action', tags: string }} Wanted */
 
 /**
- * A file on its way into the bank.
+ * A file on its way into the bank. `isLost`: it failed because the connection was lost, so it can be sent again.
  *
- * @typedef {Wanted & { state: 'queued' | 'sending' | 'checking' | 'aligning' | 'loading' | 'done' | 'failed', share?: number, text: string, bank: string }} Item
+ * @typedef {Wanted & { state: 'queued' | 'sending' | 'checking' | 'aligning' | 'loading' | 'done' | 'failed', share?: number, text: string, bank: string, isLost: boolean }} Item
  */
 
 const BETWEEN = 300; // ms between two looks at which bank is served
@@ -43,11 +43,11 @@ export class Queue {
   /** @param {Wanted[]} wanted in the order in which they are sent */
   add(wanted) {
     this.items = this.items.filter((one) => !wanted.some(({ name, suffix }) => one.state === 'failed' && one.name === name && one.suffix === suffix));
-    for (const one of wanted) this.items.push({ ...one, state: 'queued', text: 'Waits for the others', bank: '' });
+    for (const one of wanted) this.items.push({ ...one, state: 'queued', text: 'Waits for the others', bank: '', isLost: false });
     void this.#send();
   }
 
-  /** @param {Item} item that has failed */
+  /** @param {Item} item that was lost */
   retry(item) {
     this.#set(item, 'queued', 'Waits for the others');
     void this.#send();
@@ -70,7 +70,10 @@ export class Queue {
         if (error instanceof RefusedError && error.type === 'token') {
           await this.askForToken();
           this.#set(item, 'queued', '');
-        } else this.#set(item, 'failed', messageOf(error));
+        } else {
+          item.isLost = error instanceof ConnectionLostError;
+          this.#set(item, 'failed', messageOf(error));
+        }
       }
     }
     this.#isSending = false;
@@ -166,6 +169,5 @@ export function textOf({ state, stage, done, total }) {
 
 /** @param {unknown} error */
 function messageOf(error) {
-  if (error instanceof ConnectionLostError) return 'The connection was lost. Nothing was added.';
   return error instanceof Error ? error.message : String(error);
 }

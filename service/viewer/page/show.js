@@ -98,7 +98,10 @@ export class Show {
     for (const one of this.#shown) this.#pose(one, momentOf(one.side, leading.side, time));
     this.#shown.forEach((one, index) => this.#place(one, leading, index, values));
     const place = leading.path.at(leading.moment);
-    this.view.at(place, place.heading);
+    this.stage.floor = leading.traces.floor;
+    const apart = values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART;
+    this.view.wide(apart);
+    this.view.at(place, apart ? leading.path.at(0).heading : place.heading); // in a turning view one would hide the other
     return this.#compare(values);
   }
 
@@ -127,14 +130,16 @@ export class Show {
   #place(one, leading, index, values) {
     if (!one.pose || !leading.pose) return;
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
+    const { heading } = leading.path.at(0);
+    const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
     if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, leading.heading - one.heading, leading.pose.root);
     one.body.style = values.body === 'stick' ? 'stick' : 'mannequin';
     one.body.opacity = values.layout === 'over' && index > 0 ? 0.45 : 1;
-    one.body.set(one.pose, [shift, 0, 0]);
+    one.body.set(one.pose, offset);
     const { trails, path, contacts } = values;
     const own = one.side.name !== 'action' || one === leading;
     one.traces.show({ trails: trails && own, path: path && own, contacts: contacts && own });
-    one.traces.offset([shift, 0, 0]);
+    one.traces.offset(offset);
     one.traces.at(one.moment);
   }
 

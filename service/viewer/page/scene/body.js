@@ -9,6 +9,8 @@ import { stick } from './stick.js';
 
 /** @typedef {'mannequin' | 'stick'} Style */
 
+const OPAQUE = new MeshStandardMaterial({ vertexColors: true, roughness: 0.72, metalness: 0 });
+
 /** A body in a rig's proportions, in one draw call. */
 export class Body {
   object = new Group();
@@ -16,12 +18,13 @@ export class Body {
   positions;
   #rig;
   #joints;
-  #material = new MeshStandardMaterial({ vertexColors: true, roughness: 0.72, metalness: 0 });
+  /** Opaque bodies share one, so that the graphics card need not change it between them. */
+  #material = OPAQUE;
   #mesh;
   /** Drawn before a body that is seen through, so that its own far side is hidden. @type {SkinnedMesh | undefined} */
   #mask;
-  /** @type {Style} */
-  #style = 'mannequin';
+  /** @type {Style | undefined} */
+  #style;
   #colour;
   #isCompared = false;
 
@@ -53,10 +56,11 @@ export class Body {
   }
 
   get style() {
-    return this.#style;
+    return this.#style ?? 'mannequin';
   }
 
   set style(style) {
+    if (style === this.#style) return;
     this.#style = style;
     const { shape, attributes } = formsOf(this.#rig)[style];
     const geometry = new BufferGeometry();
@@ -70,13 +74,14 @@ export class Body {
   }
 
   get opacity() {
-    return this.#material.opacity;
+    return this.#mesh.material.opacity;
   }
 
   set opacity(opacity) {
     const isTransparent = opacity < 1;
-    if (isTransparent !== this.#material.transparent) this.#material.needsUpdate = true;
-    Object.assign(this.#material, { opacity, transparent: isTransparent });
+    if (isTransparent && this.#material === OPAQUE) this.#material = Object.assign(OPAQUE.clone(), { transparent: true });
+    if (this.#material !== OPAQUE) this.#material.opacity = opacity;
+    this.#mesh.material = isTransparent ? this.#material : OPAQUE;
     this.#mesh.castShadow = opacity > 0.4;
     if (isTransparent && !this.#mask) {
       this.#mask = this.#skinned(this.#mesh.geometry, new MeshBasicMaterial({ colorWrite: false, transparent: true }));
@@ -98,7 +103,7 @@ export class Body {
   dispose() {
     this.object.removeFromParent();
     this.#mesh.geometry.dispose();
-    this.#material.dispose();
+    if (this.#material !== OPAQUE) this.#material.dispose();
     /** @type {MeshBasicMaterial | undefined} */ (this.#mask?.material)?.dispose();
     this.#joints.dispose();
   }
@@ -106,7 +111,7 @@ export class Body {
   /** @param {Float32Array | undefined} values */
   #paint(values) {
     this.#isCompared = values !== undefined;
-    const { colourJoints, colourShares, shades } = formsOf(this.#rig)[this.#style].shape;
+    const { colourJoints, colourShares, shades } = formsOf(this.#rig)[this.style].shape;
     const attribute = /** @type {BufferAttribute} */ (this.#mesh.geometry.getAttribute('color'));
     const out = /** @type {Float32Array} */ (attribute.array);
     const { r, g, b } = this.#colour;

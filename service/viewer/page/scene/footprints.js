@@ -8,7 +8,7 @@ const SOLE = [
   [-0.068, 0.006, 0.006], [-0.064, 0.018, 0.018], [-0.05, 0.03, 0.03], [-0.02, 0.034, 0.034], [0.03, 0.03, 0.037], [0.08, 0.036, 0.044],
   [0.12, 0.05, 0.046], [0.16, 0.053, 0.043], [0.19, 0.05, 0.034], [0.205, 0.042, 0.02], [0.212, 0.028, 0.002],
 ];
-const STEP = 0.03; // metres of a ground that is drawn as a step
+const STEP = 0.06; // metres of a ground that is drawn as a step
 const RISER = 0.17; // metres of a step that are drawn
 
 /** Marks on the ground where feet stand, lit while they do. Ground that is raised is drawn as a step. */

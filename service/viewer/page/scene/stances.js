@@ -62,13 +62,13 @@ export function stancesOf(motion, contacts) {
 }
 
 /**
- * Returns the height of the clip's own floor: the lowest ground, if it is near 0, else 0 as in a clip that never leaves the stairs.
+ * Returns the height of the clip's own floor: the lowest ground. Where that is high above 0, the clip is all on stairs that begin at 0.
  *
  * @param {Stance[]} stances
  */
 export function floorOf(stances) {
   const lowest = Math.min(...stances.map(({ at }) => at[1]));
-  return Math.abs(lowest) < NEAR ? lowest : 0;
+  return lowest < NEAR ? lowest : 0;
 }
 
 /**

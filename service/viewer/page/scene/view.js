@@ -8,7 +8,9 @@ import { MOUSE, TOUCH, Vector3 } from '../vendor/three.js';
 /** Where each fixed view looks from: to the left of the character, above, before. The side is its left one. */
 const FROM = { front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0] };
 const DISTANCE = 30; // metres; it changes nothing but what is cut off
-const FIRST = new Vector3(0.54, 0.2, 0.82).normalize(); // where the free camera is at first, from the character
+const TALL = 2.35; // metres from top to bottom that the free camera shows at first, around the character
+const ARMS = 1.1; // metres that are seen beyond the middles of bodies beside each other
+const RISE = 0.2; // radians by which the free camera looks down at first
 
 const UP = new Vector3(0, 1, 0);
 
@@ -30,7 +32,8 @@ export class View {
   #hasPlace = false;
   #isOurs = false; // whether a change is not the user's
   #mustCentre = false;
-  #width = 1;
+  #width = 0;
+  #isTouched = false; // whether the user, or the address, has chosen what is seen
 
   /** @param {Stage} stage */
   constructor(stage) {
@@ -38,7 +41,10 @@ export class View {
     const { controls } = stage;
     Object.assign(controls, { minDistance: 0.5, maxDistance: 40, minZoom: 0.1, maxZoom: 12, maxPolarAngle: 0.497 * Math.PI, zoomSpeed: 1.4 });
     controls.addEventListener('change', () => this.#isOurs || this.onchange());
-    controls.addEventListener('end', () => this.onend());
+    controls.addEventListener('end', () => {
+      this.#isTouched = true;
+      this.onend();
+    });
     this.#reset();
   }
 
@@ -60,14 +66,20 @@ export class View {
     this.#reset();
   }
 
-  /**
-   * Shows the view as it was at first.
-   *
-   * @param {number} [width] metres from left to right that must be seen, as of bodies beside each other
-   */
-  home(width = this.#width) {
-    this.#width = width;
+  /** Shows the view as it was at first. */
+  home() {
     this.#reset();
+  }
+
+  /**
+   * Says how far the outer ones of bodies beside each other are apart. A view that the user has not changed shows them all.
+   *
+   * @param {number} metres
+   */
+  wide(metres) {
+    if (metres === this.#width) return;
+    this.#width = metres;
+    if (!this.#isTouched) this.#reset();
   }
 
   /** @param {boolean} isOn */
@@ -85,6 +97,13 @@ export class View {
   at(target, heading) {
     const { controls, camera } = this.#stage;
     const next = new Vector3(target.x, target.y, target.z);
+    if (!this.#hasPlace && !this.#isTouched) {
+      this.#hasPlace = true;
+      this.#place.copy(next);
+      this.#heading = heading;
+      this.#reset();
+      return;
+    }
     const moved = next.clone().sub(this.#mustCentre ? controls.target : this.#place);
     if (this.#isFollowing || !this.#hasPlace) {
       controls.target.add(moved);
@@ -115,6 +134,7 @@ export class View {
     controls.target.fromArray(numbers, 3).add(from);
     camera.zoom = numbers[6];
     camera.updateProjectionMatrix();
+    this.#isTouched = true;
     this.#hasPlace ||= !this.#isFollowing;
     this.#update();
   }
@@ -123,14 +143,17 @@ export class View {
     const { controls, camera } = this.#stage;
     controls.target.copy(this.#place);
     const { perspective, orthographic } = this.#stage;
-    const wide = this.#width + 1.1; // with arms
+    this.#isTouched = false;
     if (this.#name === 'free') {
-      const tall = Math.max(2.3, wide / perspective.aspect);
-      camera.position.copy(this.#place).addScaledVector(FIRST, tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + 0.4 * this.#width);
+      const turn = this.#heading + 0.58 / (1 + 0.5 * this.#width); // more from the front, so that no body hides another
+      const tall = Math.max(TALL, (this.#width + ARMS) / perspective.aspect);
+      const away = tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + 0.35 * this.#width;
+      camera.position.set(Math.sin(turn) * Math.cos(RISE), Math.sin(RISE), Math.cos(turn) * Math.cos(RISE)).multiplyScalar(away).add(this.#place);
     } else {
-      orthographic.zoom = Math.min(1, (orthographic.right - orthographic.left) / wide);
-      orthographic.updateProjectionMatrix();
       const [left, up, ahead] = FROM[this.#name];
+      const across = orthographic.right - orthographic.left;
+      orthographic.zoom = this.#name === 'side' ? 1 : Math.min(1, across / (this.#width + ARMS));
+      orthographic.updateProjectionMatrix();
       camera.position.set(left, up, ahead + (up ? 1e-3 : 0)).applyAxisAngle(UP, this.#heading).multiplyScalar(DISTANCE).add(this.#place);
     }
     this.#update();

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -44,21 +45,23 @@ def test_the_python_lines_give_the_same_motion(view: View, context: BrowserConte
     view.open(locomotion="run", action="wave", at=0.5, when="foot", mask="arms", blend=0.2)
     view.page.get_by_role("button", name="Export").click()
     view.page.get_by_role("button", name="Python").click()
-    expect(view.page.get_by_role("status").filter(has_text="copied")).to_be_visible()
+    expect(view.page.get_by_text("on the clipboard")).to_be_visible()
     program = str(view.page.evaluate("navigator.clipboard.readText()"))
-    (tmp_path / "demo").mkdir()
     (tmp_path / "bank").symlink_to(bank.path)
-    (tmp_path / "demo" / "bank").symlink_to(bank.path)
-    (tmp_path / "lines.py").write_text(program + "\nimport numpy; numpy.save('rotations', poses.rotations)\n")
+    (tmp_path / "lines.py").write_text(program)
     done = subprocess.run([sys.executable, "lines.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, program + done.stderr
+    order = json.dumps(view.run("return viewer.shown[0].take")).encode()
+    url, kind = f"{view.url}/v1/take?format=bvh", {"content-type": "application/json"}
+    expected = urllib.request.urlopen(urllib.request.Request(url, order, kind)).read()
+    assert (tmp_path / "run+wave.bvh").read_bytes() == expected
 
 
 def test_a_link_with_the_moment_is_copied(view: View, context: BrowserContext) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     view.open(locomotion="run", action="wave", time=1.5)
     view.page.keyboard.press("u")
-    expect(view.page.get_by_text("copied").first).to_be_visible()
+    expect(view.page.get_by_text("on the clipboard").first).to_be_visible()
     link = str(view.page.evaluate("navigator.clipboard.readText()"))
     assert "time=1.5" in link
     assert "action=wave" in link
@@ -69,7 +72,7 @@ def test_the_token_is_asked_for_and_kept_out_of_the_address(browser: Browser, ba
         context = browser.new_context()
         view = View(context, guarded.url)
         view.page.goto(f"{guarded.url}/view/?action=wave&playing=false")
-        field = view.page.get_by_label("Token")
+        field = view.page.get_by_role("textbox", name="Token")
         field.fill("wrong-token")
         field.press("Enter")
         expect(view.page.get_by_text("does not accept this token")).to_be_visible()

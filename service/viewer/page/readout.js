@@ -13,6 +13,7 @@ export class Readout {
     this.problem = document.createElement('p');
     this.names.className = 'names';
     this.problem.className = 'fault';
+    this.problem.setAttribute('role', 'alert');
     this.apart.className = 'apart';
     element.replaceChildren(this.names, this.apart, this.problem);
   }

@@ -15,10 +15,10 @@ export class Body {
   positions;
   #rig;
   #joints;
-  /** Opaque bodies share one, so that the graphics card need not change it between them. */
+  /** Opaque bodies share one, which saves uploads of uniforms. */
   #material = OPAQUE;
   #mesh;
-  /** Drawn before a body that is seen through, so that its own far side is hidden. @type {SkinnedMesh | undefined} */
+  /** Drawn before a transparent body, to hide its own far side. @type {SkinnedMesh | undefined} */
   #mask;
   /** @type {Style | undefined} */
   #style;
@@ -82,7 +82,7 @@ export class Body {
     this.#mesh.castShadow = opacity > 0.4;
     if (isTransparent && !this.#mask) {
       this.#mask = this.#skinned(this.#mesh.geometry, new MeshBasicMaterial({ colorWrite: false, transparent: true }));
-      this.#mask.renderOrder = 3; // after all that is not seen through, and before what it hides
+      this.#mask.renderOrder = 3; // after all opaque objects, before the body that it belongs to
     }
     if (this.#mask) this.#mask.visible = isTransparent;
     this.#mesh.renderOrder = isTransparent ? 4 : 0;

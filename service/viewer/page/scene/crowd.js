@@ -37,7 +37,7 @@ export class Crowd {
     this.object.bindMode = 'detached';
     this.object.castShadow = true;
     this.object.frustumCulled = false;
-    this.object.boundingSphere = new Sphere(); // three would look for the bones
+    this.object.boundingSphere = new Sphere(); // else three computes it from bones, which do not exist
   }
 
   /**
@@ -62,7 +62,7 @@ export class Crowd {
 }
 
 /**
- * Lets a material read the joints of the body that is drawn, and its colour.
+ * Makes a material read the joints and the colour of each instance.
  *
  * @template {Material} T
  * @param {T} material

@@ -2,7 +2,7 @@ import { DataTexture, FloatType, RGBAFormat, Skeleton } from '../vendor/three.js
 
 /** @import { Vector } from './vectors.js' */
 
-/** Where the joints of bodies of one rig are, as the graphics card reads them. */
+/** The joints' matrices of one or more bodies of a rig, in a texture for the vertex shader. */
 export class Joints extends Skeleton {
   /**
    * @param {Vector[]} places of the joints in the bind pose
@@ -18,7 +18,7 @@ export class Joints extends Skeleton {
   }
 
   /**
-   * Takes each joint of a body from its place in the bind pose to its place in the world.
+   * Writes the matrices that take each joint of a body from the bind pose to the world.
    *
    * @param {number} body
    * @param {Float32Array} positions [J][3]

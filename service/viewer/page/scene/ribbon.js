@@ -11,7 +11,7 @@ import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, ShaderMateria
  * @property {number} span seconds until it has faded; 0: never
  */
 
-/** A line as wide on the screen wherever it is, which fades away from the current time. */
+/** A line of constant width on the screen, which fades away from the current time. */
 export class Ribbon {
   #material;
   #geometry = new BufferGeometry();
@@ -90,7 +90,7 @@ const VERTEX = /* glsl */ `
     gl_Position = alpha < 0.004 ? vec4(2.0, 2.0, 2.0, 1.0) : at;
   }`;
 
-// The edge is smoothed over a pixel, because what is drawn last is not always smoothed by the canvas.
+// The edge is smoothed over a pixel, because multisampling alone leaves thin lines ragged.
 const FRAGMENT = /* glsl */ `
   uniform vec3 colour;
   uniform float width;

@@ -18,7 +18,7 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test check docs lowest newest oracles clients generators fuzz-cpp quality soak pictures clean
+.PHONY: demo test check docs lowest newest oracles clients generators viewer fuzz-cpp quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -85,6 +85,14 @@ clients/js/node_modules: clients/js/package-lock.json
 	npm ci --prefix clients/js --no-audit --no-fund --ignore-scripts
 	touch $@
 
+viewer: $(VENV)/ready service/viewer/node_modules  ## the viewer: bundle what others wrote, check and test its modules; needs npm
+	cd service/viewer && npm run --silent build && npm run --silent check && npm run --silent test
+	$(BIN)/python -m pytest -q tests/viewer tests/service/viewer
+
+service/viewer/node_modules: service/viewer/package-lock.json
+	npm ci --prefix service/viewer --no-audit --no-fund
+	touch $@
+
 quality: $(VENV)/ready        ## judge splices against the truth: built-in motion, and real motion if it is there
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
@@ -115,6 +123,6 @@ $(LOWEST)/ready: $(VENV)/ready
 
 clean:
 	rm -rf $(VENV) $(LOWEST) $(NEWEST) $(GENERATORS) tests/oracles/node_modules clients/js/node_modules \
-		tests/service/generated/node_modules
+		service/viewer/node_modules tests/service/generated/node_modules
 	rm -rf demo example quality build dist site .coverage
 	find . -name "*.nb[ic]" -delete

@@ -33,6 +33,7 @@ PATIENCE = 10.0  # seconds
 CONNECTING = 3.0  # seconds; Blender is blocked meanwhile
 TICK = 1 / 120  # seconds between two looks for new frames; Blender calls up to 5 ms late
 CHARACTER = 1  # the id of the previewed character
+NO_TOKEN = "the token is missing or wrong. Enter the token of the service"
 TEXT, CLOSE, PING, PONG = 0x1, 0x8, 0x9, 0xA  # opcodes of RFC 6455
 
 
@@ -62,7 +63,7 @@ def request(address, path, token, expected=200, **headers):
         mend = "Start the service (motionsplice serve BANK), or correct the address"
         raise ServiceError(f"no answer from {address}: {reason}. {mend}") from error
     if answer.status == 401:
-        raise ServiceError("the token is missing or wrong. Enter the token of the service")
+        raise ServiceError(NO_TOKEN)
     try:
         detail = str(json.loads(body)["detail"])
     except (ValueError, KeyError, TypeError):
@@ -80,6 +81,14 @@ class Link:
         self.socket = connection.sock
         self.answer = answer  # kept, because it would close its file, from which messages are read
         self.lock = threading.Lock()
+        self.messages = self._received()
+        self.first = next(self.messages, None)  # the welcome, or why there is none
+        if self.first is None or self.first["event"] == "refused":
+            self.messages.close()
+            self.close()
+            if self.first is None:
+                raise ServiceError(f"{address} closed the connection")
+            raise ServiceError(NO_TOKEN if self.first["type"].endswith(":token") else self.first["detail"])
 
     def send(self, value):
         self._write(TEXT, json.dumps(value).encode())
@@ -91,6 +100,10 @@ class Link:
 
     def __iter__(self):
         """Yields what arrives until the connection ends."""
+        yield self.first
+        yield from self.messages
+
+    def _received(self):
         text = b""
         with contextlib.closing(self.answer), contextlib.suppress(OSError):
             while True:

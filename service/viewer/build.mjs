@@ -2,13 +2,14 @@
 import { build } from 'esbuild';
 import { copyFileSync } from 'node:fs';
 
+const folder = process.argv[2] ?? 'page/vendor';
 await build({
   entryPoints: ['vendor/three.js', 'vendor/motionsplice.js'],
-  outdir: 'page/vendor',
+  outdir: folder,
   bundle: true,
   minify: true,
   format: 'esm',
   target: 'es2022',
   legalComments: 'none',
 });
-copyFileSync('node_modules/three/LICENSE', 'page/vendor/three.LICENSE');
+copyFileSync('node_modules/three/LICENSE', `${folder}/three.LICENSE`);

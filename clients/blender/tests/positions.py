@@ -103,15 +103,17 @@ def live():
     armature.animation_data_clear()
     link = motionsplice.Link
     motionsplice.Link = lambda address, path, token: link(address, path + "&parts=both", token)
+    apply, applied = motionsplice.apply, []
+    motionsplice.apply = lambda *shown: (apply(*shown), applied.append(shown[-1]))
     assert bpy.ops.motionsplice.preview() == {"FINISHED"}
     preview, frames, worst, banks, deadline = motionsplice.Preview.running, 0, 0.0, set(), time.monotonic() + PATIENCE
     while frames < LIVE or len(banks) < 2:
         assert time.monotonic() < deadline, motionsplice.Preview.status
         frame = preview.frame
         assert preview.tick() == motionsplice.TICK, motionsplice.Preview.status
-        if frame is None or preview.frame is frame:
-            time.sleep(0.001)
-        elif frame is not None and preview.frame is None:
+        if frame is None or not applied or applied.pop() is not frame["rotations"][-1][0]:
+            time.sleep(0.001)  # nothing was shown, or a newer frame that has just arrived
+        else:
             frames, banks = frames + 1, banks | {frame["bank"]}
             worst = max(worst, distance(armature, preview.rig["joints"], frame["world_positions"][-1][0]))
             if frames == LIVE // 4:

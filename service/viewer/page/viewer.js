@@ -114,6 +114,7 @@ export class Viewer {
       duration: side.motion.duration, rate: side.motion.rate, phases: side.phases, events: side.events, contacts: contactsOf(side, clip, values),
       actionTimes: hasAction ? side.actionTimes : undefined, actionDuration: this.sides.catalogue.clips.get(values.action)?.duration,
       mismatches, differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
+      names: { action: values.action, difference: other && `To ${other.label.toLowerCase()}` },
     });
   }
 
@@ -148,7 +149,7 @@ export class Viewer {
   /** @param {number} now milliseconds */
   #picture(now) {
     requestAnimationFrame((next) => this.#picture(next));
-    const passed = Math.min(0.1, (now - this.#before) / 1000); // a page that was hidden goes on where it was
+    const passed = Math.min(0.25, (now - this.#before) / 1000); // a page that was hidden goes on where it was
     this.#before = now;
     const { state, player } = this;
     if (!state.values.playing && !this.#isStale) return;

@@ -14,7 +14,9 @@ test('a joint that turns evenly has a straight angle, and its speed', () => {
 });
 
 test('the angle is the shorter way, whatever the sign of the quaternion', () => {
-  const motion = motionOf(RATE, 3, (frame) => ({ root: [0, 1, 0], turns: { left_knee: turnY((350 * Math.PI) / 180).map((x) => (frame === 1 ? -x : x)) } }));
+  const turn = turnY((350 * Math.PI) / 180);
+  const poseOf = (frame) => ({ root: [0, 1, 0], turns: { left_knee: frame === 1 ? turn.map((x) => -x) : turn } });
+  const motion = motionOf(RATE, 3, poseOf);
   const { angle, turning } = jointCurves(motion, 'left_knee');
   angle.forEach((degrees) => assert.ok(Math.abs(degrees - 10) < 1e-3, `${degrees}`));
   turning.forEach((degrees) => assert.ok(degrees < 1e-2, `${degrees}`));

@@ -32,9 +32,8 @@ export function jointCurves(motion, name) {
     const perSecond = after > before ? motion.rate / (after - before) : 0;
     curves.angle[frame] = turn(IDENTITY, 0, rotations, 4 * frame);
     curves.turning[frame] = turn(rotations, 4 * before, rotations, 4 * after) * perSecond;
-    curves.speed[frame] = perSecond * Math.hypot(
-      places[3 * after] - places[3 * before], places[3 * after + 1] - places[3 * before + 1], places[3 * after + 2] - places[3 * before + 2],
-    );
+    const [dx, dy, dz] = [0, 1, 2].map((axis) => places[3 * after + axis] - places[3 * before + axis]);
+    curves.speed[frame] = perSecond * Math.hypot(dx, dy, dz);
   }
   return curves;
 }

@@ -23,12 +23,13 @@ const PLOTS = [
 ];
 const GAP = 13;
 const NARROW_GUTTER = 34;
+const DIGIT_SPACE = '\u2007'; // as wide as a digit, so that numbers stand still
 
 /** Curves of one joint over time, a line for each side. */
 export class Curves {
   /** @type {Shown[]} */
   #shown = [];
-  /** Curves that were computed, by joint. @type {WeakMap<Side, Map<string, JointCurves | undefined>>} */
+  /** Computed curves by joint. @type {WeakMap<Side, Map<string, JointCurves | undefined>>} */
   #known = new WeakMap();
   /** @type {Record<string, { top: number, step: number }>} */
   #axes = {};
@@ -37,7 +38,7 @@ export class Curves {
   /** @type {Theme} */
   #theme;
   #time = 0;
-  /** Seconds that are pointed at. @type {number | undefined} */
+  /** Seconds under the pointer. @type {number | undefined} */
   #pointed = undefined;
 
   /**
@@ -74,11 +75,13 @@ export class Curves {
       const curves = this.#of(side, joint);
       if (curves) this.#shown.push({ label: side.label, colour: side.colour, curves });
     }
-    for (const { key, least } of PLOTS) this.#axes[key] = valueAxis(readable(this.#shown.map(({ curves }) => curves[key])), least);
+    for (const { key, least } of PLOTS) {
+      this.#axes[key] = valueAxis(readable(this.#shown.map(({ curves }) => curves[key])), least);
+    }
     const isEmpty = !this.#shown.length;
     this.plots.hidden = isEmpty;
-    this.legend.replaceChildren(isEmpty ? make('span', 'curves-empty', joint ? `No motion has a joint ${joint}` : 'Choose a joint to see its curves')
-      : make('span', 'curves-joint', joint));
+    const reason = joint ? `Joint ${joint} not found` : 'Choose a joint to see its curves';
+    this.legend.replaceChildren(isEmpty ? make('span', 'curves-empty', reason) : make('span', 'curves-joint', joint));
     this.#numbers = this.#shown.map(({ label, colour }) => {
       const side = make('span', 'curves-side'), swatch = make('span', 'curves-swatch'), numbers = make('span', 'curves-numbers');
       swatch.style.background = colour;
@@ -121,20 +124,22 @@ export class Curves {
     return /** @type {JointCurves | undefined} */ (known.get(joint));
   }
 
-  /** Writes the values of the moment that is shown, or pointed at. */
+  /** Writes the values under the pointer, or else at the playhead. */
   #write() {
     const frame = Math.round((this.#pointed ?? this.#time) * this.player.rate);
     this.#shown.forEach(({ curves }, at) => {
       const last = curves.angle.length - 1;
-      const values = PLOTS.map(({ key, unit, digits, width }) => (
-        `${curves[key][Math.min(frame, last)].toFixed(digits).padStart(width, '\u2007')}${unit === '°' ? '' : ' '}${unit}`)); // a space as wide as a digit
+      const values = PLOTS.map(({ key, unit, digits, width }) => {
+        const number = curves[key][Math.min(frame, last)].toFixed(digits).padStart(width, DIGIT_SPACE);
+        return `${number}${unit === '°' ? '' : ' '}${unit}`;
+      });
       const text = values.join(' ');
       if (this.#numbers[at].textContent !== text) this.#numbers[at].textContent = text;
     });
   }
 
   /**
-   * Yields the plots and where they are.
+   * Yields each plot, its box, and its value axis.
    *
    * @param {CanvasRenderingContext2D} context
    * @param {number} bottom
@@ -145,7 +150,9 @@ export class Curves {
     const height = (bottom - RULER - GAP * PLOTS.length - 8) / PLOTS.length;
     let top = RULER + GAP;
     for (const plot of PLOTS) {
-      yield [plot, { context, theme: this.#theme, left, right, top, height, x: (frame) => x(frame / this.player.rate) }, this.#axes[plot.key]];
+      const place = (/** @type {number} */ frame) => x(frame / this.player.rate);
+      const box = { context, theme: this.#theme, left, right, top, height, x: place };
+      yield [plot, box, this.#axes[plot.key]];
       top += height + GAP;
     }
   }

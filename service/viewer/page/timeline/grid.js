@@ -14,7 +14,7 @@ import { largest, multiples, plain, timeSteps } from './ticks.js';
 /** @import { DistanceGrid } from './distance_grid.js' */
 
 /**
- * A grid that is shown.
+ * A grid, as it is painted.
  *
  * @typedef {object} Shown
  * @property {DistanceGrid} grid
@@ -36,7 +36,7 @@ export class Grid {
   /** @type {Shown | undefined} */
   #shown = undefined;
   #time = 0;
-  /** What is pointed at: seconds of the locomotion, and of the action. @type {[number, number] | undefined} */
+  /** Under the pointer: seconds of the locomotion, and of the action. @type {[number, number] | undefined} */
   #pointed = undefined;
 
   /**
@@ -103,16 +103,19 @@ export class Grid {
   get #up() {
     const bottom = this.back.height - BELOW;
     const pixels = (bottom - ABOVE) / (this.#shown?.up || 1);
-    return { bottom, pixels, y: (/** @type {number} */ time) => bottom - time * pixels, time: (/** @type {number} */ y) => (bottom - y) / pixels };
+    const y = (/** @type {number} */ time) => bottom - time * pixels;
+    const time = (/** @type {number} */ at) => (bottom - at) / pixels;
+    return { bottom, pixels, y, time };
   }
 
-  /** Says what is shown: at what is pointed at, or where the splice is. */
+  /** Writes the values under the pointer, or else where the splice is. */
   #write() {
     if (!this.#shown) return;
     const place = this.#pointed ?? this.#place();
     const words = ['Distance between the legs of the locomotion and the action'];
     if (place) {
-      words.push(`locomotion ${place[0].toFixed(2)} s`, `action ${place[1].toFixed(2)} s`, `${(100 * this.#distance(...place)).toFixed(1)} cm`);
+      const [across, up] = place;
+      words.push(`locomotion ${across.toFixed(2)} s`, `action ${up.toFixed(2)} s`, `${(100 * this.#distance(across, up)).toFixed(1)} cm`);
     }
     words.forEach((text, at) => {
       const item = this.caption.children[at] ?? this.caption.appendChild(make('span', at ? 'curves-numbers' : 'grid-title'));
@@ -177,13 +180,15 @@ export class Grid {
     context.fillStyle = this.theme.faint;
     const wide = timeSteps((right - left) / (this.span.to - this.span.from), this.player.rate).major;
     context.textAlign = 'center';
-    for (const time of multiples(this.span.from, this.span.to, wide)) context.fillText(plain(time, wide), x(time), bottom + 14);
+    for (const time of multiples(this.span.from, this.span.to, wide)) {
+      context.fillText(plain(time, wide), Math.min(x(time), right - 4), bottom + 14);
+    }
     context.fillText('locomotion, s', (left + right) / 2, bottom + 29);
     const high = timeSteps(2 * pixels, this.player.rate).major;
     context.textAlign = 'right';
     for (const time of multiples(0, up, high)) context.fillText(plain(time, high), left - 6, y(time) + 4);
     context.save();
-    context.translate(left - 26, (ABOVE + bottom) / 2);
+    context.translate(left - 33, (ABOVE + bottom) / 2);
     context.rotate(-Math.PI / 2);
     context.textAlign = 'center';
     context.fillText('action, s', 0, 0);
@@ -230,7 +235,8 @@ export class Grid {
     stroke(context, [[px, ABOVE], [px, bottom]]);
     stroke(context, [[left, py], [right, py]]);
     context.setLineDash([]);
-    plate(context, this.theme, `${(100 * this.#distance(...this.#pointed)).toFixed(1)} cm`, px, py < 30 ? py + 18 : py - 16, { left, right });
+    const text = `${(100 * this.#distance(...this.#pointed)).toFixed(1)} cm`;
+    plate(context, this.theme, text, px, py < 30 ? py + 18 : py - 16, { left, right });
   }
 }
 

@@ -4,8 +4,8 @@ const BACK = 1.5; // frames by which a clock that goes back has looped
 const MOST = 0.45; // strides in a frame; more is a cut
 
 /**
- * Returns the first and last frames of the parts of an action's clock in which it runs on: where there is an action, and
- * between its loops.
+ * Returns the first and last frames of each part of an action's clock. It is cut where the action is missing, and where it
+ * loops.
  *
  * @param {ArrayLike<number>} times seconds into the action at each frame; NaN without one
  * @param {number} rate frames per second
@@ -59,37 +59,6 @@ export function pace(parts, times, rate, frame) {
  */
 export function isWithin(intervals, time) {
   return intervals.some(([from, to]) => from <= time + 1e-4 && time <= to + 1e-4);
-}
-
-/**
- * Returns when each foot stands, from the events of a take. So it is right for loops and mixes too.
- *
- * @param {{ frame: number, event: string }[]} events in order
- * @param {number} duration seconds
- * @param {number} rate frames per second
- */
-export function stancesOf(events, duration, rate) {
-  return { left: stances(events, 'left', duration, rate), right: stances(events, 'right', duration, rate) };
-}
-
-/**
- * @param {{ frame: number, event: string }[]} events
- * @param {'left' | 'right'} foot
- * @param {number} duration
- * @param {number} rate
- */
-function stances(events, foot, duration, rate) {
-  /** @type {[number, number][]} */
-  const found = [];
-  const own = events.filter(({ event }) => event === `${foot}_down` || event === `${foot}_up`);
-  let down = own[0]?.event === `${foot}_up` ? 0 : NaN; // it stood before it rose
-  for (const { frame, event } of own) {
-    if (event === `${foot}_down`) down = Number.isNaN(down) ? frame / rate : down;
-    else if (!Number.isNaN(down)) found.push([down, frame / rate]);
-    if (event === `${foot}_up`) down = NaN;
-  }
-  if (!Number.isNaN(down)) found.push([down, duration]);
-  return found;
 }
 
 /**

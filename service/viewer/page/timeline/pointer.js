@@ -58,7 +58,8 @@ export class Pointer {
     const isTouch = event.pointerType === 'touch';
     if (y >= RULER && y < RULER + LANE + (isTouch ? 8 : 0)) {
       const toFrom = Math.abs(axis.x(from) - event.offsetX), toEnd = Math.abs(axis.x(to) - event.offsetX);
-      if (Math.min(toFrom, toEnd) <= (isTouch ? FINGER : REACH)) return toFrom < toEnd ? (time) => this.#repeat(time, to) : (time) => this.#repeat(from, time);
+      const isNear = Math.min(toFrom, toEnd) <= (isTouch ? FINGER : REACH);
+      if (isNear) return toFrom < toEnd ? (time) => this.#repeat(time, to) : (time) => this.#repeat(from, time);
       if (start > from && start < to && to - from < this.player.duration) return (time) => this.#shift(from, to, time - start);
     }
     return (time) => this.player.seek(this.#whole(time));

@@ -33,6 +33,7 @@ import { axis, largest } from './ticks.js';
  * @property {(frame: number) => number} [level] the value's place in the strip: 0 at the bottom, 1 at the top, NaN if missing
  */
 
+const NONE = new Float32Array(0); // the strip is there before the mismatches, so that the page does not jump
 const BAD = 0.1; // metres between legs from which a splice looks wrong
 
 /**
@@ -42,10 +43,9 @@ const BAD = 0.1; // metres between legs from which a splice looks wrong
  * @returns {Row[]}
  */
 export function rowsOf(data) {
-  const { actionTimes, mismatches, differences } = data;
+  const { actionTimes, mismatches = NONE, differences } = data;
   const rows = [phaseRow(data), contactRow(data, 'left'), contactRow(data, 'right')];
-  if (actionTimes) rows.push(actionRow(data, actionTimes));
-  if (mismatches) rows.push(mismatchRow(mismatches, actionTimes));
+  if (actionTimes) rows.push(actionRow(data, actionTimes), mismatchRow(mismatches, actionTimes));
   if (differences) rows.push(differenceRow(differences, data.names?.difference ?? 'Difference', data.colours?.difference));
   return rows;
 }
@@ -156,7 +156,7 @@ function flag(box, frame, text, isStart) {
 
 /**
  * @param {Float32Array} values metres
- * @param {Float32Array} [times] seconds into the action
+ * @param {Float32Array} times seconds into the action
  * @returns {Row}
  */
 function mismatchRow(values, times) {
@@ -177,7 +177,10 @@ function mismatchRow(values, times) {
       }
       level(box, `${top} cm`);
     },
-    text: (frame) => (isMissing(values[frame]) && !isMissing(times?.[frame]) ? 'seam' : centimetres(values[frame])),
+    text(frame) {
+      if (frame >= values.length) return '';
+      return isMissing(values[frame]) && !isMissing(times[frame]) ? 'seam' : centimetres(values[frame]);
+    },
     words: (frame) => (isMissing(values[frame]) ? '' : `leg mismatch ${centimetres(values[frame])}`),
     level: (frame) => (100 * values[frame]) / top,
   };

@@ -8,7 +8,7 @@ export const RULER = 22; // CSS pixels
 export const GUTTER = 140; // of labels, left of strips and plots
 export const NARROW = 620; // width below which there is no gutter
 export const EDGE = 10;
-export const LANE = 11; // below the ruler, with the bar of what is repeated
+export const LANE = 11; // below the ruler, with the bar of the repeated range
 
 /**
  * Where times are on a strip.
@@ -72,7 +72,7 @@ export function paintRuler(context, theme, axis, span, bottom) {
 }
 
 /**
- * Paints the bar of what is repeated, with its handles, and dims what is not.
+ * Paints the bar of the repeated range with its handles, and dims the strips outside it.
  *
  * @param {CanvasRenderingContext2D} context
  * @param {Theme} theme
@@ -103,7 +103,7 @@ export function paintRange(context, theme, axis, [from, to], { isWhole, bottom }
 }
 
 /**
- * Paints a bar of which part of the motion is visible, if not all of it is.
+ * Paints a bar that shows which part of the motion is visible. Paints nothing if all of it is.
  *
  * @param {CanvasRenderingContext2D} context
  * @param {Theme} theme
@@ -129,7 +129,7 @@ export function paintVisible(context, theme, axis, span, top) {
  * @param {Theme} theme
  * @param {Axis} axis
  * @param {number} time
- * @param {{ bottom: number, text: string, isHead: boolean }} how `isHead` for the playhead, else what is pointed at
+ * @param {{ bottom: number, text: string, isHead: boolean }} how `isHead` for the playhead, else for the pointer
  */
 export function paintMoment(context, theme, axis, time, { bottom, text, isHead }) {
   const x = axis.x(time);

@@ -4,7 +4,7 @@ import { zoomByWheel } from './zoom.js';
 /** @import { Player } from '../player.js' */
 /** @import { Axis } from './ruler.js' */
 
-/** Seeks where the pointer goes down or is dragged, at whole frames, and reports what it points at. */
+/** Seeks whole frames by clicks and drags, and reports the time under the pointer. */
 export class Scrub {
   #isDown = false;
 

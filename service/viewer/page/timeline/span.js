@@ -5,7 +5,7 @@ const SHORTEST = 8; // frames that are visible at least
 /** @type {WeakMap<Player, Span>} */
 const spans = new WeakMap();
 
-/** The seconds that are visible. All time axes of a player share one, so that curves stand below the strips they belong to. */
+/** The visible seconds. All time axes of a player share them, so that a moment is at the same place in all of them. */
 export class Span {
   from = 0;
   to = 1;
@@ -35,7 +35,7 @@ export class Span {
   }
 
   /**
-   * Shows another motion: the same seconds if some of it is zoomed in on and still there, else all of it.
+   * Takes the duration of another motion. Keeps the visible seconds if they are zoomed in and within it, else shows all.
    *
    * @param {number} duration seconds
    */

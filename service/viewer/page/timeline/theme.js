@@ -10,7 +10,7 @@ const FALLBACKS = {
 };
 
 /**
- * Returns the colours of the page, as an element sees them. A canvas cannot read CSS variables, and a variable may hold an
+ * Returns the page's colours at an element. A canvas cannot read CSS variables, and a variable may hold an
  * expression such as light-dark(), so the browser resolves each one as the colour of a hidden element.
  *
  * @param {HTMLElement} element

@@ -16,11 +16,11 @@ const NARROW_EDGE = 18; // with the letter of a foot
 const HEADING = 14; // above a strip without a gutter
 export const BAR = 9; // height of the bar of what is visible, below the strips
 
-/** Strips over time: what the legs and the action do, and where the splice is good. Click or drag to seek. */
+/** Strips over time: phase, contacts, the action's clock, and distances. A click or a drag seeks. */
 export class Timeline {
   /** @type {TimelineData | undefined} */
   data = undefined;
-  /** Seconds that are pointed at; undefined if none are. @type {number | undefined} */
+  /** Seconds under the pointer; undefined if it is elsewhere. @type {number | undefined} */
   pointed = undefined;
   /** @type {Row[]} */
   #rows = [];
@@ -110,7 +110,7 @@ export class Timeline {
   }
 
   /**
-   * Yields the strips and where they are.
+   * Yields each strip and its box.
    *
    * @param {CanvasRenderingContext2D} context
    * @returns {Generator<[Row, Box]>}
@@ -197,7 +197,7 @@ export class Timeline {
    * @param {Row} row
    * @param {Box} box
    * @param {number} frame
-   * @param {boolean} isPointed
+   * @param {boolean} isPointed whether it is the value under the pointer
    */
   #value(row, { context, left, top, height }, frame, isPointed) {
     const isNarrow = this.#isNarrow;

@@ -92,7 +92,7 @@ export class Transport {
   /**
    * @param {Icon} shape
    * @param {string} name
-   * @param {string} key that does the same
+   * @param {string} key shortcut, for the tooltip
    * @param {() => void} act
    */
   #button(shape, name, key, act) {
@@ -106,7 +106,7 @@ export class Transport {
   }
 
   /**
-   * Returns a field that seeks. Text that is not understood is put back.
+   * Returns a field that seeks. Invalid text is replaced by the current value.
    *
    * @param {string} name
    * @param {string} className
@@ -129,7 +129,7 @@ export class Transport {
     });
     field.addEventListener('blur', leave);
     field.addEventListener('keydown', (event) => {
-      if (event.key === 'Escape') field.value = field.defaultValue;
+      if (event.key === 'Escape') field.value = ''; // no time: the blur writes the current one
       if (event.key === 'Escape' || event.key === 'Enter') field.blur();
     });
     return field;

@@ -39,8 +39,8 @@ export class Ribbon {
       if (frame) indices.push(2 * frame - 2, 2 * frame - 1, 2 * frame, 2 * frame - 1, 2 * frame + 1, 2 * frame);
     }
     this.#geometry.setIndex(indices);
-    for (const [name, values, size] of /** @type {const} */ ([['position', own, 3], ['back', back, 3], ['next', next, 3], ['time', frames, 1], ['side', sides, 1]])) {
-      this.#geometry.setAttribute(name, new BufferAttribute(values, size));
+    for (const [name, values] of Object.entries({ position: own, back, next, time: frames, side: sides })) {
+      this.#geometry.setAttribute(name, new BufferAttribute(values, values.length / (2 * count)));
     }
     this.#material = new ShaderMaterial({
       vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false, side: DoubleSide,

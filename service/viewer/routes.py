@@ -17,7 +17,7 @@ from starlette.exceptions import HTTPException
 TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}  # Starlette adds UTF-8
 METHODS = ["GET", "HEAD"]
 VENDOR = "vendor/"  # bundles, which have no comments
-COMMENT = re.compile(rb"^[ \t]*/\*\*.*?\*/[ \t]*\n", re.DOTALL | re.MULTILINE)  # a fifth of what is sent
+COMMENT = re.compile(rb"^[ \t]*/\*\*(?:(?!\*/).)*\*/[ \t]*\n", re.DOTALL | re.MULTILINE)  # a fifth of what is sent
 INDEX = "index.html"
 HEADERS = {
     # nothing from other hosts, no inline scripts; blobs are pictures, recordings and textures that the page makes

@@ -84,6 +84,9 @@ export class Stage {
     this.#key.position.set(x + 3, this.floor + 8, z + 4);
   }
 
+  /** Called when the canvas has another size, before it is drawn. */
+  onsize = () => {};
+
   /** Draws a picture. */
   draw() {
     this.#renderer.render(this.scene, this.camera);
@@ -102,6 +105,7 @@ export class Stage {
     const tall = HALF_HEIGHT * Math.max(1, height / width), wide = (tall * width) / height;
     Object.assign(this.orthographic, { left: -wide, right: wide, top: tall, bottom: -tall });
     this.orthographic.updateProjectionMatrix();
+    this.onsize();
     this.draw();
   }
 

@@ -45,6 +45,7 @@ export class View {
       this.#isTouched = true;
       this.onend();
     });
+    stage.onsize = () => { if (!this.#isTouched) this.#reset(); };
     this.#reset();
   }
 

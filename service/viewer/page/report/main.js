@@ -64,11 +64,11 @@ function missing(reason) {
   const lines = 'python -m bench.quality --bank BANK --out quality\nmotionsplice serve BANK --report quality/scores.json';
   return [
     make('h2', { class: 'title' }, 'No report'),
-    make('p', { class: 'warning' }, reason),
-    make('p', {}, 'Measure the bank with the benchmark, then serve it with the numbers:'),
+    ...(reason.startsWith('this service has no report') ? [] : [make('p', { class: 'warning' }, `⚠ ${reason}.`)]), // said below
+    make('p', {}, 'This service was started without a report, or cannot read it. Measure the bank with the benchmark, then serve it with the numbers:'),
     make('pre', { tabindex: 0 }, lines),
     make('p', {}, 'The benchmark is in the source of motionsplice, not in the installed package. '
-      + 'Without more, it judges every action on every locomotion. With --pairs PAIRS.csv it judges the pairs of a file with the columns '
-      + 'locomotion, action and truth, where the truth is a clip that shows what the splice should be.'),
+      + 'By default it judges every action on every locomotion. With --pairs PAIRS.csv it judges the pairs of a file with the columns '
+      + 'locomotion, action and truth: a clip that shows what the splice should be.'),
   ];
 }

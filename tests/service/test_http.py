@@ -271,7 +271,7 @@ def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -
 
 def test_the_examples_of_the_interactive_page_are_answered(client: TestClient) -> None:
     for path, operations in client.get("/openapi.json").json()["paths"].items():
-        if path in ("/v1/job", "/v1/job/events"):
+        if path in ("/v1/job", "/v1/job/events", "/v1/report"):  # settings that this service does not have
             continue
         for method, operation in operations.items():
             if (method, path) == ("post", "/v1/clips"):

@@ -8,7 +8,7 @@ const KINDS = { locomotion: 'Locomotion', action: 'Action' };
 
 /** @typedef {{ element: HTMLElement, wanted: () => Wanted, name?: HTMLInputElement, kind?: HTMLSelectElement }} Row */
 
-/** Asks what files are to be: the name, kind and tags of each. */
+/** Asks for the name, kind and tags of each file. */
 export class AddDialog {
   #kind = 'locomotion'; // as chosen the last time
 

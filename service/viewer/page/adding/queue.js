@@ -43,13 +43,13 @@ export class Queue {
   /** @param {Wanted[]} wanted in the order in which they are sent */
   add(wanted) {
     this.items = this.items.filter((one) => !wanted.some(({ name, suffix }) => one.state === 'failed' && one.name === name && one.suffix === suffix));
-    for (const one of wanted) this.items.push({ ...one, state: 'queued', text: 'Waits for the others', bank: '', isLost: false });
+    for (const one of wanted) this.items.push({ ...one, state: 'queued', text: 'Waiting for the others', bank: '', isLost: false });
     void this.#send();
   }
 
   /** @param {Item} item that was lost */
   retry(item) {
-    this.#set(item, 'queued', 'Waits for the others');
+    this.#set(item, 'queued', 'Waiting for the others');
     void this.#send();
   }
 
@@ -86,7 +86,7 @@ export class Queue {
     this.#set(item, 'sending', 'Sending', 0);
     const job = await send(this.service, { name: name + suffix, ...(isSkeleton ? {} : { kind, tags }) }, file, (share) => {
       if (share < 1) this.#set(item, 'sending', `Sending, ${Math.floor(100 * share)} %`, share);
-      else this.#set(item, 'checking', 'The service reads it');
+      else this.#set(item, 'checking', 'The service is reading it');
     });
     if (isSkeleton) {
       this.#set(item, 'done', 'Stored');
@@ -116,12 +116,12 @@ export class Queue {
   #take(job) {
     if (job && job.bank !== this.#banks.at(-1)) this.#banks.push(job.bank);
     for (const item of this.#those('aligning')) {
-      if (!job) this.#set(item, 'aligning', 'The connection is lost; trying again');
+      if (!job) this.#set(item, 'aligning', 'Connection lost, trying again');
       else if (item.name in job.failed) this.#set(item, 'failed', job.failed[item.name]);
       else if (!job.clips.includes(item.name) && job.state !== 'waiting') {
         item.bank = job.bank;
-        this.#set(item, 'loading', 'The service opens the new bank');
-      } else if (job.state === 'failed') this.#set(item, 'failed', job.error || 'The offline job failed; see the log of the service.');
+        this.#set(item, 'loading', 'The service is opening the new bank');
+      } else if (job.state === 'failed') this.#set(item, 'failed', job.error || 'The offline job failed. See the log of the service.');
       else this.#set(item, 'aligning', textOf(job), job.total ? job.done / job.total : undefined);
     }
     if (this.#those('loading').length) void this.#load();
@@ -137,7 +137,7 @@ export class Queue {
       const found = this.#those('loading').filter(({ bank }) => served >= this.#banks.lastIndexOf(bank));
       for (const item of found) this.#set(item, 'done', 'In the bank');
       if (found.length) this.onServed(found);
-      if (performance.now() > end) for (const item of this.#those('loading')) this.#set(item, 'failed', 'The service does not open the new bank; see its log.');
+      if (performance.now() > end) for (const item of this.#those('loading')) this.#set(item, 'failed', 'The service has not opened the new bank. See its log.');
       await pause(BETWEEN);
     }
     this.#isLoading = false;
@@ -162,7 +162,7 @@ export class Queue {
 
 /** @param {Job} job */
 export function textOf({ state, stage, done, total }) {
-  if (state !== 'running' || !stage) return 'Waits for the offline job';
+  if (state !== 'running' || !stage) return 'Waiting for the offline job';
   const name = stage[0].toUpperCase() + stage.slice(1);
   return total ? `${name}, ${done} of ${total} clips` : name;
 }

@@ -64,7 +64,7 @@ function missing(reason) {
   const lines = 'python -m bench.quality --bank BANK --out quality\nmotionsplice serve BANK --report quality/scores.json';
   return [
     make('h2', { class: 'title' }, 'No report'),
-    ...(reason.startsWith('this service has no report') ? [] : [make('p', { class: 'warning' }, `⚠ ${reason}.`)]), // said below
+    ...(reason.startsWith('this service has no report') ? [] : [make('p', { class: 'warning' }, `⚠ ${reason}.`)]), // the text below says it
     make('p', {}, 'This service was started without a report, or cannot read it. Measure the bank with the benchmark, then serve it with the numbers:'),
     make('pre', { tabindex: 0 }, lines),
     make('p', {}, 'The benchmark is in the source of motionsplice, not in the installed package. '

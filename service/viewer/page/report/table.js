@@ -8,7 +8,7 @@ import { painter, strip } from './strip.js';
 const HIGHEST = 20; // cm at the upper edge of the curves
 const NAMES = { locomotion: 'Locomotion', action: 'Action' };
 
-/** The pairs as a table that can be sorted and filtered. The address holds both, so that the way back from the viewer leads here. */
+/** The pairs as a table that can be sorted and filtered. The address holds both, so that Back in the viewer restores them. */
 export class PairTable {
   /** @type {Map<Pair, HTMLTableRowElement>} */
   #rows = new Map();

@@ -19,6 +19,7 @@ import { toggleSide, SIDE_NAMES } from './compared.js';
  * @property {(parts: Parts, key: string) => void} [run] without it, the key belongs to a part of the page and is only listed
  */
 
+const CROWDS = [0, 1, 10, 100, 1000];
 const VIEWS = ['free', 'front', 'side', 'top'];
 
 /** @type {Binding[]} */
@@ -37,7 +38,7 @@ export const BINDINGS = [
   { group: 'Play', keys: ['\\'], does: 'Repeat everything', run: ({ state }) => state.set({ from: 0, to: 0 }) },
   { group: 'Clips', keys: ['ArrowUp', 'ArrowDown'], does: 'Previous or next clip of the list used last', run: ({ lists }, key) => lists.step(key === 'ArrowUp' ? -1 : 1) },
   { group: 'Clips', keys: ['/'], does: 'Search', run: ({ lists }) => lists.find() },
-  { group: 'Clips', keys: ['Escape'], does: 'No action', run: ({ state }) => state.set({ action: '' }) },
+  { group: 'Clips', keys: ['Escape'], does: 'No action; end of a crowd', run: ({ state }) => state.set(state.values.crowd ? { crowd: 0 } : { action: '' }) },
   { group: 'Clips', keys: ['ContextMenu', 'Shift+F10'], does: 'Menu of a clip: mix in, compare as truth' },
   { group: 'Compare', keys: ['1', '2', '3', '4', '5'], does: 'Splice, naive, locomotion, action, truth', run: ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1]) },
   { group: 'Compare', keys: ['b'], does: 'Beside or over each other', run: ({ state }) => state.set({ layout: state.values.layout === 'over' ? 'beside' : 'over' }) },
@@ -47,6 +48,7 @@ export const BINDINGS = [
   { group: 'View', keys: ['t'], does: 'Trails of feet and hands', run: ({ state }) => state.set({ trails: !state.values.trails }) },
   { group: 'View', keys: ['p'], does: 'Path of the root', run: ({ state }) => state.set({ path: !state.values.path }) },
   { group: 'View', keys: ['c'], does: 'Contacts of the feet', run: ({ state }) => state.set({ contacts: !state.values.contacts }) },
+  { group: 'View', keys: ['n'], does: 'Crowd: none, 1, 10, 100, 1,000', run: ({ state }) => state.set({ crowd: CROWDS[(CROWDS.indexOf(state.values.crowd) + 1) % CROWDS.length] }) },
   { group: 'Export', keys: ['s'], does: 'Save a picture', run: ({ takeAway }) => takeAway.savePicture() },
   { group: 'Export', keys: ['u'], does: 'Copy the link', run: ({ takeAway }) => takeAway.copyLink() },
   { group: 'Export', keys: ['?'], does: 'These keys', run: ({ help }) => help.toggle() },

@@ -84,6 +84,18 @@ export class Stage {
     this.#key.position.set(x + 3, this.floor + 8, z + 4);
   }
 
+  /**
+   * Makes the floor and its shadows reach far enough for a crowd.
+   *
+   * @param {number} width metres from one side to the other; 0: one character
+   */
+  reach(width) {
+    this.#ground.reach(width);
+    const { camera } = this.#key.shadow, half = 4 + 0.72 * width; // the light looks at the crowd from a corner
+    Object.assign(camera, { left: -half, right: half, top: half, bottom: -half, near: Math.min(1, 8 - width), far: 22 + width });
+    camera.updateProjectionMatrix();
+  }
+
   /** Draws a picture. */
   draw() {
     this.#renderer.render(this.scene, this.camera);

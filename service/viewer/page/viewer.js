@@ -17,7 +17,7 @@ import { Transport } from './timeline/transport.js';
 const DRAWN = 250; // ms after which the address follows the state
 /** Values that change what the service is asked for. @type {Key[]} */
 const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'own', 'once', 'length', 'show', 'truth', 'against', 'crowd'];
-/** Values that choose what is played, and so end a crowd. @type {Key[]} */
+/** Clips: choosing another one ends a crowd. @type {Key[]} */
 const CHOSEN = ['locomotion', 'second', 'action', 'hands', 'truth'];
 
 /** The middle of the page: the stage and what lies below it. It shows what the state says. */
@@ -28,6 +28,7 @@ export class Viewer {
   #answered = 0; // of the newest request that was answered
   #before = 0;
   #camera = ''; // of the splice, while there is a crowd
+  #chosen = ''; // clips when the crowd began
   #isStale = true; // whether the picture is to be drawn again
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #address;
@@ -96,6 +97,11 @@ export class Viewer {
     }
   }
 
+  /** The clips that are chosen, as text. */
+  get #choice() {
+    return JSON.stringify(CHOSEN.map((key) => this.state.values[key]));
+  }
+
   /** Shows the crowd if the state asks for one, and else ends it. Returns whether there is one. */
   #gather() {
     const { crowd, state, view } = this;
@@ -114,7 +120,7 @@ export class Viewer {
       view.home();
       view.text = this.#camera;
     }
-    if (isNew) this.#sides = [];
+    if (isNew) [this.#sides, this.#chosen] = [[], this.#choice];
     return count > 0;
   }
 
@@ -164,7 +170,7 @@ export class Viewer {
   #changed(changed) {
     this.#isStale = true;
     this.#look(changed);
-    if (this.crowd.isOn && !changed.has('crowd') && CHOSEN.some((key) => changed.has(key))) this.state.set({ crowd: 0 });
+    if (this.crowd.isOn && !changed.has('crowd') && this.#chosen !== this.#choice) this.state.set({ crowd: 0 });
     else if (ASKED.some((key) => changed.has(key))) void this.refresh();
     if (changed.has('joint')) this.curves.show(this.#sides, this.state.values.joint);
     clearTimeout(this.#address);

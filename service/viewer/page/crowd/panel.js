@@ -16,7 +16,8 @@ const ROWS = {
   Characters: ['Characters that are shown', ({ characters }) => characters.toLocaleString('en')],
   Pictures: ['Pictures drawn in a second', ({ pictures }) => `${pictures.toFixed(0)} /s`],
   Frames: ['Frames received in a second', ({ frames }) => `${frames.toFixed(0)} /s`],
-  Script: ['Time that a picture’s script takes: median and worst of two seconds', ({ median, worst }) => `${median.toFixed(1)} ms, worst ${worst.toFixed(1)} ms`],
+  Script: ['Time that the script of a picture takes: median of the last two seconds', ({ median }) => `${median.toFixed(1)} ms`],
+  Worst: ['The longest of them', ({ worst }) => `${worst.toFixed(1)} ms`],
   Delay: ['How long after it is due a frame is shown', ({ delay }) => (delay === undefined ? '' : `${(1000 * delay).toFixed(0)} ms`)],
   Traffic: ['Kilobytes received in a second', ({ kilobytes }) => `${kilobytes.toLocaleString('en', { maximumFractionDigits: 0 })} kB/s`],
 };

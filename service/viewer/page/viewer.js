@@ -191,6 +191,7 @@ export class Viewer {
     this.#before = now;
     const { state, player } = this;
     if (this.crowd.isOn) {
+      this.#isStale = false;
       this.crowd.picture();
       return;
     }

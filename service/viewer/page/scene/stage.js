@@ -21,6 +21,8 @@ export class Stage {
   camera = this.perspective;
   controls;
   #renderer;
+  /** @type {(() => void)[]} */
+  #jobs = [];
   #ground = new Ground();
   #fill = new HemisphereLight();
   #key = new DirectionalLight();
@@ -31,6 +33,7 @@ export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.#renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.#renderer.debug.checkShaderErrors = false; // waits for the graphics card at each new shader
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = PCFShadowMap;
     this.#rim.position.set(-4, 5, -6);
@@ -99,6 +102,17 @@ export class Stage {
   /** Draws a picture. */
   draw() {
     this.#renderer.render(this.scene, this.camera);
+    for (const job of this.#jobs.splice(0)) job();
+  }
+
+  /**
+   * Does something after the next picture. What was removed is disposed of then: three.js would else forget shaders that
+   * the next picture needs, and compile them again.
+   *
+   * @param {() => void} job
+   */
+  later(job) {
+    this.#jobs.push(job);
   }
 
   /** Fits the picture to the canvas, and draws it. */

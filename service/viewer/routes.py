@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import re
 from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -16,6 +17,9 @@ from starlette.exceptions import HTTPException
 TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}  # Starlette adds UTF-8
 METHODS = ["GET", "HEAD"]
 INDEX = "index.html"
+VENDOR = "vendor/"
+# A line that begins a comment, up to the end of the line that ends it.
+COMMENTS = re.compile(rb"^[ \t]*(?://[^\n]*|/\*(?:[^*]|\*(?!/))*\*/[ \t]*)$", re.MULTILINE)
 HEADERS = {
     # nothing from other hosts, no inline scripts; blobs are pictures, recordings and textures that the page makes
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
@@ -49,10 +53,15 @@ def _found(folder: Traversable, path: str) -> list[tuple[str, File]]:
         if one.is_dir():
             found += _found(one, f"{path}{one.name}/")
         elif suffix in TYPES:
-            data = one.read_bytes()
+            data = one.read_bytes() if path == VENDOR else without_comments(one.read_bytes())
             etag = f'"{hashlib.blake2b(data, digest_size=16).hexdigest()}"'
             found.append((path + one.name, File(data, gzip.compress(data, mtime=0), TYPES[suffix], etag)))
     return found
+
+
+def without_comments(data: bytes) -> bytes:
+    """Empties the lines that have nothing but a comment, a quarter of the bytes sent. Line numbers stay."""
+    return COMMENTS.sub(lambda found: b"\n" * found.group().count(b"\n"), data)
 
 
 def viewer_routes() -> APIRouter:

@@ -10,7 +10,7 @@ from pydantic import SecretStr
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.app import create_app
 from motionsplice.service.settings import Settings
-from motionsplice.service.viewer.routes import page_files
+from motionsplice.service.viewer.routes import page_files, without_comments
 
 
 def test_the_page_and_all_it_loads_are_served(client: TestClient) -> None:
@@ -45,6 +45,16 @@ def test_its_files_are_compressed_and_cached(client: TestClient) -> None:
     assert packed.content == plain.content
     again = client.get("/view/main.js", headers={"if-none-match": plain.headers["etag"]})
     assert (again.status_code, again.content) == (304, b"")
+
+
+def test_comments_are_left_out_and_lines_keep_their_numbers() -> None:
+    for path, file in page_files().items():
+        source = (files("motionsplice.service.viewer") / "page" / path).read_bytes()
+        assert file.plain.count(b"\n") == source.count(b"\n")
+        assert file.plain == source or not path.startswith("vendor/")
+        assert b"\n/**" not in file.plain or path.startswith("vendor/")
+    source = b"/** Two\n * lines. */\nf('// text'); // why\n  // one line\n  g(`\n/* ${x}`);\n"
+    assert without_comments(source) == b"\n\nf('// text'); // why\n\n  g(`\n/* ${x}`);\n"
 
 
 def test_it_is_small() -> None:

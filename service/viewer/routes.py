@@ -16,10 +16,9 @@ from starlette.exceptions import HTTPException
 
 TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}  # Starlette adds UTF-8
 METHODS = ["GET", "HEAD"]
+VENDOR = "vendor/"  # bundles, which have no comments
+COMMENT = re.compile(rb"^[ \t]*/\*\*(?:(?!\*/).)*\*/[ \t]*\n", re.DOTALL | re.MULTILINE)  # a fifth of what is sent
 INDEX = "index.html"
-VENDOR = "vendor/"
-# A line that begins a comment, up to the end of the line that ends it.
-COMMENTS = re.compile(rb"^[ \t]*(?://[^\n]*|/\*(?:[^*]|\*(?!/))*\*/[ \t]*)$", re.MULTILINE)
 HEADERS = {
     # nothing from other hosts, no inline scripts; blobs are pictures, recordings and textures that the page makes
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
@@ -53,15 +52,12 @@ def _found(folder: Traversable, path: str) -> list[tuple[str, File]]:
         if one.is_dir():
             found += _found(one, f"{path}{one.name}/")
         elif suffix in TYPES:
-            data = one.read_bytes() if path == VENDOR else without_comments(one.read_bytes())
+            data = one.read_bytes()
+            if suffix == ".js" and not path.startswith(VENDOR):
+                data = COMMENT.sub(b"", data)
             etag = f'"{hashlib.blake2b(data, digest_size=16).hexdigest()}"'
             found.append((path + one.name, File(data, gzip.compress(data, mtime=0), TYPES[suffix], etag)))
     return found
-
-
-def without_comments(data: bytes) -> bytes:
-    """Empties the lines that have nothing but a comment, a quarter of the bytes sent. Line numbers stay."""
-    return COMMENTS.sub(lambda found: b"\n" * found.group().count(b"\n"), data)
 
 
 def viewer_routes() -> APIRouter:

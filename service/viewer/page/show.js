@@ -13,12 +13,11 @@ import { Quaternion, Vector3 } from './vendor/three.js';
 /** @import { SideName } from './takes.js' */
 
 const APART = 1.3; // metres between characters that stand beside each other
-const AHEAD = new Vector3(0, 0, 1), UP = new Vector3(0, 1, 0);
+const UP = new Vector3(0, 1, 0);
 
 /** One side as it is shown: its body, its traces, and where its joints are. */
 class Shown {
   moment = 0;
-  heading = 0;
 
   /**
    * @param {Side} side
@@ -39,7 +38,6 @@ export class Show {
   /** @type {Shown[]} */
   #shown = [];
   #turn = new Quaternion();
-  #facing = new Vector3();
 
   /**
    * @param {Stage} stage
@@ -102,8 +100,9 @@ export class Show {
     this.#shown.forEach((one, index) => this.#place(one, leading, index, values));
     const place = leading.path.at(leading.moment);
     this.stage.floor = leading.traces.floor;
-    this.view.wide(values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART);
-    this.view.at(place, place.heading);
+    const apart = values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART;
+    this.view.wide(apart);
+    this.view.at(place, apart ? leading.path.at(0).heading : place.heading); // in a turning view one would hide the other
     return this.#compare(values);
   }
 
@@ -116,8 +115,6 @@ export class Show {
     if (!pose?.rotations) return;
     one.pose = pose;
     one.moment = moment;
-    this.#facing.copy(AHEAD).applyQuaternion(this.#turn.fromArray(pose.rotations));
-    one.heading = Math.atan2(this.#facing.x, this.#facing.z);
   }
 
   /**
@@ -132,14 +129,16 @@ export class Show {
   #place(one, leading, index, values) {
     if (!one.pose || !leading.pose) return;
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
-    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, leading.heading - one.heading, leading.pose.root);
+    const { heading } = leading.path.at(0);
+    const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
+    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, headingOf(leading) - headingOf(one), leading.pose.root);
     one.body.style = values.body === 'stick' ? 'stick' : 'mannequin';
     one.body.opacity = values.layout === 'over' && index > 0 ? 0.45 : 1;
-    one.body.set(one.pose, [shift, 0, 0]);
+    one.body.set(one.pose, offset);
     const { trails, path, contacts } = values;
     const own = one.side.name !== 'action' || one === leading;
     one.traces.show({ trails: trails && own, path: path && own, contacts: contacts && own });
-    one.traces.offset([shift, 0, 0]);
+    one.traces.offset(offset);
     one.traces.at(one.moment);
   }
 
@@ -169,6 +168,11 @@ export class Show {
     const { joint, metres } = worst(found, joints);
     return { label: other.side.label, mean: mean(found, joints), worst: metres, joint: rig.joints[joint] };
   }
+}
+
+/** @param {Shown} one */
+function headingOf({ path, moment }) {
+  return path.at(moment).heading;
 }
 
 /**

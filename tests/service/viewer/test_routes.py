@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import posixpath
 import re
 from importlib.resources import files
 
@@ -10,7 +11,7 @@ from pydantic import SecretStr
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.app import create_app
 from motionsplice.service.settings import Settings
-from motionsplice.service.viewer.routes import page_files, without_comments
+from motionsplice.service.viewer.routes import page_files
 
 
 def test_the_page_and_all_it_loads_are_served(client: TestClient) -> None:
@@ -47,18 +48,24 @@ def test_its_files_are_compressed_and_cached(client: TestClient) -> None:
     assert (again.status_code, again.content) == (304, b"")
 
 
-def test_comments_are_left_out_and_lines_keep_their_numbers() -> None:
-    for path, file in page_files().items():
-        source = (files("motionsplice.service.viewer") / "page" / path).read_bytes()
-        assert file.plain.count(b"\n") == source.count(b"\n")
-        assert file.plain == source or not path.startswith("vendor/")
-        assert b"\n/**" not in file.plain or path.startswith("vendor/")
-    source = b"/** Two\n * lines. */\nf('// text'); // why\n  // one line\n  g(`\n/* ${x}`);\n"
-    assert without_comments(source) == b"\n\nf('// text'); // why\n\n  g(`\n/* ${x}`);\n"
+def test_it_is_small(client: TestClient) -> None:
+    """What the page loads at first, without what it imports when it is needed."""
+    found, waiting = {"index.html", "style.css", "timeline/timeline.css"}, ["main.js"]
+    while waiting:
+        path = waiting.pop()
+        found.add(path)
+        text = page_files()[path].plain.decode()
+        for name in re.findall(r"from ?['\"](\.[^'\"]+)", text) if not path.startswith("vendor/") else ():
+            target = posixpath.normpath(posixpath.join(posixpath.dirname(path), name))
+            waiting += [target] if target not in found else []
+    assert {"viewer.js", "vendor/three.js", "scene/body.js"} <= found
+    assert sum(len(page_files()[path].compressed) for path in found) < 250_000
 
 
-def test_it_is_small() -> None:
-    assert sum(len(file.compressed) for file in page_files().values()) < 250_000
+def test_modules_are_sent_without_their_comments(client: TestClient) -> None:
+    text = client.get("/view/player.js").text
+    assert "/**" not in text
+    assert "export class Player {" in text
 
 
 @pytest.mark.parametrize(

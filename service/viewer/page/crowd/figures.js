@@ -16,6 +16,7 @@ const COLOURS = ['#e08a3c', '#6f93c4', '#7fae86', '#c9a84e', '#a98bbd', '#c77b74
 const PARS = /* glsl */ `
   attribute vec4 skinIndex;
   attribute vec4 skinWeight;
+  attribute float shade;
   uniform highp sampler2D joints;
   mat4 jointMatrix(float joint) {
     int columns = textureSize(joints, 0).x / (JOINTS * ${TEXELS});
@@ -49,7 +50,7 @@ export class Figures {
     this.#stride = NUMBERS * joints;
     this.#values = new Float32Array(this.#stride * columns * rows);
     this.#texture = new DataTexture(this.#values, TEXELS * joints * columns, rows, RGBAFormat, FloatType);
-    this.object = new InstancedMesh(geometryOf(anatomy, count), this.#skinned(new MeshStandardMaterial({ vertexColors: true, roughness: 0.72 })), count);
+    this.object = new InstancedMesh(geometryOf(anatomy, count), this.#skinned(new MeshStandardMaterial({ roughness: 0.72 })), count);
     this.object.customDepthMaterial = this.#skinned(new MeshDepthMaterial());
     this.object.castShadow = true;
     this.object.frustumCulled = false;
@@ -107,6 +108,7 @@ export class Figures {
       shader.uniforms.joints = { value: this.#texture };
       for (const [chunk, text] of [
         ['skinning_pars_vertex', PARS], ['skinbase_vertex', BASE], ['skinnormal_vertex', 'objectNormal = mat3(jointed) * objectNormal;'],
+        ['color_vertex', 'vColor.rgb = instanceColor * (1.0 - abs(shade)) + max(shade, 0.0);'],
         ['skinning_vertex', 'transformed = (jointed * vec4(transformed, 1.0)).xyz;'],
       ]) shader.vertexShader = shader.vertexShader.replace(`#include <${chunk}>`, text);
     };
@@ -124,7 +126,7 @@ function geometryOf(anatomy, count) {
   geometry.setAttribute('position', new BufferAttribute(Float32Array.from(shape.positions), 3));
   geometry.setAttribute('skinIndex', new BufferAttribute(Uint16Array.from(shape.skinIndices), 4));
   geometry.setAttribute('skinWeight', new BufferAttribute(Float32Array.from(shape.skinWeights), 4));
-  geometry.setAttribute('color', new BufferAttribute(Float32Array.from(shape.shades.flatMap((shade) => Array(3).fill(1 + 0.7 * shade))), 3));
+  geometry.setAttribute('shade', new BufferAttribute(Float32Array.from(shape.shades), 1));
   geometry.setIndex(new BufferAttribute(Uint16Array.from(shape.indices), 1));
   geometry.computeVertexNormals();
   return geometry;

@@ -1,6 +1,6 @@
 import { byId } from './dom.js';
 
-/** What opens and closes: the columns on narrow screens, where they cover a part of the page, and the plots below the timeline. */
+/** Opens and closes the columns, which cover a part of the page on narrow screens, and the plots below the timeline. */
 export class Columns {
   constructor() {
     this.openers = [...document.querySelectorAll('.opener')].map((one) => /** @type {HTMLButtonElement} */ (one));
@@ -22,7 +22,7 @@ export class Columns {
   }
 
   /**
-   * Shows one plot below the timeline, or none: the stage keeps most of the room.
+   * Shows one plot below the timeline, or none. One at a time, so that the stage keeps its room.
    *
    * @param {HTMLElement | undefined} wanted
    */

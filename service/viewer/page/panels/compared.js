@@ -8,7 +8,7 @@ import { make } from './dom.js';
 
 export const SIDE_NAMES = /** @type {SideName[]} */ (Object.keys(SIDES));
 
-const MISSING = { splice: 'needs an action', naive: 'needs an action', locomotion: '', action: 'needs an action', truth: 'needs a truth clip' };
+const MISSING = { splice: 'no action', naive: 'no action', locomotion: '', action: 'no action', truth: 'no clip' };
 
 /**
  * Shows a side, or hides it. The order of the sides stays.
@@ -23,7 +23,7 @@ export function toggleSide(state, side) {
 }
 
 /**
- * The sides to choose from, each with its colour, its key, and why there is nothing to show.
+ * Returns the checkboxes of all sides, each with its colour, its key, and the reason if it has nothing to show.
  *
  * @param {State} state
  * @param {() => Catalogue} catalogue
@@ -37,7 +37,8 @@ export function sidesField(state, catalogue) {
     swatch.style.background = SIDES[side].colour;
     const why = make('span', { class: 'why' });
     const key = make('kbd', { 'aria-hidden': 'true' }, String(number + 1));
-    return { side, input, why, element: make('label', { class: 'toggle side' }, input, swatch, make('span', {}, SIDES[side].label), why, key) };
+    const label = make('span', {}, SIDES[side].label);
+    return { side, input, why, element: make('label', { class: 'toggle side' }, input, swatch, label, why, key) };
   });
   return {
     element: make('div', { class: 'sides', role: 'group', 'aria-label': 'Motions that are shown' }, ...rows.map((one) => one.element)),

@@ -5,11 +5,11 @@ import { askForToken } from './entry.js';
 
 /** @import { Service } from '../service.js' */
 
-const BETWEEN = 5000; // ms between two looks at whether the service is there
-const PAUSES = [500, 1000, 2000, 4000, 8000, 15_000]; // ms before it is tried again
-const GOOD_NEWS = 4000; // ms for which the banner says that the service is back
+const BETWEEN = 5000; // ms between checks of the service
+const PAUSES = [500, 1000, 2000, 4000, 8000, 15_000]; // ms before each retry
+const GOOD_NEWS = 4000; // ms for which the banner reports that the service is back
 
-/** A banner that says when the service is gone and when it is back, and notices when the service has another bank. */
+/** A banner that reports when the service is gone and when it is back. It also reloads the catalogue when the bank has changed. */
 export class Connection {
   #isGone = false;
   #tries = 0;
@@ -20,7 +20,7 @@ export class Connection {
    * @param {HTMLElement} banner a live region
    * @param {Service} service
    * @param {Catalogue} catalogue
-   * @param {(catalogue: Catalogue) => void} onReload called with the catalogue, after the service was gone or has another bank
+   * @param {(catalogue: Catalogue) => void} onReload called with the new catalogue, after the service came back or its bank changed
    */
   constructor(banner, service, catalogue, onReload) {
     this.banner = banner;
@@ -33,7 +33,7 @@ export class Connection {
   }
 
   /**
-   * Takes note of a request that has failed. Returns whether it failed for lack of a service.
+   * Handles a failed request. Returns whether it failed because the service did not answer.
    *
    * @param {unknown} error
    */

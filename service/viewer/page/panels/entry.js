@@ -10,7 +10,7 @@ import { byId, make } from './dom.js';
  * @returns {Promise<void>} when the service accepts the token
  */
 export function askForToken(service) {
-  asking ??= ask(service).finally(() => { asking = undefined; }); // requests that are refused together ask once
+  asking ??= ask(service).finally(() => { asking = undefined; }); // several refused requests open one dialog
   return asking;
 }
 
@@ -20,15 +20,17 @@ let asking;
 /** @param {Service} service */
 async function ask(service) {
   const dialog = /** @type {HTMLDialogElement} */ (byId('entry'));
-  const field = make('input', { type: 'password', id: 'entry-token', autocomplete: 'current-password', required: true, 'aria-describedby': 'entry-fault' });
+  const field = make('input', {
+    type: 'password', id: 'entry-token', autocomplete: 'current-password', required: true, 'aria-describedby': 'entry-fault',
+  });
   const fault = make('p', { id: 'entry-fault', role: 'alert', class: 'warning' });
   const submit = make('button', { class: 'primary' }, 'Enter');
   const form = make('form', { method: 'dialog' },
     make('h2', { id: 'entry-title' }, 'This service needs a token'),
-    make('p', { class: 'hint' }, 'It is the one that the service was started with. It is kept until you close this tab.'),
+    make('p', { class: 'hint' }, 'Enter the token that the service was started with. This tab keeps it until you close it.'),
     make('label', { for: 'entry-token', class: 'label' }, 'Token'), field, fault, submit);
   dialog.replaceChildren(form);
-  const reopen = () => dialog.showModal(); // browsers close a dialog at the second Escape, whatever the page says
+  const reopen = () => dialog.showModal(); // browsers close a dialog at the second Escape even if the page cancels it
   dialog.addEventListener('cancel', keepOpen);
   dialog.addEventListener('close', reopen);
   dialog.showModal();
@@ -50,7 +52,7 @@ async function ask(service) {
 }
 
 /**
- * Tries a token, and keeps it if the service accepts it. Returns why not, if it does not.
+ * Tries a token and keeps it if the service accepts it. Returns the fault, or an empty text.
  *
  * @param {Service} service
  * @param {string} token

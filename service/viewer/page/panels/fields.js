@@ -9,7 +9,7 @@ import { make, newId } from './dom.js';
  */
 
 /**
- * Few choices, all of them visible: radio buttons that look like one bar.
+ * Returns radio buttons that look like one bar, for few choices.
  *
  * @param {State} state
  * @param {Key} key
@@ -30,7 +30,7 @@ export function segments(state, key, label, choices) {
 }
 
 /**
- * Many choices.
+ * Returns a menu, for many choices.
  *
  * @param {State} state
  * @param {Key} key
@@ -57,13 +57,13 @@ export function select(state, key, label, choices, title) {
 }
 
 /**
- * A number: a slider, and a field for exact values, which may lie beyond the slider's end.
+ * Returns a slider and a number field. The field takes exact values, also beyond the slider's end.
  *
  * @param {State} state
  * @param {Key} key
  * @param {string} label
  * @param {{ unit: string, step: number, most: number | (() => number), limit?: number, scale?: number, title?: string }} how
- *   `scale`: what is shown for a value of 1
+ *   `scale`: the number shown for a value of 1
  * @returns {Field}
  */
 export function number(state, key, label, { unit, step, most, limit, scale = 1, title }) {
@@ -84,7 +84,7 @@ export function number(state, key, label, { unit, step, most, limit, scale = 1, 
     slider.ariaValueText = `${value} ${unit}`;
     if (document.activeElement !== field || field.valueAsNumber !== value) field.value = String(value);
   };
-  field.addEventListener('blur', sync); // what is not a number gives way to the value
+  field.addEventListener('blur', sync); // replaces invalid text by the value
   return {
     element: make('div', { class: 'field number' }, make('label', { for: id, class: 'label' }, label), slider,
       make('span', { class: 'value' }, field, make('span', { class: 'unit', 'aria-hidden': 'true' }, unit))),
@@ -93,6 +93,8 @@ export function number(state, key, label, { unit, step, most, limit, scale = 1, 
 }
 
 /**
+ * Returns a checkbox.
+ *
  * @param {State} state
  * @param {Key} key
  * @param {string} label
@@ -109,7 +111,7 @@ export function toggle(state, key, label, title) {
 }
 
 /**
- * Lays short fields beside each other.
+ * Returns fields side by side.
  *
  * @param {...Field} fields
  * @returns {Field}
@@ -122,7 +124,7 @@ export function row(...fields) {
 }
 
 /**
- * Hides a field while it has no effect.
+ * Returns a field that is hidden while it has no effect.
  *
  * @param {Field} field
  * @param {() => boolean} isShown
@@ -139,7 +141,7 @@ export function shownIf(field, isShown) {
 }
 
 /**
- * A line of text that depends on the state; without text it is hidden.
+ * Returns a line of text that depends on the state and is hidden while it is empty.
  *
  * @param {State} state
  * @param {(values: Values) => string} text

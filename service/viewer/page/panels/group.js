@@ -4,14 +4,14 @@ import { button, make, newId } from './dom.js';
 /** @import { Field } from './fields.js' */
 /** @import { Key, State, Values } from '../state.js' */
 
-/** Fields under a heading that folds them, with a button that resets their values. */
+/** A group of fields under a heading that folds them, with a button that resets their values. */
 export class Group {
   /**
    * @param {State} state
    * @param {string} title
    * @param {Key[]} keys the values that a reset sets to their defaults
    * @param {Field[]} fields
-   * @param {(values: Values) => string} [reason] why the fields have no effect; empty if they have
+   * @param {(values: Values) => string} [reason] the reason if the fields have no effect, else an empty text
    */
   constructor(state, title, keys, fields, reason = () => '') {
     this.state = state;

@@ -1,6 +1,7 @@
 import { button, make } from './dom.js';
 import { BINDINGS } from './keys.js';
 
+/** @type {Record<string, string>} */
 const SYMBOLS = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓', ContextMenu: 'Menu', Escape: 'Esc' };
 const MOUSE = [
   ['Drag', 'Orbit'],
@@ -11,7 +12,7 @@ const MOUSE = [
   ['Right click on a clip', 'Mix in, compare as truth'],
 ];
 
-/** The dialog that lists all keys, from the table that also runs them. */
+/** The dialog that lists all keys. It uses the same table as the key handler. */
 export class Help {
   /** @param {HTMLDialogElement} dialog */
   constructor(dialog) {
@@ -53,5 +54,6 @@ function line(keys, does) {
 
 /** @param {string} key */
 function shown(key) {
-  return key.split('+').map((part) => SYMBOLS[/** @type {keyof typeof SYMBOLS} */ (part)] ?? (part.length === 1 ? part.toUpperCase() : part)).join(' ');
+  const parts = key.split('+').map((part) => SYMBOLS[part] ?? (part.length === 1 ? part.toUpperCase() : part));
+  return parts.join(' ');
 }

@@ -1,7 +1,7 @@
 import { toggleSide, SIDE_NAMES } from './compared.js';
 
 /** @import { Player } from '../player.js' */
-/** @import { State } from '../state.js' */
+/** @import { State, Values } from '../state.js' */
 /** @import { Lists } from './lists.js' */
 /** @import { TakeAway } from './take_away.js' */
 
@@ -14,9 +14,9 @@ import { toggleSide, SIDE_NAMES } from './compared.js';
 /**
  * @typedef {object} Binding
  * @property {string} group
- * @property {string[]} keys as `KeyboardEvent.key` names them, with `Shift+` before names that are longer than one letter
+ * @property {string[]} keys as `KeyboardEvent.key` names them, with `Shift+` before names longer than one character
  * @property {string} does
- * @property {(parts: Parts, key: string) => void} [run] without it, the key belongs to a part of the page and is only listed
+ * @property {(parts: Parts, key: string) => void} [run] without it, the page handles the key elsewhere, and the table only lists it
  */
 
 const CROWDS = [0, 1, 10, 100, 1000];
@@ -24,39 +24,39 @@ const VIEWS = ['free', 'front', 'side', 'top'];
 
 /** @type {Binding[]} */
 export const BINDINGS = [
-  { group: 'Play', keys: ['Space'], does: 'Play or pause', run: ({ player }) => player.toggle() },
-  { group: 'Play', keys: ['ArrowLeft', 'ArrowRight'], does: 'One frame back or ahead', run: ({ player }, key) => player.step(key === 'ArrowLeft' ? -1 : 1) },
-  {
-    group: 'Play', keys: ['Shift+ArrowLeft', 'Shift+ArrowRight'], does: 'Ten frames back or ahead',
-    run: ({ player }, key) => player.step(key.endsWith('Left') ? -10 : 10),
-  },
-  { group: 'Play', keys: ['Home', 'End'], does: 'First or last frame of the range', run: ({ player }, key) => player.seek(player.range[key === 'Home' ? 0 : 1]) },
-  { group: 'Play', keys: ['j'], does: 'Play backwards; again: faster', run: (parts) => shuttle(parts, -1) },
-  { group: 'Play', keys: ['k'], does: 'Pause', run: ({ player, state }) => { if (state.values.playing) player.toggle(); } },
-  { group: 'Play', keys: ['l'], does: 'Play; again: faster', run: (parts) => shuttle(parts, 1) },
-  { group: 'Play', keys: ['[', ']'], does: 'Repeat from here, or to here', run: ({ player, state }, key) => range(player, state, key) },
-  { group: 'Play', keys: ['\\'], does: 'Repeat everything', run: ({ state }) => state.set({ from: 0, to: 0 }) },
-  { group: 'Clips', keys: ['ArrowUp', 'ArrowDown'], does: 'Previous or next clip of the list used last', run: ({ lists }, key) => lists.step(key === 'ArrowUp' ? -1 : 1) },
-  { group: 'Clips', keys: ['/'], does: 'Search', run: ({ lists }) => lists.find() },
-  { group: 'Clips', keys: ['Escape'], does: 'No action; end of a crowd', run: ({ state }) => state.set(state.values.crowd ? { crowd: 0 } : { action: '' }) },
-  { group: 'Clips', keys: ['ContextMenu', 'Shift+F10'], does: 'Menu of a clip: mix in, compare as truth' },
-  { group: 'Compare', keys: ['1', '2', '3', '4', '5'], does: 'Splice, naive, locomotion, action, truth', run: ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1]) },
-  { group: 'Compare', keys: ['b'], does: 'Beside or over each other', run: ({ state }) => state.set({ layout: state.values.layout === 'over' ? 'beside' : 'over' }) },
-  { group: 'View', keys: ['v'], does: 'Next view: free, front, side, top', run: ({ state }) => state.set({ view: VIEWS[(VIEWS.indexOf(state.values.view) + 1) % VIEWS.length] }) },
-  { group: 'View', keys: ['f'], does: 'Follow the character', run: ({ state }) => state.set({ follow: !state.values.follow }) },
-  { group: 'View', keys: ['m'], does: 'Mannequin or stick figure', run: ({ state }) => state.set({ body: state.values.body === 'stick' ? 'mannequin' : 'stick' }) },
-  { group: 'View', keys: ['t'], does: 'Trails of feet and hands', run: ({ state }) => state.set({ trails: !state.values.trails }) },
-  { group: 'View', keys: ['p'], does: 'Path of the root', run: ({ state }) => state.set({ path: !state.values.path }) },
-  { group: 'View', keys: ['c'], does: 'Contacts of the feet', run: ({ state }) => state.set({ contacts: !state.values.contacts }) },
-  { group: 'View', keys: ['n'], does: 'Crowd: none, 1, 10, 100, 1,000', run: ({ state }) => state.set({ crowd: CROWDS[(CROWDS.indexOf(state.values.crowd) + 1) % CROWDS.length] }) },
-  { group: 'Export', keys: ['s'], does: 'Save a picture', run: ({ takeAway }) => takeAway.savePicture() },
-  { group: 'Export', keys: ['u'], does: 'Copy the link', run: ({ takeAway }) => takeAway.copyLink() },
-  { group: 'Export', keys: ['?'], does: 'These keys', run: ({ help }) => help.toggle() },
+  bind('Play', ['Space'], 'Play or pause', ({ player }) => player.toggle()),
+  bind('Play', ['ArrowLeft', 'ArrowRight'], 'One frame back or ahead', ({ player }, key) => player.step(key === 'ArrowLeft' ? -1 : 1)),
+  bind('Play', ['Shift+ArrowLeft', 'Shift+ArrowRight'], 'Ten frames back or ahead',
+    ({ player }, key) => player.step(key.endsWith('Left') ? -10 : 10)),
+  bind('Play', ['Home', 'End'], 'First or last frame of the range', ({ player }, key) => player.seek(player.range[key === 'Home' ? 0 : 1])),
+  bind('Play', ['j'], 'Play backwards; again: faster', (parts) => shuttle(parts, -1)),
+  bind('Play', ['k'], 'Pause', ({ player, state }) => { if (state.values.playing) player.toggle(); }),
+  bind('Play', ['l'], 'Play; again: faster', (parts) => shuttle(parts, 1)),
+  bind('Play', ['[', ']'], 'Repeat from here, or to here', ({ player, state }, key) => range(player, state, key)),
+  bind('Play', ['\\'], 'Repeat everything', ({ state }) => state.set({ from: 0, to: 0 })),
+  bind('Clips', ['ArrowUp', 'ArrowDown'], 'Previous or next clip of the list used last',
+    ({ lists }, key) => lists.step(key === 'ArrowUp' ? -1 : 1)),
+  bind('Clips', ['/'], 'Search', ({ lists }) => lists.find()),
+  bind('Clips', ['Escape'], 'No action; end of a crowd', ({ state }) => state.set(state.values.crowd ? { crowd: 0 } : { action: '' })),
+  bind('Clips', ['ContextMenu', 'Shift+F10'], 'Menu of a clip: mix in, compare as truth'),
+  bind('Compare', ['1', '2', '3', '4', '5'], 'Splice, naive, locomotion, action, truth',
+    ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1])),
+  bind('Compare', ['b'], 'Beside or over each other', (parts) => next(parts, 'layout', ['beside', 'over'])),
+  bind('View', ['v'], 'Next view: free, front, side, top', (parts) => next(parts, 'view', VIEWS)),
+  bind('View', ['f'], 'Follow the character', (parts) => flip(parts, 'follow')),
+  bind('View', ['m'], 'Mannequin or stick figure', (parts) => next(parts, 'body', ['mannequin', 'stick'])),
+  bind('View', ['t'], 'Trails of feet and hands', (parts) => flip(parts, 'trails')),
+  bind('View', ['p'], 'Path of the root', (parts) => flip(parts, 'path')),
+  bind('View', ['c'], 'Contacts of the feet', (parts) => flip(parts, 'contacts')),
+  bind('View', ['n'], 'Crowd: none, 1, 10, 100, 1,000', (parts) => next(parts, 'crowd', CROWDS)),
+  bind('Export', ['s'], 'Save a picture', ({ takeAway }) => takeAway.savePicture()),
+  bind('Export', ['u'], 'Copy the link', ({ takeAway }) => takeAway.copyLink()),
+  bind('Export', ['?'], 'These keys', ({ help }) => help.toggle()),
 ];
 
-/** Runs what the table says, unless the key belongs to the element that has the focus. */
+/** Runs the bindings, except for keys that the focused element uses itself. */
 export class Keys {
-  #byPointer = false; // how the focus came to where it is
+  #byPointer = false; // whether the focus was last set by a click
 
   /** @param {Parts} parts */
   constructor(parts) {
@@ -70,7 +70,8 @@ export class Keys {
 
   /** @param {KeyboardEvent} event */
   #key(event) {
-    const isCommand = (event.ctrlKey || event.metaKey || event.altKey) && !event.getModifierState('AltGraph'); // AltGr types [ on many keyboards
+    const isAltGr = event.getModifierState('AltGraph'); // types [ on many keyboards
+    const isCommand = (event.ctrlKey || event.metaKey || event.altKey) && !isAltGr;
     if (event.defaultPrevented || isCommand) return;
     const key = nameOf(event);
     const target = event.target instanceof Element ? event.target : document.body;
@@ -91,8 +92,8 @@ function nameOf({ key, code, shiftKey }) {
 }
 
 /**
- * Whether an element uses a key itself. A button that was clicked leaves the space bar to the player, as in other tools
- * with a timeline; a button that was reached by Tab does not.
+ * Returns whether an element uses a key itself. After a click on a button the space bar still plays and pauses, as in other tools
+ * with a timeline. After Tab it presses the button.
  *
  * @param {Element} target
  * @param {string} key
@@ -109,7 +110,37 @@ function ownsKey(target, key, byPointer) {
 }
 
 /**
- * Plays in a direction; doubles the speed if it does so already.
+ * @param {string} group
+ * @param {string[]} keys
+ * @param {string} does
+ * @param {Binding['run']} [run]
+ * @returns {Binding}
+ */
+function bind(group, keys, does, run) {
+  return { group, keys, does, run };
+}
+
+/**
+ * @param {Parts} parts
+ * @param {'follow' | 'trails' | 'path' | 'contacts'} key
+ */
+function flip({ state }, key) {
+  state.set({ [key]: !state.values[key] });
+}
+
+/**
+ * Sets the value after the current one.
+ *
+ * @param {Parts} parts
+ * @param {keyof Values} key
+ * @param {(string | number)[]} values
+ */
+function next({ state }, key, values) {
+  state.set({ [key]: values[(values.findIndex((one) => one === state.values[key]) + 1) % values.length] });
+}
+
+/**
+ * Plays in a direction. Doubles the speed if it already plays in that direction.
  *
  * @param {Parts} parts
  * @param {1 | -1} direction

@@ -8,23 +8,23 @@ import { centimetres, make } from './dom.js';
  *
  * @typedef {object} Offer
  * @property {string} title
- * @property {'locomotion' | 'action' | 'hands'} key the value that a choice sets
- * @property {string} [none] label of the choice of no clip; without it, one is always chosen
+ * @property {'locomotion' | 'action' | 'hands'} key the value of the state that the list sets
+ * @property {string} [none] label of the option for no clip; without it, a clip is always chosen
  */
 
-const BADLY = 0.12; // metres: legs that are further from the baseline's are marked
+const BADLY = 0.12; // metres: clips with a larger mean mismatch are marked
 const MARKS = /** @type {const} */ ({ second: 'mix', truth: 'truth' });
 
 /**
- * One list of clips: a listbox whose choice follows the focus, so that walking through it with the arrows plays each clip.
- * While an arrow is held down, only the focus moves; the clip where it stops is played.
+ * One list of clips: a listbox whose selection follows the focus, so each arrow key plays the next clip.
+ * While an arrow key is held down, only the focus moves; on release, the focused clip plays.
  */
 export class Listing {
   /** @type {Map<string, HTMLElement>} */
   #options = new Map();
   /** @type {HTMLElement | undefined} */
   #active;
-  #isHeld = false; // an arrow that repeats
+  #isHeld = false; // whether an arrow key repeats
   /** @type {string[]} */
   names = [];
 
@@ -63,7 +63,7 @@ export class Listing {
    * Shows clips. A list without any is hidden.
    *
    * @param {string[]} names
-   * @param {Map<string, Clip>} clips what is known of them
+   * @param {Map<string, Clip>} clips their details, where known
    */
   fill(names, clips) {
     const hadFocus = this.box.contains(document.activeElement);
@@ -96,7 +96,7 @@ export class Listing {
     if (this.#active?.hidden) this.#activate(this.#rows()[0]);
   }
 
-  /** Shows which clip is chosen, and which ones are mixed in or the truth. */
+  /** Shows which clip is chosen, which one is mixed in and which one is the truth. */
   sync() {
     const { values } = this.state;
     const chosen = values[this.offer.key];
@@ -189,7 +189,8 @@ function option(name, clip) {
   row.append(
     make('span', { class: 'marks' }),
     make('span', { class: 'sign' }, ...warningSign(clip)),
-    make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' }, make('span', { class: 'unseen' }, ' mismatch '), centimetres(clip.mean_mismatch)),
+    make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' },
+      make('span', { class: 'unseen' }, ' mismatch '), centimetres(clip.mean_mismatch)),
     make('span', { class: 'seconds' }, ` ${clip.duration.toFixed(1)} s`),
     make('span', { class: 'more', 'aria-hidden': 'true', title: 'Mix in, compare as truth ... (Menu key)' }, '⋯'),
   );

@@ -5,7 +5,7 @@ import { RowMenu } from './row_menu.js';
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { State } from '../state.js' */
 
-/** The left column: a search over lists of locomotions, actions and hands, and what is known of the last choice. */
+/** The left column: a search field, the lists of locomotions, actions and hands, and details of the clip chosen last. */
 export class Lists {
   /**
    * @param {HTMLElement} element
@@ -24,9 +24,11 @@ export class Lists {
     this.all = [this.locomotions, this.actions, this.hands];
     /** The list that was used last. */
     this.current = this.actions;
-    this.search = make('input', { type: 'search', placeholder: 'Search clips and tags', 'aria-label': 'Search clips and tags', 'aria-keyshortcuts': '/' });
+    const label = 'Search clips and tags';
+    this.search = make('input', { type: 'search', placeholder: label, 'aria-label': label, 'aria-keyshortcuts': '/' });
     this.details = make('div', { class: 'details' });
-    element.replaceChildren(make('div', { class: 'search' }, this.search), ...this.all.map((one) => one.element), this.details, this.menu.element);
+    const lists = this.all.map((one) => one.element);
+    element.replaceChildren(make('div', { class: 'search' }, this.search), ...lists, this.details, this.menu.element);
     this.search.addEventListener('input', () => this.#filter());
     this.search.addEventListener('keydown', (event) => this.#key(event));
     for (const one of this.all) one.element.addEventListener('focusin', () => { this.current = one; });
@@ -69,8 +71,8 @@ export class Lists {
   }
 
   /**
-   * Offers the clips of a list's kind, and its choice: any clip can be the locomotion or the action, so a bank without actions
-   * offers all.
+   * Offers the clips of a list's kind. Any clip can be the locomotion or the action, so a list also offers its current choice, and
+   * all clips if the bank has none of its kind.
    *
    * @param {Listing} list
    */
@@ -102,12 +104,15 @@ export class Lists {
 
   #sync() {
     for (const one of this.all) one.sync();
-    const clip = this.catalogue.clips.get(this.state.values[this.current.offer.key]) ?? this.catalogue.clips.get(this.state.values.locomotion);
+    const { values } = this.state;
+    const { clips } = this.catalogue;
+    const clip = clips.get(values[this.current.offer.key]) ?? clips.get(values.action) ?? clips.get(values.locomotion);
     const [name, ...lines] = clip ? summary(clip).split('\n') : [''];
     const text = lines.join('\n');
     if (this.details.dataset.text === name + text) return;
     this.details.dataset.text = name + text;
-    this.details.replaceChildren(make('strong', {}, name), ...lines.map((line) => make('p', { class: line.startsWith('⚠') ? 'warning' : '' }, line)));
+    const paragraphs = lines.map((line) => make('p', { class: line.startsWith('⚠') ? 'warning' : '' }, line));
+    this.details.replaceChildren(make('strong', {}, name), ...paragraphs);
   }
 
   /** @param {KeyboardEvent} event */
@@ -125,7 +130,7 @@ export class Lists {
     event.preventDefault();
   }
 
-  /** The list used last if the search finds something there, or else the first where it does. */
+  /** The list used last if the search finds a clip in it, else the first list with a match. */
   get #found() {
     return [this.current, ...this.all].find((one) => !one.element.hidden && one.first);
   }

@@ -1,4 +1,4 @@
-/** The same take outside the page: as a line for a shell, and as lines of Python. Pure, so that tests can run what they give. */
+/** The code that gives a take outside the page: a shell command and a Python script. Pure functions, so tests can run the code. */
 
 /** @import { Command, Take } from '../takes.js' */
 
@@ -17,8 +17,8 @@ export function fileName(take) {
 }
 
 /**
- * Returns the line for a shell that saves a take as a file. A token is read from the shell's variable TOKEN, so that the line
- * can be sent to others.
+ * Returns a shell command that saves a take as a file. It reads the token from the shell's variable TOKEN, so the command can be
+ * shared.
  *
  * @param {string} url of the service
  * @param {Take} take
@@ -33,7 +33,7 @@ export function curlLine(url, take, format, hasToken) {
 }
 
 /**
- * Returns the lines of Python that give the same motion from the bank's folder, and save it as BVH.
+ * Returns a Python script that computes the same motion from the bank's folder and saves it as BVH.
  *
  * @param {Take} take
  * @param {string} bank its digest
@@ -66,8 +66,10 @@ Path(${python(`${name}.bvh`)}).write_bytes(dump_bvh(clip))
 `;
 }
 
-/** Defaults of Python's Action, which need not be written. @type {Record<string, unknown>} */
-const ACTION = { when: 'now', start: 0, weight: 1, mask: 'upper_body', method: 'splice', posture: 'relative', loop: true, own_clock: false };
+/** Defaults of Python's `Action`; the script omits them. @type {Record<string, unknown>} */
+const ACTION = {
+  when: 'now', start: 0, weight: 1, mask: 'upper_body', method: 'splice', posture: 'relative', loop: true, own_clock: false,
+};
 
 /** @param {Command} command */
 function call({ at, do: name, action, hands, ...settings }) {
@@ -78,7 +80,7 @@ function call({ at, do: name, action, hands, ...settings }) {
 }
 
 /**
- * Returns a value as Python writes it. A text in JSON's quotes is one in Python's.
+ * Returns a value as a Python literal. A JSON string is a valid Python string.
  *
  * @param {unknown} value
  * @returns {string}

@@ -5,7 +5,7 @@ const TYPE = ['video/webm;codecs=vp9', 'video/webm;codecs=vp8', 'video/webm']
   .find((type) => globalThis.MediaRecorder?.isTypeSupported(type) && 'captureStream' in HTMLCanvasElement.prototype);
 const BITS = 12e6; // a second
 
-/** Records the canvas while the repeated range plays once. The page plays as usual, so a slow machine gives fewer pictures. */
+/** Records the canvas while the repeated range plays once, in real time: a slow machine records fewer pictures. */
 export class Recorder {
   static isPossible = TYPE !== undefined;
   #isStopped = false;
@@ -21,7 +21,7 @@ export class Recorder {
     this.state = state;
   }
 
-  /** Ends the recording early; what was recorded is kept. */
+  /** Ends the recording early and keeps what was recorded. */
   stop() {
     this.#isStopped = true;
   }

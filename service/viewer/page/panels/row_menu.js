@@ -3,7 +3,7 @@ import { button, make } from './dom.js';
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { State, Values } from '../state.js' */
 
-/** What else a clip can be than the choice of its list: mixed in, the truth, or a clip of the other kind. */
+/** The menu of a clip: mix it in, compare it as the truth, or play it as the locomotion or the action. */
 export class RowMenu {
   /** @type {HTMLElement | undefined} */
   #row;
@@ -52,7 +52,7 @@ export class RowMenu {
   /**
    * @param {string} label
    * @param {Partial<Values>} values
-   * @param {boolean} [isDone] whether it is so already
+   * @param {boolean} [isDone] whether the state has these values already
    */
   #item(label, values, isDone = false) {
     return button(label, () => {

@@ -1,6 +1,6 @@
 import { SIDES, takeOf } from '../takes.js';
 import { SIDE_NAMES } from './compared.js';
-import { button, make, newId } from './dom.js';
+import { button, byId, make, newId } from './dom.js';
 import { curlLine, fileName, pythonLines } from './recipes.js';
 import { Recorder } from './recorder.js';
 
@@ -10,12 +10,15 @@ import { Recorder } from './recorder.js';
 /** @import { State } from '../state.js' */
 /** @import { SideName, Take } from '../takes.js' */
 
+const NOTICE = 3000; // ms for which a report stays over the stage
 const FORMATS = { bvh: 'BVH', glb: 'GLB', gltf: 'glTF', vrma: 'VRMA' };
 
-/** What is seen, taken elsewhere: as files of motion, pictures, a link, or lines that give the same. */
+/** The export panel: motion files, pictures, a link, and code that gives the same motion. */
 export class TakeAway {
   /** @type {Recorder | undefined} */
   #recorder;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
 
   /**
    * @param {HTMLElement} element
@@ -50,7 +53,8 @@ export class TakeAway {
       this.text, this.status,
     );
     state.on(() => this.#offer());
-    element.addEventListener('toggle', () => {
+    element.addEventListener('toggle', (event) => {
+      if (/** @type {ToggleEvent} */ (event).newState === 'closed') return;
       this.status.textContent = '';
       this.text.hidden = true;
     });
@@ -67,7 +71,7 @@ export class TakeAway {
     const link = new URL(location.href);
     link.search = this.state.query.toString();
     link.searchParams.set('time', this.player.time.toFixed(4));
-    link.searchParams.set('playing', 'false'); // the colleague sees the moment that is meant
+    link.searchParams.set('playing', 'false'); // the link opens at this moment
     await this.#copy('The link', link.href);
   }
 
@@ -88,7 +92,9 @@ export class TakeAway {
     const take = this.#take;
     if (!take) return;
     const { service, sides } = this;
-    const text = kind === 'curl' ? curlLine(service.url, take, 'bvh', service.token !== undefined) : pythonLines(take, sides.catalogue.server.bank);
+    const text = kind === 'curl'
+      ? curlLine(service.url, take, 'bvh', service.token !== undefined)
+      : pythonLines(take, sides.catalogue.server.bank);
     await this.#copy(kind === 'curl' ? 'The curl line' : 'The Python lines', text);
   }
 
@@ -101,7 +107,7 @@ export class TakeAway {
     this.#recorder = new Recorder(canvas, this.player, this.state);
     this.video.textContent = 'Stop recording';
     await this.#trying('Recording ...', async () => {
-      const video = await this.#recorder?.record((share) => { this.status.textContent = `Recording ... ${Math.round(100 * share)} %`; });
+      const video = await this.#recorder?.record((share) => this.#say(`Recording ... ${Math.round(100 * share)} %`));
       if (video) this.#save(video, 'webm');
     });
     this.#recorder = undefined;
@@ -131,11 +137,11 @@ export class TakeAway {
     const url = URL.createObjectURL(data);
     make('a', { href: url, download: name }).click();
     setTimeout(() => URL.revokeObjectURL(url), 60_000);
-    this.status.textContent = `Saved ${name}, ${size(data.size)}.`;
+    this.#say(`Saved ${name}, ${size(data.size)}.`);
   }
 
   /**
-   * Copies a text; shows it where the browser does not let a page copy.
+   * Copies a text and shows it, in case the browser does not let the page copy.
    *
    * @param {string} what
    * @param {string} text
@@ -144,13 +150,27 @@ export class TakeAway {
     this.text.value = text;
     this.text.hidden = false;
     const isCopied = await navigator.clipboard?.writeText(text).then(() => true, () => false) ?? this.#copyOldWay();
-    this.status.textContent = isCopied ? `${what} ${what.endsWith('s') ? 'are' : 'is'} on the clipboard.` : 'Copy the text above.';
+    this.#say(isCopied ? `${what} ${what.endsWith('s') ? 'are' : 'is'} on the clipboard.` : 'Copy the text that Export shows.');
   }
 
-  /** Copies the text that is shown, where the page has no clipboard: without HTTPS, except on this machine. */
+  /** Copies the visible text without the clipboard API, which browsers offer only over HTTPS and on localhost. */
   #copyOldWay() {
     this.text.select();
     return document.execCommand('copy');
+  }
+
+  /**
+   * Reports in the panel if it is open, else for a moment over the stage.
+   *
+   * @param {string} text
+   */
+  #say(text) {
+    this.status.textContent = text;
+    if (this.element.matches(':popover-open')) return;
+    const notice = byId('notice');
+    notice.textContent = text;
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => notice.replaceChildren(), NOTICE);
   }
 
   /**
@@ -158,11 +178,11 @@ export class TakeAway {
    * @param {() => Promise<void>} work
    */
   async #trying(meanwhile, work) {
-    this.status.textContent = meanwhile;
+    this.#say(meanwhile);
     try {
       await work();
     } catch (error) {
-      this.status.textContent = error instanceof Error ? error.message : String(error);
+      this.#say(error instanceof Error ? error.message : String(error));
     }
   }
 }

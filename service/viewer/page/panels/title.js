@@ -1,7 +1,7 @@
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { State } from '../state.js' */
 
-/** Says which bank is open, and gives the tab the name of what is played. */
+/** Names the bank in the page's head, and the current clips in the tab's title. */
 export class Title {
   /**
    * @param {HTMLElement} element

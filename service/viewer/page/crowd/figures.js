@@ -127,7 +127,7 @@ function geometryOf(anatomy, count) {
   geometry.setAttribute('skinIndex', new BufferAttribute(Uint16Array.from(shape.skinIndices), 4));
   geometry.setAttribute('skinWeight', new BufferAttribute(Float32Array.from(shape.skinWeights), 4));
   geometry.setAttribute('shade', new BufferAttribute(Float32Array.from(shape.shades), 1));
-  geometry.setIndex(new BufferAttribute(Uint16Array.from(shape.indices), 1));
+  geometry.setIndex(shape.indices);
   geometry.computeVertexNormals();
   return geometry;
 }

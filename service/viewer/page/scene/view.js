@@ -156,7 +156,7 @@ export class View {
       const turn = this.#heading + 0.58 / (1 + 0.5 * this.#width); // more from the front, so that no body hides another
       const tall = Math.max(TALL, (this.#width + ARMS) / perspective.aspect);
       const rise = this.#deep ? CROWD_RISE : RISE;
-      const away = tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + (this.#deep ? 0.62 : 0.35) * this.#width;
+      const away = tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + (this.#deep ? 0.52 : 0.35) * this.#width;
       camera.position.set(Math.sin(turn) * Math.cos(rise), Math.sin(rise), Math.cos(turn) * Math.cos(rise)).multiplyScalar(away).add(this.#place);
     } else {
       const [left, up, ahead] = FROM[this.#name];

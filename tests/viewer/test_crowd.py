@@ -51,10 +51,11 @@ def test_a_crowd_moves_and_says_what_it_costs(view: View) -> None:
     assert 10 <= int(found["Delay"].split()[0]) < 2000
     assert int(found["Traffic"].split()[0]) > 20
     moved: Any = view.run(
-        """const root = () => [...viewer.crowd.company.connection.characters.values()].map((one) => [...one.pose().rotations]);
-        const before = root();
+        """const { characters } = viewer.crowd.company.connection;
+        const turns = () => [...characters.values()].map((one) => [...one.pose().rotations]);
+        const before = turns();
         await new Promise((resolve) => setTimeout(resolve, 300));
-        return root().map((one, index) => Math.max(...one.map((value, at) => Math.abs(value - before[index][at]))))"""
+        return turns().map((one, index) => Math.max(...one.map((value, at) => Math.abs(value - before[index][at]))))"""
     )
     assert min(moved) > 1e-3
 
@@ -63,7 +64,7 @@ def test_it_grows_shrinks_and_ends(view: View, service: Running) -> None:
     gather(view, 1)
     view.page.keyboard.press("n")
     wait(view, "viewer.crowd.shown === 10")
-    view.page.get_by_role("radiogroup", name="Characters").get_by_text("100", exact=True).click()
+    view.page.get_by_role("radiogroup", name="Characters").get_by_role("radio", name="100", exact=True).check()
     wait(view, "viewer.crowd.shown === 100")
     view.run("state.set({ crowd: 3 })")
     wait(view, "viewer.crowd.shown === 3 && viewer.crowd.company.connection.characters.size === 3")
@@ -108,7 +109,8 @@ def test_its_colours_are_on_the_canvas(view: View) -> None:
         const { data } = copy.getImageData(0, 0, width, height);
         let coloured = 0;
         for (let at = 0; at < data.length; at += 4) {
-          coloured += Math.max(data[at], data[at + 1], data[at + 2]) - Math.min(data[at], data[at + 1], data[at + 2]) > 60;
+          const pixel = data.slice(at, at + 3);
+          coloured += Math.max(...pixel) - Math.min(...pixel) > 60;
         }
         return coloured"""
     )

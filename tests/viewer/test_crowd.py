@@ -93,9 +93,9 @@ def test_choosing_a_clip_ends_it_and_the_camera_is_that_of_the_splice(view: View
     view.run("state.set({ crowd: 10 })")
     wait(view, "viewer.crowd.shown === 10")
     assert view.run(camera) != before
-    view.page.locator("#lists").get_by_role("option").filter(has_text="punch").click()
+    view.page.locator("#lists").get_by_role("option").filter(has_text="carry_box").click()
     view.settle()
-    assert view.run("return [state.values.crowd, state.values.action]") == [0, "punch"]
+    assert view.run("return [state.values.crowd, state.values.action]") == [0, "carry_box"]
     assert view.run(camera) == before
 
 

@@ -155,6 +155,7 @@ class Played:
     def play(self, first: int, end: int) -> None:
         """Plays the next frames. Raises MotionError about a command."""
         roots, rotations = self.poses.root_positions, self.poses.rotations
+        states = []
         for frame in range(first, end):
             if frame:
                 for event in self._scene.advance():
@@ -163,6 +164,7 @@ class Played:
             for command in self._take.commands.get(frame, ()):
                 self._scene.do(command)
             self._scene.evaluate(Poses(roots[frame : frame + 1], rotations[frame : frame + 1]))
-            state = self._scene.characters.state
-            self.phases[frame] = phases(state)[0]
-            self.times[frame] = action_times(state, self._rates)[0]
+            states.append(self._scene.characters.state[0].copy())
+        rows = np.array(states)
+        self.phases[first:end] = phases(rows)
+        self.times[first:end] = action_times(rows, self._rates)

@@ -147,6 +147,11 @@ export class Connection {
     return this.#ask(listed, (frame) => listed.forEach((one) => this.#note(one, frame)));
   }
 
+  /** Seconds after a frame is due at which it is shown; undefined before the first one. */
+  get delay() {
+    return this.#playback.delay;
+  }
+
   /** Closes the connection for good. */
   close() {
     this.#link.close();

@@ -49,6 +49,14 @@ async function map(url, token, body) {
 }
 
 /**
+ * Rigs that were fetched, by their address, so that motions of one bank share one.
+ *
+ * @type {Map<string, Promise<Rig>>}
+ */
+const RIGS = new Map();
+const MOST_RIGS = 8;
+
+/**
  * @param {any} message
  * @param {string} url
  * @param {string | undefined} token
@@ -57,8 +65,12 @@ async function map(url, token, body) {
  */
 async function motionOf(message, url, token, axes, encoding) {
   const skeleton = address(url, `/v1/banks/${message.bank}/skeleton`, { axes }); // of the bank that made the frames
-  const rig = new Rig({ ...await (await get(skeleton, token)).json(), bank: message.bank }, axes);
-  return new Motion(rig, message.rate).add(new Frames(message, rig, encoding));
+  const rig = RIGS.get(skeleton.href) ?? get(skeleton, token).then(async (answer) => new Rig({ ...await answer.json(), bank: message.bank }, axes));
+  RIGS.delete(skeleton.href);
+  RIGS.set(skeleton.href, rig); // the newest last
+  if (RIGS.size > MOST_RIGS) RIGS.delete(/** @type {string} */ (RIGS.keys().next().value));
+  rig.catch(() => RIGS.delete(skeleton.href));
+  return new Motion(await rig, message.rate).add(new Frames(message, await rig, encoding));
 }
 
 /**

@@ -74,6 +74,13 @@ test('it asks for what it is given', async () => {
   assert.ok(socket.isClosed);
 });
 
+test('the delay is known once there are frames', async () => {
+  const { service, socket } = await withCharacters();
+  assert.equal(service.delay, undefined);
+  socket.hear(FRAMES);
+  assert.ok(service.delay > 0 && service.delay < 1);
+});
+
 test('a promise resolves to the frame of its own reply, or is rejected with the reason', async () => {
   const { socket, hero } = await withCharacters();
   const acts = [hero.act('wave', { blendOut: 0.2, ownClock: [0, 1], when: undefined }), hero.speed(2), hero.wear(null)];

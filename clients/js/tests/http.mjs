@@ -30,6 +30,7 @@ const taken = await take(url, { frames: 60, commands }, { token });
 const [pose, same] = [taken.motion.pose(0.5), (await splice(url, what, { token, rate: 60 })).pose(0.5)];
 worst.take = Math.max(...pose.rotations.slice(4).map((one, at) => Math.abs(one - same.rotations[4 + at]))); // the root may head elsewhere
 if (taken.phases.length !== 60 || !(taken.actionTimes[59] > taken.actionTimes[0]) || !taken.events.some(({ event }) => event === 'left_down')) throw new Error('a take has no moments');
+if ((await splice(url, what, { token })).rig !== taken.motion.rig) throw new Error('motions of one bank have two rigs');
 let seen = 0;
 const { frames } = await stream(url, { ...what, pace: 'realtime' }, { token });
 for await (const message of frames) if ((seen += message.count) === 3) break; // which ends the request

@@ -1,5 +1,6 @@
 import { Adding } from './adding/panel.js';
 import { Catalogue } from './catalogue.js';
+import { Aim } from './panels/aim.js';
 import { Columns } from './panels/columns.js';
 import { Connection } from './panels/connection.js';
 import { Controls } from './panels/controls.js';
@@ -53,6 +54,9 @@ const title = new Title(element('bank'), catalogue, state);
 const help = new Help(/** @type {HTMLDialogElement} */ (element('help')));
 element('show-help').addEventListener('click', () => help.toggle());
 new Columns();
+new Aim(element('lists'), (key, name) => {
+  if (!state.values.crowd) sides.of({ ...state.values, [key]: name }).catch(() => {}); // a click tries again, and says why
+});
 
 const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
 const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);

@@ -57,14 +57,17 @@ export class Show {
    * @param {Values} values
    */
   sides(sides, values) {
-    for (const one of this.#shown) {
+    const before = this.#shown;
+    this.#shown = sides.map((side) => before.find((one) => one.side === side) ?? this.#begin(side, values));
+    for (const one of before) {
       if (sides.includes(one.side)) continue;
       this.stage.remove(one.body.object);
       this.stage.remove(one.traces.object);
-      one.body.dispose();
-      one.traces.dispose();
+      this.stage.later(() => {
+        one.body.dispose();
+        one.traces.dispose();
+      });
     }
-    this.#shown = sides.map((side) => this.#shown.find((one) => one.side === side) ?? this.#begin(side, values));
   }
 
   /**

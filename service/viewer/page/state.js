@@ -38,6 +38,7 @@ export const DEFAULTS = {
   path: true,
   contacts: true,
   joint: '', // whose curves are shown
+  crowd: 0, // characters that are shown instead, live; 0: none
 };
 
 /** The values of the page. Listeners hear which of them have changed, at most once a picture. */

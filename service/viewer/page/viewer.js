@@ -1,3 +1,4 @@
+import { Crowd } from './crowd/crowd.js';
 import { contactsOf, differencesOf, mismatchesOf } from './facts.js';
 import { Readout } from './readout.js';
 import { Show } from './show.js';
@@ -15,7 +16,9 @@ import { Transport } from './timeline/transport.js';
 
 const DRAWN = 250; // ms after which the address follows the state
 /** Values that change what the service is asked for. @type {Key[]} */
-const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'own', 'once', 'length', 'show', 'truth', 'against'];
+const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'own', 'once', 'length', 'show', 'truth', 'against', 'crowd'];
+/** Clips: choosing another one ends a crowd. @type {Key[]} */
+const CHOSEN = ['locomotion', 'second', 'action', 'hands', 'truth'];
 
 /** The middle of the page: the stage and what lies below it. It shows what the state says. */
 export class Viewer {
@@ -24,6 +27,8 @@ export class Viewer {
   #asked = 0; // number of the newest request
   #answered = 0; // of the newest request that was answered
   #before = 0;
+  #camera = ''; // of the splice, while there is a crowd
+  #chosen = ''; // clips when the crowd began
   #isStale = true; // whether the picture is to be drawn again
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #address;
@@ -50,6 +55,7 @@ export class Viewer {
     this.timeline = new Timeline(element('timeline'), player);
     this.curves = new Curves(element('curves'), player);
     this.grid = new Grid(element('grid'), player);
+    this.crowd = new Crowd(element('crowd'), this.stage, this.view, sides.service, () => sides.catalogue, () => state.set({ crowd: 0 }));
     this.#look(new Set(['view', 'follow']));
     if (state.values.camera) this.view.text = state.values.camera;
     this.view.onchange = () => { this.#isStale = true; };
@@ -75,6 +81,10 @@ export class Viewer {
   /** Asks for what the state says, and shows it. */
   async refresh() {
     const number = ++this.#asked;
+    if (this.#gather()) {
+      this.#answered = number;
+      return;
+    }
     try {
       const found = await this.sides.of(this.state.values);
       if (number === this.#asked) this.#take(found);
@@ -85,6 +95,33 @@ export class Viewer {
     } finally {
       if (number === this.#asked) this.#answered = number;
     }
+  }
+
+  /** The clips that are chosen, as text. */
+  get #choice() {
+    return JSON.stringify(CHOSEN.map((key) => this.state.values[key]));
+  }
+
+  /** Shows the crowd if the state asks for one, and else ends it. Returns whether there is one. */
+  #gather() {
+    const { crowd, state, view } = this;
+    const count = Math.max(0, Math.floor(state.values.crowd));
+    const isNew = !crowd.isOn && count > 0, isOver = crowd.isOn && !count;
+    document.body.classList.toggle('crowd', count > 0);
+    crowd.set(count);
+    if (isNew) this.show.sides([], state.values);
+    if (isNew && this.#sides.length) { // else the camera of the address is the crowd's
+      this.#camera = state.values.camera;
+      state.set({ camera: '' });
+      view.home();
+    }
+    if (isOver) {
+      state.set({ camera: this.#camera });
+      view.home();
+      view.text = this.#camera;
+    }
+    if (isNew) [this.#sides, this.#chosen] = [[], this.#choice];
+    return count > 0;
   }
 
   /** @param {Side[]} sides */
@@ -133,7 +170,8 @@ export class Viewer {
   #changed(changed) {
     this.#isStale = true;
     this.#look(changed);
-    if (ASKED.some((key) => changed.has(key))) void this.refresh();
+    if (this.crowd.isOn && !changed.has('crowd') && this.#chosen !== this.#choice) this.state.set({ crowd: 0 });
+    else if (ASKED.some((key) => changed.has(key))) void this.refresh();
     if (changed.has('joint')) this.curves.show(this.#sides, this.state.values.joint);
     clearTimeout(this.#address);
     this.#address = setTimeout(() => history.replaceState(null, '', `?${this.state.query}`), DRAWN);
@@ -153,6 +191,11 @@ export class Viewer {
     const passed = Math.min(0.25, (now - this.#before) / 1000); // a page that was hidden goes on where it was
     this.#before = now;
     const { state, player } = this;
+    if (this.crowd.isOn) {
+      this.#isStale = false;
+      this.crowd.picture();
+      return;
+    }
     if (!state.values.playing && !this.#isStale) return;
     this.#isStale = false;
     const time = player.advance(passed);

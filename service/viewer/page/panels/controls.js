@@ -31,7 +31,7 @@ export class Controls {
   constructor(element, catalogue, state) {
     this.catalogue = catalogue;
     this.state = state;
-    this.groups = [this.#compare(), this.#action(), this.#mix(), this.#camera(), this.#show(), this.#length()];
+    this.groups = [this.#compare(), this.#action(), this.#mix(), this.#camera(), this.#show(), this.#length(), this.#crowd()];
     element.replaceChildren(...this.groups.map((group) => group.element));
     state.on(() => this.#sync());
   }
@@ -125,6 +125,16 @@ export class Controls {
       row(toggle(state, 'trails', 'Trails', 'Paths of feet and hands'), toggle(state, 'path', 'Path', 'Path of the root'),
         toggle(state, 'contacts', 'Contacts', 'Where the feet stand')),
       select(state, 'joint', 'Curves of', () => ({ '': 'No joint', ...Object.fromEntries(this.#joints.map((name) => [name, name])) })),
+    ]);
+  }
+
+  #crowd() {
+    const { state } = this;
+    const most = this.catalogue.server.limits.max_characters ?? Infinity;
+    const steps = [1, 10, 100, 1000].filter((step) => step <= most);
+    return new Group(state, 'Crowd', ['crowd'], [
+      segments(state, 'crowd', 'Characters', { 0: 'Off', ...Object.fromEntries(steps.map((step) => [step, step.toLocaleString('en')])) }),
+      hint(state, ({ crowd }) => (crowd ? 'Live from the WebSocket. Choose a clip to end it.' : '')),
     ]);
   }
 

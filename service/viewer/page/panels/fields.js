@@ -21,12 +21,12 @@ export function segments(state, key, label, choices) {
   const name = newId();
   const inputs = Object.entries(choices).map(([value, text]) => {
     const input = make('input', { type: 'radio', name, value });
-    input.addEventListener('change', () => state.set({ [key]: value }));
+    input.addEventListener('change', () => state.set({ [key]: typeof state.values[key] === 'number' ? Number(value) : value }));
     return { input, element: make('label', {}, input, make('span', {}, text)) };
   });
   const element = make('div', { class: 'field', role: 'radiogroup', 'aria-label': label },
     make('span', { class: 'label' }, label), make('div', { class: 'segments' }, ...inputs.map((one) => one.element)));
-  return { element, sync: () => inputs.forEach(({ input }) => { input.checked = input.value === state.values[key]; }) };
+  return { element, sync: () => inputs.forEach(({ input }) => { input.checked = input.value === String(state.values[key]); }) };
 }
 
 /**

@@ -19,6 +19,7 @@ import { toggleSide, SIDE_NAMES } from './compared.js';
  * @property {(parts: Parts, key: string) => void} [run] without it, the page handles the key elsewhere, and the table only lists it
  */
 
+const CROWDS = [0, 1, 10, 100, 1000];
 const VIEWS = ['free', 'front', 'side', 'top'];
 
 /** @type {Binding[]} */
@@ -36,7 +37,7 @@ export const BINDINGS = [
   bind('Clips', ['ArrowUp', 'ArrowDown'], 'Previous or next clip of the list used last',
     ({ lists }, key) => lists.step(key === 'ArrowUp' ? -1 : 1)),
   bind('Clips', ['/'], 'Search', ({ lists }) => lists.find()),
-  bind('Clips', ['Escape'], 'No action', ({ state }) => state.set({ action: '' })),
+  bind('Clips', ['Escape'], 'No action; end of a crowd', ({ state }) => state.set(state.values.crowd ? { crowd: 0 } : { action: '' })),
   bind('Clips', ['ContextMenu', 'Shift+F10'], 'Menu of a clip: mix in, compare as truth'),
   bind('Compare', ['1', '2', '3', '4', '5'], 'Splice, naive, locomotion, action, truth',
     ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1])),
@@ -47,6 +48,7 @@ export const BINDINGS = [
   bind('View', ['t'], 'Trails of feet and hands', (parts) => flip(parts, 'trails')),
   bind('View', ['p'], 'Path of the root', (parts) => flip(parts, 'path')),
   bind('View', ['c'], 'Contacts of the feet', (parts) => flip(parts, 'contacts')),
+  bind('View', ['n'], 'Crowd: none, 1, 10, 100, 1,000', (parts) => next(parts, 'crowd', CROWDS)),
   bind('Export', ['s'], 'Save a picture', ({ takeAway }) => takeAway.savePicture()),
   bind('Export', ['u'], 'Copy the link', ({ takeAway }) => takeAway.copyLink()),
   bind('Export', ['?'], 'These keys', ({ help }) => help.toggle()),
@@ -131,10 +133,10 @@ function flip({ state }, key) {
  *
  * @param {Parts} parts
  * @param {keyof Values} key
- * @param {string[]} values
+ * @param {(string | number)[]} values
  */
 function next({ state }, key, values) {
-  state.set({ [key]: values[(values.indexOf(String(state.values[key])) + 1) % values.length] });
+  state.set({ [key]: values[(values.findIndex((one) => one === state.values[key]) + 1) % values.length] });
 }
 
 /**

@@ -77,6 +77,15 @@ export class Ground {
     this.#shadow.opacity = shadow;
   }
 
+  /** Covers a floor so wide, in metres, that a crowd stands on it. @param {number} width */
+  reach(width) {
+    const [lines, shadow] = this.object.children;
+    const far = Math.max(REACH, width + 20);
+    lines.scale.setScalar(far / REACH);
+    this.#lines.uniforms.reach.value = far;
+    shadow.scale.setScalar(Math.max(1, (width + 6) / 14));
+  }
+
   /** Moves the floor under a place. The lines stay where they are. @param {number} x @param {number} z */
   at(x, z) {
     this.object.position.set(x, this.level, z);

@@ -34,9 +34,9 @@ const HEAD = [
  * Returns the surface of a mannequin in a rig's proportions.
  *
  * @param {Anatomy} anatomy
+ * @param {Shape} [shape] to which it is added
  */
-export function mannequin(anatomy) {
-  const shape = new Shape();
+export function mannequin(anatomy, shape = new Shape()) {
   const limb = new Limb(anatomy, shape);
   addTrunk(anatomy, shape);
   addHead(anatomy, shape);

@@ -21,6 +21,8 @@ export class Stage {
   camera = this.perspective;
   controls;
   #renderer;
+  /** @type {(() => void)[]} */
+  #jobs = [];
   #ground = new Ground();
   #fill = new HemisphereLight();
   #key = new DirectionalLight();
@@ -31,6 +33,7 @@ export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.#renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.#renderer.debug.checkShaderErrors = false; // waits for the graphics card at each new shader
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = PCFShadowMap;
     this.#rim.position.set(-4, 5, -6);
@@ -84,12 +87,35 @@ export class Stage {
     this.#key.position.set(x + 3, this.floor + 8, z + 4);
   }
 
+  /**
+   * Makes the floor and its shadows reach far enough for a crowd.
+   *
+   * @param {number} width metres from one side to the other; 0: one character
+   */
+  reach(width) {
+    this.#ground.reach(width);
+    const { camera } = this.#key.shadow, half = 4 + 0.72 * width; // the light looks at the crowd from a corner
+    Object.assign(camera, { left: -half, right: half, top: half, bottom: -half, near: Math.min(1, 8 - width), far: 22 + width });
+    camera.updateProjectionMatrix();
+  }
+
   /** Called when the canvas has another size, before it is drawn. */
   onsize = () => {};
 
   /** Draws a picture. */
   draw() {
     this.#renderer.render(this.scene, this.camera);
+    for (const job of this.#jobs.splice(0)) job();
+  }
+
+  /**
+   * Does something after the next picture. What was removed is disposed of then: three.js would else forget shaders that
+   * the next picture needs, and compile them again.
+   *
+   * @param {() => void} job
+   */
+  later(job) {
+    this.#jobs.push(job);
   }
 
   /** Fits the picture to the canvas, and draws it. */

@@ -10,6 +10,7 @@ const FROM = { front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0] };
 const DISTANCE = 30; // metres of an orthographic camera; only decides what is clipped
 const TALL = 2.35; // metres from top to bottom that the free camera shows at first, around the character
 const ARMS = 1.1; // metres that are seen beyond the middles of bodies beside each other
+const CROWD_RISE = 0.36; // and at a crowd
 const RISE = 0.2; // radians by which the free camera looks down at first
 
 const UP = new Vector3(0, 1, 0);
@@ -33,6 +34,7 @@ export class View {
   #isOurs = false; // whether a change is not the user's
   #mustCentre = false;
   #width = 0;
+  #deep = 0;
   #isTouched = false; // whether the user or the address has set the camera
 
   /** @param {Stage} stage */
@@ -76,10 +78,15 @@ export class View {
    * Sets the distance between the outer bodies. The camera fits them all, unless the user has moved it.
    *
    * @param {number} metres
+   * @param {number} [deep] metres from the front of a crowd to its back
    */
-  wide(metres) {
-    if (metres === this.#width) return;
+  wide(metres, deep = 0) {
+    if (metres === this.#width && deep === this.#deep) return;
     this.#width = metres;
+    this.#deep = deep;
+    this.#stage.controls.maxDistance = Math.max(40, 4 * metres);
+    this.#stage.perspective.far = Math.max(120, 6 * metres);
+    this.#stage.perspective.updateProjectionMatrix();
     if (!this.#isTouched) this.#reset();
   }
 
@@ -148,12 +155,14 @@ export class View {
     if (this.#name === 'free') {
       const turn = this.#heading + 0.58 / (1 + 0.5 * this.#width); // more from the front, so that no body hides another
       const tall = Math.max(TALL, (this.#width + ARMS) / perspective.aspect);
-      const away = tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + 0.35 * this.#width;
-      camera.position.set(Math.sin(turn) * Math.cos(RISE), Math.sin(RISE), Math.cos(turn) * Math.cos(RISE)).multiplyScalar(away).add(this.#place);
+      const rise = this.#deep ? CROWD_RISE : RISE;
+      const away = tall / 2 / Math.tan((perspective.fov * Math.PI) / 360) + (this.#deep ? 0.52 : 0.35) * this.#width;
+      camera.position.set(Math.sin(turn) * Math.cos(rise), Math.sin(rise), Math.cos(turn) * Math.cos(rise)).multiplyScalar(away).add(this.#place);
     } else {
       const [left, up, ahead] = FROM[this.#name];
-      const across = orthographic.right - orthographic.left;
-      orthographic.zoom = this.#name === 'side' ? 1 : Math.min(1, across / (this.#width + ARMS));
+      const across = orthographic.right - orthographic.left, high = orthographic.top - orthographic.bottom;
+      const width = this.#name === 'side' ? this.#deep : this.#width;
+      orthographic.zoom = Math.min(1, width ? across / (width + ARMS) : 1, this.#name === 'top' && this.#deep ? high / (this.#deep + ARMS) : 1);
       orthographic.updateProjectionMatrix();
       camera.position.set(left, up, ahead + (up ? 1e-3 : 0)).applyAxisAngle(UP, this.#heading).multiplyScalar(DISTANCE).add(this.#place);
     }

@@ -20,6 +20,7 @@ from bench.speed import flatness
 from bench.speed.frames import batches
 from bench.speed.speed_charts import speed_chart
 from bench.structure.layers import layers_picture, read_contracts
+from docs.screenshots import take_screenshots
 from motionsplice.commands.demo import demo_command
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.procedural.gestures import gesture_pair
@@ -60,6 +61,7 @@ def main() -> None:
         demo_command(Path(folder) / "demo")
         for picture in ("curve+carry_cup.png", "curve+carry_cup.gif"):
             (IMAGES / picture).write_bytes((Path(folder) / "demo" / picture).read_bytes())
+        take_screenshots(Path(folder) / "demo" / "bank", IMAGES)
         bank = bank_of(None, "walk", Path(folder))
         evaluator, true_clip = Evaluator(bank), truth("stairs_up", "carry_box")
         rows = [(form, evaluator.clip(Splice("stairs_up", "carry_box", posture=form)), bank.roles) for form in FORMS]

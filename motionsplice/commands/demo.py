@@ -62,4 +62,4 @@ def demo_command(
     if sys.stdout.isatty():
         command_serve.start(bank_folder, settings)
     else:
-        console.print(f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/docs")
+        console.print(f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/view")

@@ -67,9 +67,9 @@ def received(peer: socket.socket) -> bytes:
 
 
 @contextmanager
-def running(path: Path, settings: Settings) -> Iterator[Running]:
-    """Serves a bank while the context lasts."""
-    settings = settings.model_copy(update={"port": 0})
+def running(path: Path, settings: Settings, port: int = 0) -> Iterator[Running]:
+    """Serves a bank while the context lasts, on a free port if none is given."""
+    settings = settings.model_copy(update={"port": port})
     listener, config = listen(settings), EdgeConfig(path, settings)
     server, port = uvicorn.Server(config), listener.getsockname()[1]
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)

@@ -37,7 +37,11 @@ async function enter(service) {
 const service = new Service();
 const state = new State(new URLSearchParams(location.search));
 const player = new Player(state);
-const catalogue = await enter(service);
+const catalogue = await enter(service).catch((error) => {
+  element('banner').className = 'gone';
+  element('banner').textContent = `${error.message}. Load the page again when the service runs.`;
+  throw error;
+});
 if (!catalogue.clips.has(state.values.locomotion)) state.set({ locomotion: catalogue.baseline });
 if (!location.search) state.set({ action: [...catalogue.clips.values()].find(({ kind }) => kind === 'action')?.name ?? '' });
 

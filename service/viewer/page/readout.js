@@ -1,3 +1,5 @@
+import { FULL, STOPS } from './scene/differences.js';
+
 /** @import { Side } from './sides.js' */
 
 /** @typedef {{ label: string, mean: number, worst: number, joint: string }} Apart */
@@ -11,10 +13,17 @@ export class Readout {
     this.names = document.createElement('p');
     this.apart = document.createElement('p');
     this.problem = document.createElement('p');
+    this.scale = document.createElement('p');
+    const colours = document.createElement('i');
+    colours.style.background = `linear-gradient(to right, ${STOPS.join(', ')})`;
+    this.scale.append('0', colours, `${100 * FULL} cm`);
+    this.scale.className = 'scale';
+    this.scale.hidden = true;
     this.names.className = 'names';
     this.problem.className = 'fault';
+    this.problem.setAttribute('role', 'alert');
     this.apart.className = 'apart';
-    element.replaceChildren(this.names, this.apart, this.problem);
+    element.replaceChildren(this.names, this.apart, this.scale, this.problem);
   }
 
   /**
@@ -41,7 +50,9 @@ export class Readout {
   /** @param {Apart | undefined} apart */
   at(apart) {
     const text = apart ? `${centimetres(apart.mean)} from ${apart.label.toLowerCase()}, at most ${centimetres(apart.worst)} at ${apart.joint}` : '';
-    if (text !== this.#shown) this.apart.textContent = this.#shown = text;
+    if (text === this.#shown) return;
+    this.apart.textContent = this.#shown = text;
+    this.scale.hidden = !apart;
   }
 }
 

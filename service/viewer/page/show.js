@@ -13,12 +13,11 @@ import { Quaternion, Vector3 } from './vendor/three.js';
 /** @import { SideName } from './takes.js' */
 
 const APART = 1.3; // metres between characters that stand beside each other
-const AHEAD = new Vector3(0, 0, 1), UP = new Vector3(0, 1, 0);
+const UP = new Vector3(0, 1, 0);
 
 /** One side as it is shown: its body, its traces, and where its joints are. */
 class Shown {
   moment = 0;
-  heading = 0;
 
   /**
    * @param {Side} side
@@ -39,7 +38,6 @@ export class Show {
   /** @type {Shown[]} */
   #shown = [];
   #turn = new Quaternion();
-  #facing = new Vector3();
 
   /**
    * @param {Stage} stage
@@ -114,8 +112,6 @@ export class Show {
     if (!pose?.rotations) return;
     one.pose = pose;
     one.moment = moment;
-    this.#facing.copy(AHEAD).applyQuaternion(this.#turn.fromArray(pose.rotations));
-    one.heading = Math.atan2(this.#facing.x, this.#facing.z);
   }
 
   /**
@@ -132,7 +128,7 @@ export class Show {
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
     const { heading } = leading.path.at(0);
     const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
-    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, leading.heading - one.heading, leading.pose.root);
+    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, headingOf(leading) - headingOf(one), leading.pose.root);
     one.body.style = values.body === 'stick' ? 'stick' : 'mannequin';
     one.body.opacity = values.layout === 'over' && index > 0 ? 0.45 : 1;
     one.body.set(one.pose, offset);
@@ -169,6 +165,11 @@ export class Show {
     const { joint, metres } = worst(found, joints);
     return { label: other.side.label, mean: mean(found, joints), worst: metres, joint: rig.joints[joint] };
   }
+}
+
+/** @param {Shown} one */
+function headingOf({ path, moment }) {
+  return path.at(moment).heading;
 }
 
 /**

@@ -144,6 +144,7 @@ export class Viewer {
     const { view, follow } = this.state.values;
     if (changed.has('view') && ['free', 'front', 'side', 'top'].includes(view)) this.view.set(/** @type {ViewName} */ (view));
     if (changed.has('follow')) this.view.follow(follow);
+    if (changed.has('camera') && !this.state.values.camera) this.view.home();
   }
 
   /** @param {number} now milliseconds */

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import posixpath
 import re
 from importlib.resources import files
 
@@ -47,8 +48,24 @@ def test_its_files_are_compressed_and_cached(client: TestClient) -> None:
     assert (again.status_code, again.content) == (304, b"")
 
 
-def test_it_is_small() -> None:
-    assert sum(len(file.compressed) for file in page_files().values()) < 250_000
+def test_it_is_small(client: TestClient) -> None:
+    """What the page loads at first, without what it imports when it is needed."""
+    found, waiting = {"index.html", "style.css", "timeline/timeline.css"}, ["main.js"]
+    while waiting:
+        path = waiting.pop()
+        found.add(path)
+        text = page_files()[path].plain.decode()
+        for name in re.findall(r"from ?['\"](\.[^'\"]+)", text) if not path.startswith("vendor/") else ():
+            target = posixpath.normpath(posixpath.join(posixpath.dirname(path), name))
+            waiting += [target] if target not in found else []
+    assert {"viewer.js", "vendor/three.js", "scene/body.js"} <= found
+    assert sum(len(page_files()[path].compressed) for path in found) < 250_000
+
+
+def test_modules_are_sent_without_their_comments(client: TestClient) -> None:
+    text = client.get("/view/player.js").text
+    assert "/**" not in text
+    assert "export class Player {" in text
 
 
 @pytest.mark.parametrize(

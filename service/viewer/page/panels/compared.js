@@ -37,7 +37,8 @@ export function sidesField(state, catalogue) {
     swatch.style.background = SIDES[side].colour;
     const why = make('span', { class: 'why' });
     const key = make('kbd', { 'aria-hidden': 'true' }, String(number + 1));
-    return { side, input, why, element: make('label', { class: 'toggle side' }, input, swatch, make('span', {}, SIDES[side].label), why, key) };
+    const label = make('span', {}, SIDES[side].label);
+    return { side, input, why, element: make('label', { class: 'toggle side' }, input, swatch, label, why, key) };
   });
   return {
     element: make('div', { class: 'sides', role: 'group', 'aria-label': 'Motions that are shown' }, ...rows.map((one) => one.element)),

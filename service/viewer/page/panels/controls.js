@@ -7,8 +7,13 @@ import { Group } from './group.js';
 /** @import { State } from '../state.js' */
 
 const LONGEST = 60; // seconds of a take
+const PERCENT = { unit: '%', step: 1, most: 100, limit: 100, scale: 100 };
 const MASKS = { upper_body: 'Upper body', arms: 'Both arms', left_arm: 'Left arm', right_arm: 'Right arm', head: 'Head' };
-const WHENS = { now: 'At once', phase: 'In phase with its start', foot: 'At the next foot', left_foot: 'At the left foot', right_foot: 'At the right foot' };
+const WHENS = {
+  now: 'At once', phase: 'In phase with its start', foot: 'At the next foot',
+  left_foot: 'At the left foot', right_foot: 'At the right foot',
+};
+const AT_HELP = 'Time of the take at which the action is asked for';
 const POSTURES = { relative: 'Relative', absolute: 'Absolute', running: 'Running mean', off: 'Off' };
 const POSTURE_HELP = 'Relative: the locomotion\'s torso, plus what the action changes against its neutral clip. '
   + 'Absolute: the mean posture of the action. Running mean: as absolute, from the last two seconds. Off: no transfer.';
@@ -75,10 +80,10 @@ export class Controls {
       select(state, 'mask', 'Drives', MASKS, 'The joints that the action drives'),
       select(state, 'posture', 'Posture', POSTURES, POSTURE_HELP),
       select(state, 'when', 'Begins', WHENS),
-      number(state, 'at', 'Asked at', { ...seconds, most: () => this.#seconds(), limit: LONGEST, title: 'Time of the take at which the action is asked for' }),
+      number(state, 'at', 'Asked at', { ...seconds, most: () => this.#seconds(), limit: LONGEST, title: AT_HELP }),
       number(state, 'start', 'Starts from', { ...seconds, most: length, title: 'Time of the action clip from which it plays' }),
       number(state, 'blend', 'Blend', { ...seconds, most: 2, limit: 10, title: 'Time to fade in, and to fade out' }),
-      number(state, 'weight', 'Weight', { unit: '%', step: 1, most: 100, limit: 100, scale: 100 }),
+      number(state, 'weight', 'Weight', PERCENT),
       row(
         toggle(state, 'own', 'Own clock', 'The action plays at its own speed instead of in step'),
         toggle(state, 'once', 'Once', 'The action ends instead of repeating'),
@@ -90,7 +95,7 @@ export class Controls {
     const { state } = this;
     return new Group(state, 'Mix', ['second', 'share'], [
       select(state, 'second', 'Mix in', () => this.#clips('Nothing')),
-      shownIf(number(state, 'share', 'Share', { unit: '%', step: 1, most: 100, limit: 100, scale: 100, title: 'How much of the second locomotion' }),
+      shownIf(number(state, 'share', 'Share', { ...PERCENT, title: 'How much of the second locomotion' }),
         () => state.values.second !== ''),
       hint(state, ({ locomotion, second, share }) => (second && second !== locomotion
         ? `${Math.round(100 * (1 - share))} % ${locomotion}, ${Math.round(100 * share)} % ${second}` : '')),

@@ -20,7 +20,9 @@ let asking;
 /** @param {Service} service */
 async function ask(service) {
   const dialog = /** @type {HTMLDialogElement} */ (byId('entry'));
-  const field = make('input', { type: 'password', id: 'entry-token', autocomplete: 'current-password', required: true, 'aria-describedby': 'entry-fault' });
+  const field = make('input', {
+    type: 'password', id: 'entry-token', autocomplete: 'current-password', required: true, 'aria-describedby': 'entry-fault',
+  });
   const fault = make('p', { id: 'entry-fault', role: 'alert', class: 'warning' });
   const submit = make('button', { class: 'primary' }, 'Enter');
   const form = make('form', { method: 'dialog' },

@@ -1,6 +1,7 @@
 import { button, make } from './dom.js';
 import { BINDINGS } from './keys.js';
 
+/** @type {Record<string, string>} */
 const SYMBOLS = { ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓', ContextMenu: 'Menu', Escape: 'Esc' };
 const MOUSE = [
   ['Drag', 'Orbit'],
@@ -53,5 +54,6 @@ function line(keys, does) {
 
 /** @param {string} key */
 function shown(key) {
-  return key.split('+').map((part) => SYMBOLS[/** @type {keyof typeof SYMBOLS} */ (part)] ?? (part.length === 1 ? part.toUpperCase() : part)).join(' ');
+  const parts = key.split('+').map((part) => SYMBOLS[part] ?? (part.length === 1 ? part.toUpperCase() : part));
+  return parts.join(' ');
 }

@@ -1,7 +1,7 @@
 import { toggleSide, SIDE_NAMES } from './compared.js';
 
 /** @import { Player } from '../player.js' */
-/** @import { State } from '../state.js' */
+/** @import { State, Values } from '../state.js' */
 /** @import { Lists } from './lists.js' */
 /** @import { TakeAway } from './take_away.js' */
 
@@ -23,33 +23,33 @@ const VIEWS = ['free', 'front', 'side', 'top'];
 
 /** @type {Binding[]} */
 export const BINDINGS = [
-  { group: 'Play', keys: ['Space'], does: 'Play or pause', run: ({ player }) => player.toggle() },
-  { group: 'Play', keys: ['ArrowLeft', 'ArrowRight'], does: 'One frame back or ahead', run: ({ player }, key) => player.step(key === 'ArrowLeft' ? -1 : 1) },
-  {
-    group: 'Play', keys: ['Shift+ArrowLeft', 'Shift+ArrowRight'], does: 'Ten frames back or ahead',
-    run: ({ player }, key) => player.step(key.endsWith('Left') ? -10 : 10),
-  },
-  { group: 'Play', keys: ['Home', 'End'], does: 'First or last frame of the range', run: ({ player }, key) => player.seek(player.range[key === 'Home' ? 0 : 1]) },
-  { group: 'Play', keys: ['j'], does: 'Play backwards; again: faster', run: (parts) => shuttle(parts, -1) },
-  { group: 'Play', keys: ['k'], does: 'Pause', run: ({ player, state }) => { if (state.values.playing) player.toggle(); } },
-  { group: 'Play', keys: ['l'], does: 'Play; again: faster', run: (parts) => shuttle(parts, 1) },
-  { group: 'Play', keys: ['[', ']'], does: 'Repeat from here, or to here', run: ({ player, state }, key) => range(player, state, key) },
-  { group: 'Play', keys: ['\\'], does: 'Repeat everything', run: ({ state }) => state.set({ from: 0, to: 0 }) },
-  { group: 'Clips', keys: ['ArrowUp', 'ArrowDown'], does: 'Previous or next clip of the list used last', run: ({ lists }, key) => lists.step(key === 'ArrowUp' ? -1 : 1) },
-  { group: 'Clips', keys: ['/'], does: 'Search', run: ({ lists }) => lists.find() },
-  { group: 'Clips', keys: ['Escape'], does: 'No action', run: ({ state }) => state.set({ action: '' }) },
-  { group: 'Clips', keys: ['ContextMenu', 'Shift+F10'], does: 'Menu of a clip: mix in, compare as truth' },
-  { group: 'Compare', keys: ['1', '2', '3', '4', '5'], does: 'Splice, naive, locomotion, action, truth', run: ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1]) },
-  { group: 'Compare', keys: ['b'], does: 'Beside or over each other', run: ({ state }) => state.set({ layout: state.values.layout === 'over' ? 'beside' : 'over' }) },
-  { group: 'View', keys: ['v'], does: 'Next view: free, front, side, top', run: ({ state }) => state.set({ view: VIEWS[(VIEWS.indexOf(state.values.view) + 1) % VIEWS.length] }) },
-  { group: 'View', keys: ['f'], does: 'Follow the character', run: ({ state }) => state.set({ follow: !state.values.follow }) },
-  { group: 'View', keys: ['m'], does: 'Mannequin or stick figure', run: ({ state }) => state.set({ body: state.values.body === 'stick' ? 'mannequin' : 'stick' }) },
-  { group: 'View', keys: ['t'], does: 'Trails of feet and hands', run: ({ state }) => state.set({ trails: !state.values.trails }) },
-  { group: 'View', keys: ['p'], does: 'Path of the root', run: ({ state }) => state.set({ path: !state.values.path }) },
-  { group: 'View', keys: ['c'], does: 'Contacts of the feet', run: ({ state }) => state.set({ contacts: !state.values.contacts }) },
-  { group: 'Export', keys: ['s'], does: 'Save a picture', run: ({ takeAway }) => takeAway.savePicture() },
-  { group: 'Export', keys: ['u'], does: 'Copy the link', run: ({ takeAway }) => takeAway.copyLink() },
-  { group: 'Export', keys: ['?'], does: 'These keys', run: ({ help }) => help.toggle() },
+  bind('Play', ['Space'], 'Play or pause', ({ player }) => player.toggle()),
+  bind('Play', ['ArrowLeft', 'ArrowRight'], 'One frame back or ahead', ({ player }, key) => player.step(key === 'ArrowLeft' ? -1 : 1)),
+  bind('Play', ['Shift+ArrowLeft', 'Shift+ArrowRight'], 'Ten frames back or ahead',
+    ({ player }, key) => player.step(key.endsWith('Left') ? -10 : 10)),
+  bind('Play', ['Home', 'End'], 'First or last frame of the range', ({ player }, key) => player.seek(player.range[key === 'Home' ? 0 : 1])),
+  bind('Play', ['j'], 'Play backwards; again: faster', (parts) => shuttle(parts, -1)),
+  bind('Play', ['k'], 'Pause', ({ player, state }) => { if (state.values.playing) player.toggle(); }),
+  bind('Play', ['l'], 'Play; again: faster', (parts) => shuttle(parts, 1)),
+  bind('Play', ['[', ']'], 'Repeat from here, or to here', ({ player, state }, key) => range(player, state, key)),
+  bind('Play', ['\\'], 'Repeat everything', ({ state }) => state.set({ from: 0, to: 0 })),
+  bind('Clips', ['ArrowUp', 'ArrowDown'], 'Previous or next clip of the list used last',
+    ({ lists }, key) => lists.step(key === 'ArrowUp' ? -1 : 1)),
+  bind('Clips', ['/'], 'Search', ({ lists }) => lists.find()),
+  bind('Clips', ['Escape'], 'No action', ({ state }) => state.set({ action: '' })),
+  bind('Clips', ['ContextMenu', 'Shift+F10'], 'Menu of a clip: mix in, compare as truth'),
+  bind('Compare', ['1', '2', '3', '4', '5'], 'Splice, naive, locomotion, action, truth',
+    ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1])),
+  bind('Compare', ['b'], 'Beside or over each other', (parts) => next(parts, 'layout', ['beside', 'over'])),
+  bind('View', ['v'], 'Next view: free, front, side, top', (parts) => next(parts, 'view', VIEWS)),
+  bind('View', ['f'], 'Follow the character', (parts) => flip(parts, 'follow')),
+  bind('View', ['m'], 'Mannequin or stick figure', (parts) => next(parts, 'body', ['mannequin', 'stick'])),
+  bind('View', ['t'], 'Trails of feet and hands', (parts) => flip(parts, 'trails')),
+  bind('View', ['p'], 'Path of the root', (parts) => flip(parts, 'path')),
+  bind('View', ['c'], 'Contacts of the feet', (parts) => flip(parts, 'contacts')),
+  bind('Export', ['s'], 'Save a picture', ({ takeAway }) => takeAway.savePicture()),
+  bind('Export', ['u'], 'Copy the link', ({ takeAway }) => takeAway.copyLink()),
+  bind('Export', ['?'], 'These keys', ({ help }) => help.toggle()),
 ];
 
 /** Runs the bindings, except for keys that the focused element uses itself. */
@@ -68,7 +68,8 @@ export class Keys {
 
   /** @param {KeyboardEvent} event */
   #key(event) {
-    const isCommand = (event.ctrlKey || event.metaKey || event.altKey) && !event.getModifierState('AltGraph'); // AltGr types [ on many keyboards
+    const isAltGr = event.getModifierState('AltGraph'); // types [ on many keyboards
+    const isCommand = (event.ctrlKey || event.metaKey || event.altKey) && !isAltGr;
     if (event.defaultPrevented || isCommand) return;
     const key = nameOf(event);
     const target = event.target instanceof Element ? event.target : document.body;
@@ -104,6 +105,36 @@ function ownsKey(target, key, byPointer) {
   }
   if (target.matches('input, select, textarea, [contenteditable]')) return true;
   return target.matches('button, a, summary') && key === 'Space' && !byPointer;
+}
+
+/**
+ * @param {string} group
+ * @param {string[]} keys
+ * @param {string} does
+ * @param {Binding['run']} [run]
+ * @returns {Binding}
+ */
+function bind(group, keys, does, run) {
+  return { group, keys, does, run };
+}
+
+/**
+ * @param {Parts} parts
+ * @param {'follow' | 'trails' | 'path' | 'contacts'} key
+ */
+function flip({ state }, key) {
+  state.set({ [key]: !state.values[key] });
+}
+
+/**
+ * Sets the value after the current one.
+ *
+ * @param {Parts} parts
+ * @param {keyof Values} key
+ * @param {string[]} values
+ */
+function next({ state }, key, values) {
+  state.set({ [key]: values[(values.indexOf(String(state.values[key])) + 1) % values.length] });
 }
 
 /**

@@ -189,7 +189,8 @@ function option(name, clip) {
   row.append(
     make('span', { class: 'marks' }),
     make('span', { class: 'sign' }, ...warningSign(clip)),
-    make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' }, make('span', { class: 'unseen' }, ' mismatch '), centimetres(clip.mean_mismatch)),
+    make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' },
+      make('span', { class: 'unseen' }, ' mismatch '), centimetres(clip.mean_mismatch)),
     make('span', { class: 'seconds' }, ` ${clip.duration.toFixed(1)} s`),
     make('span', { class: 'more', 'aria-hidden': 'true', title: 'Mix in, compare as truth ... (Menu key)' }, '⋯'),
   );

@@ -24,9 +24,11 @@ export class Lists {
     this.all = [this.locomotions, this.actions, this.hands];
     /** The list that was used last. */
     this.current = this.actions;
-    this.search = make('input', { type: 'search', placeholder: 'Search clips and tags', 'aria-label': 'Search clips and tags', 'aria-keyshortcuts': '/' });
+    const label = 'Search clips and tags';
+    this.search = make('input', { type: 'search', placeholder: label, 'aria-label': label, 'aria-keyshortcuts': '/' });
     this.details = make('div', { class: 'details' });
-    element.replaceChildren(make('div', { class: 'search' }, this.search), ...this.all.map((one) => one.element), this.details, this.menu.element);
+    const lists = this.all.map((one) => one.element);
+    element.replaceChildren(make('div', { class: 'search' }, this.search), ...lists, this.details, this.menu.element);
     this.search.addEventListener('input', () => this.#filter());
     this.search.addEventListener('keydown', (event) => this.#key(event));
     for (const one of this.all) one.element.addEventListener('focusin', () => { this.current = one; });
@@ -102,12 +104,15 @@ export class Lists {
 
   #sync() {
     for (const one of this.all) one.sync();
-    const clip = this.catalogue.clips.get(this.state.values[this.current.offer.key]) ?? this.catalogue.clips.get(this.state.values.locomotion);
+    const { values } = this.state;
+    const { clips } = this.catalogue;
+    const clip = clips.get(values[this.current.offer.key]) ?? clips.get(values.action) ?? clips.get(values.locomotion);
     const [name, ...lines] = clip ? summary(clip).split('\n') : [''];
     const text = lines.join('\n');
     if (this.details.dataset.text === name + text) return;
     this.details.dataset.text = name + text;
-    this.details.replaceChildren(make('strong', {}, name), ...lines.map((line) => make('p', { class: line.startsWith('⚠') ? 'warning' : '' }, line)));
+    const paragraphs = lines.map((line) => make('p', { class: line.startsWith('⚠') ? 'warning' : '' }, line));
+    this.details.replaceChildren(make('strong', {}, name), ...paragraphs);
   }
 
   /** @param {KeyboardEvent} event */

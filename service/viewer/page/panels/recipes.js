@@ -67,7 +67,9 @@ Path(${python(`${name}.bvh`)}).write_bytes(dump_bvh(clip))
 }
 
 /** Defaults of Python's `Action`; the script omits them. @type {Record<string, unknown>} */
-const ACTION = { when: 'now', start: 0, weight: 1, mask: 'upper_body', method: 'splice', posture: 'relative', loop: true, own_clock: false };
+const ACTION = {
+  when: 'now', start: 0, weight: 1, mask: 'upper_body', method: 'splice', posture: 'relative', loop: true, own_clock: false,
+};
 
 /** @param {Command} command */
 function call({ at, do: name, action, hands, ...settings }) {

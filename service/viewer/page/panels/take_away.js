@@ -92,7 +92,9 @@ export class TakeAway {
     const take = this.#take;
     if (!take) return;
     const { service, sides } = this;
-    const text = kind === 'curl' ? curlLine(service.url, take, 'bvh', service.token !== undefined) : pythonLines(take, sides.catalogue.server.bank);
+    const text = kind === 'curl'
+      ? curlLine(service.url, take, 'bvh', service.token !== undefined)
+      : pythonLines(take, sides.catalogue.server.bank);
     await this.#copy(kind === 'curl' ? 'The curl line' : 'The Python lines', text);
   }
 

@@ -5,7 +5,7 @@ import { across, cross, dot, minus, norm, plus, times, unit } from './vectors.js
 
 /** @typedef {'left' | 'right'} Half */
 
-/** Where a rig's body parts are in its bind pose, in which the frames of all joints are aligned with the world. */
+/** A rig's body parts in its bind pose. There the frames of all joints are aligned with the world. */
 export class Anatomy {
   /** @param {Rig} rig */
   constructor(rig) {
@@ -32,7 +32,7 @@ export class Anatomy {
     this.up = unit(minus(this.places[neck], this.middle));
     this.left = across(minus(this.places[leftHip], this.places[rightHip]), this.up);
     this.forward = cross(this.left, this.up);
-    /** How much larger than a body of 1.78 m this one is. */
+    /** Size relative to a body of 1.78 m. */
     this.size = (this.legLength('left') + this.legLength('right')) / 2 / LEG;
   }
 
@@ -94,8 +94,8 @@ export class Anatomy {
   }
 
   /**
-   * Returns the axes of a foot in the bind pose: the way it points, its left, and down through its sole. In some rigs the
-   * legs are bound pointing up, so the shin decides which way is down.
+   * Returns the axes of a foot in the bind pose: forward, left, and down through the sole. Some rigs bind the legs pointing
+   * up, so the shin decides what is down.
    *
    * @param {Half} half
    */
@@ -107,7 +107,7 @@ export class Anatomy {
     const left = across(cross(times(shin, -1), toes), shin, this.left);
     const down = isUpright ? across(times(this.up, -1), left) : shin;
     const forward = cross(left, times(down, -1));
-    // Where all limbs are bound along one axis, the toes are too, and so not along the foot.
+    // Rigs that bind all limbs along one axis bind the toes along it too, not along the foot.
     const toesForward = isUpright ? forward : shin;
     return { left, down, forward, reach: dot(toes, forward), drop: dot(toes, down), toesForward, toesDown: cross(left, toesForward) };
   }

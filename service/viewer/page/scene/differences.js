@@ -7,7 +7,7 @@
 /** Distance in metres at which the colours end. */
 export const FULL = 0.2;
 
-/** Colours of 0, 5, 10, 15 and 20 cm. They darken evenly, so that they can be told apart without seeing hues. */
+/** Colours of 0, 5, 10, 15 and 20 cm. They darken evenly, so that they can be distinguished without colour vision. */
 export const STOPS = ['#dde3ea', '#f3c64b', '#ec7d2c', '#c8323f', '#7a1261'];
 
 /**
@@ -44,7 +44,7 @@ export function heading(positions, rig) {
 }
 
 /**
- * Returns the joints of the upper body: all but the legs and what carries them.
+ * Returns the joints of the upper body: all joints except the legs and their ancestors.
  *
  * @param {Rig} rig
  */
@@ -56,7 +56,7 @@ export function upperBody(rig) {
 }
 
 /**
- * Returns the joint that is farthest, and how far; of the joints that are given.
+ * Returns the joint with the largest distance among the given ones, and that distance.
  *
  * @param {Float32Array} values metres of each joint
  * @param {number[]} joints
@@ -67,7 +67,7 @@ export function worst(values, joints) {
 }
 
 /**
- * Returns the mean distance of the joints that are given, in metres.
+ * Returns the mean distance of the given joints, in metres.
  *
  * @param {Float32Array} values metres of each joint
  * @param {number[]} joints

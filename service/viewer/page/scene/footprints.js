@@ -1,4 +1,6 @@
-import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, ShaderMaterial, Vector3 } from '../vendor/three.js';
+import {
+  BufferAttribute, BufferGeometry, Color, DoubleSide, Group, InstancedBufferAttribute, InstancedMesh, Matrix4, ShaderMaterial, Vector3,
+} from '../vendor/three.js';
 
 /** @import { Anatomy } from './anatomy.js' */
 /** @import { Stance } from './stances.js' */

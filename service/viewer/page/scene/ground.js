@@ -46,7 +46,7 @@ const FRAGMENT = /* glsl */ `
     #include <colorspace_fragment>
   }`;
 
-/** The floor: lines each metre, stronger each five, fading away; and the shadows on it. Seen from its edge, a wall has the lines. */
+/** The floor: lines each metre, stronger each five, fading away; and the shadows on it. A wall has lines too, for cameras that see the floor edge-on. */
 export class Ground {
   object = new Group();
   /** Height of the floor, in metres. */
@@ -83,7 +83,7 @@ export class Ground {
     for (const { uniforms } of [this.#lines, this.#wallLines]) uniforms.middle.value.set(x, this.level, z);
   }
 
-  /** Shows the wall behind what is looked at; undefined: none. @param {number | undefined} heading of the camera about Y */
+  /** Shows the wall behind the character, or hides it. @param {number | undefined} heading of the camera about Y */
   wall(heading) {
     this.#wall.visible = heading !== undefined;
     if (heading === undefined) return;

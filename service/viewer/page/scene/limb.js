@@ -14,7 +14,7 @@ import { across, cross, minus, norm, plus, times, unit } from './vectors.js';
  * @property {Vector} [v] of its second
  * @property {number[][]} [shift] how far the limb is moved along v
  * @property {number} [from] share at which it begins
- * @property {number} [fade] share over which the shade begins, so that no edge is seen where the limb leaves the trunk
+ * @property {number} [fade] share over which the shade sets in, which hides the edge between limb and trunk
  * @property {number} [sides]
  * @property {number} [scale] of the widths; the body's by default
  */

@@ -3,9 +3,9 @@ import { trackOf, tracks } from './tracks.js';
 
 /** @import { Motion } from '../vendor/motionsplice.js' */
 
-const SPREAD = 0.35; // seconds: a stride is levelled out
+const SPREAD = 0.35; // seconds; long enough to level out a stride
 
-/** The path of a character without the sway of its steps: what the camera follows. It is not late, as it knows what comes. */
+/** A character's path without the sway of its steps, for the camera to follow. It uses later frames too, so it does not lag. */
 export class Path {
   /** @param {Motion} motion */
   constructor(motion) {
@@ -39,7 +39,7 @@ export class Path {
 }
 
 /**
- * Returns values weighted by a normal distribution over time. Beyond its ends the curve goes on, turned about its last point.
+ * Smooths values with a Gaussian. Beyond each end the curve continues as its point reflection, so straight lines stay straight.
  *
  * @param {Float64Array} values
  * @param {number} spread frames

@@ -11,7 +11,7 @@ import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, ShaderMateria
  * @property {number} span seconds until it has faded; 0: never
  */
 
-/** A line as wide on the screen wherever it is, which fades away from the current time. */
+/** A line of constant width on the screen, which fades away from the current time. */
 export class Ribbon {
   #material;
   #geometry = new BufferGeometry();
@@ -39,8 +39,8 @@ export class Ribbon {
       if (frame) indices.push(2 * frame - 2, 2 * frame - 1, 2 * frame, 2 * frame - 1, 2 * frame + 1, 2 * frame);
     }
     this.#geometry.setIndex(indices);
-    for (const [name, values, size] of /** @type {const} */ ([['position', own, 3], ['back', back, 3], ['next', next, 3], ['time', frames, 1], ['side', sides, 1]])) {
-      this.#geometry.setAttribute(name, new BufferAttribute(values, size));
+    for (const [name, values] of Object.entries({ position: own, back, next, time: frames, side: sides })) {
+      this.#geometry.setAttribute(name, new BufferAttribute(values, values.length / (2 * count)));
     }
     this.#material = new ShaderMaterial({
       vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false, side: DoubleSide,
@@ -90,7 +90,7 @@ const VERTEX = /* glsl */ `
     gl_Position = alpha < 0.004 ? vec4(2.0, 2.0, 2.0, 1.0) : at;
   }`;
 
-// The edge is smoothed over a pixel, because what is drawn last is not always smoothed by the canvas.
+// The edge is smoothed over a pixel, because multisampling alone leaves thin lines ragged.
 const FRAGMENT = /* glsl */ `
   uniform vec3 colour;
   uniform float width;

@@ -12,7 +12,7 @@ const THEMES = {
   dark: { back: '#1b1e23', line: '#aab4c3', shadow: 0.5, strength: 0.5, sky: '#e4ebf7', floor: '#454b57', fill: 1.35, key: 1.85 },
 };
 
-/** The canvas, its lights, its floor and its cameras. It draws when told, and after it was resized. */
+/** The canvas, its lights, its floor and its cameras. It draws only when `draw` is called, and after a resize. */
 export class Stage {
   scene = new Scene();
   perspective = new PerspectiveCamera(32, 1, 0.05, 120);
@@ -75,7 +75,7 @@ export class Stage {
    *
    * @param {number} x
    * @param {number} z
-   * @param {number} [wall] heading from the place to the camera, if the floor is seen from its edge
+   * @param {number} [wall] heading of the camera, if it sees the floor edge-on
    */
   aim(x, z, wall) {
     this.#ground.at(x, z);
@@ -83,6 +83,9 @@ export class Stage {
     this.#key.target.position.set(x, this.floor + 0.5, z);
     this.#key.position.set(x + 3, this.floor + 8, z + 4);
   }
+
+  /** Called when the canvas has another size, before it is drawn. */
+  onsize = () => {};
 
   /** Draws a picture. */
   draw() {
@@ -102,6 +105,7 @@ export class Stage {
     const tall = HALF_HEIGHT * Math.max(1, height / width), wide = (tall * width) / height;
     Object.assign(this.orthographic, { left: -wide, right: wide, top: tall, bottom: -tall });
     this.orthographic.updateProjectionMatrix();
+    this.onsize();
     this.draw();
   }
 
@@ -122,7 +126,7 @@ export class Stage {
    * @returns {Promise<Blob>}
    */
   picture() {
-    this.draw(); // in the same task, because the browser clears the picture after it was shown
+    this.draw(); // in this task, because the browser clears the buffer after it shows a picture
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the canvas has no picture'))), 'image/png');
     });

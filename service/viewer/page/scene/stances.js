@@ -23,8 +23,8 @@ const NEAR = 0.13; // metres
  */
 
 /**
- * Returns where the feet stand. The ground of a stance is as far below the lowest places of its ankle and its toe as the sole of
- * the rig's foot is, so that stairs are found as steps.
+ * Returns where the feet stand. The ground of a stance is below the lowest ankle and toe of that stance by the height of these
+ * joints over the sole, so stairs come out as steps.
  *
  * @param {Motion} motion
  * @param {Contacts} contacts
@@ -50,7 +50,7 @@ export function stancesOf(motion, contacts) {
         const [low, high] = [toe, ankle].map((joint) => positions[3 * (frame * joints + joint) + 1]);
         ground = Math.min(ground, high - over.ankle, toe === ankle ? Infinity : low - over.toe);
         const slope = Math.abs(high - over.ankle - (toe === ankle ? high - over.ankle : low - over.toe));
-        const later = Math.abs(frame - (first + last) / 2) * 1e-4; // the middle, where all are as flat
+        const later = Math.abs(frame - (first + last) / 2) * 1e-4; // prefers the middle of equally flat frames
         if (slope + later < least) [flattest, least] = [frame, slope + later];
       }
       const row = flattest * joints + ankle;
@@ -62,7 +62,7 @@ export function stancesOf(motion, contacts) {
 }
 
 /**
- * Returns the height of the clip's own floor: the lowest ground. Where that is high above 0, the clip is all on stairs that begin at 0.
+ * Returns the height of the clip's own floor: the lowest ground. If that is far above 0, the clip only stands on stairs, and the floor is at 0.
  *
  * @param {Stance[]} stances
  */

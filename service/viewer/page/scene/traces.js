@@ -9,9 +9,9 @@ import { trackOf } from './tracks.js';
 /** @import { Side } from '../sides.js' */
 /** @import { Contacts } from './stances.js' */
 
-const SPAN = 1; // seconds before and after that trails are drawn for
+const SPAN = 1; // seconds of a trail before and after the current time
 
-/** What a side leaves behind: its path on the ground, trails of feet and hands, and marks where its feet stand. */
+/** The traces of a side: its path on the ground, trails of feet and hands, and marks where its feet stand. */
 export class Traces {
   object = new Group();
   #trails = new Group();
@@ -20,7 +20,7 @@ export class Traces {
   /** @type {Ribbon[]} */
   #ribbons = [];
   #footprints;
-  /** Height of the clip's own floor, in metres: what `Stage.floor` should be. */
+  /** Height of the clip's own floor, in metres: set `Stage.floor` to it. */
   floor;
 
   /**

@@ -5,9 +5,9 @@ import { MOUSE, TOUCH, Vector3 } from '../vendor/three.js';
 /** @typedef {'free' | 'front' | 'side' | 'top'} ViewName */
 /** @typedef {{ x: number, y: number, z: number }} Place */
 
-/** Where each fixed view looks from: to the left of the character, above, before. The side is its left one. */
+/** Direction from the character to the camera: left, up, ahead. The side view shows the character's left. */
 const FROM = { front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0] };
-const DISTANCE = 30; // metres; it changes nothing but what is cut off
+const DISTANCE = 30; // metres of an orthographic camera; only decides what is clipped
 const TALL = 2.35; // metres from top to bottom that the free camera shows at first, around the character
 const ARMS = 1.1; // metres that are seen beyond the middles of bodies beside each other
 const RISE = 0.2; // radians by which the free camera looks down at first
@@ -15,13 +15,13 @@ const RISE = 0.2; // radians by which the free camera looks down at first
 const UP = new Vector3(0, 1, 0);
 
 /**
- * The camera. Free turns around the character; front, side and top have no perspective. With `follow`, the camera moves as the
- * character does, without delay, and so shows it at the same place.
+ * The camera. `free` orbits the character; `front`, `side` and `top` are orthographic. With `follow`, the camera moves exactly
+ * as the character does, so the character stays in place on the screen.
  */
 export class View {
-  /** Called for each change by the user, who must see it drawn. */
+  /** Called while the user moves the camera; draw again. */
   onchange = () => {};
-  /** Called after the user has changed the view. */
+  /** Called when the user lets go of the camera; store `text`. */
   onend = () => {};
   #stage;
   /** @type {ViewName} */
@@ -33,7 +33,7 @@ export class View {
   #isOurs = false; // whether a change is not the user's
   #mustCentre = false;
   #width = 0;
-  #isTouched = false; // whether the user, or the address, has chosen what is seen
+  #isTouched = false; // whether the user or the address has set the camera
 
   /** @param {Stage} stage */
   constructor(stage) {
@@ -45,6 +45,7 @@ export class View {
       this.#isTouched = true;
       this.onend();
     });
+    stage.onsize = () => { if (!this.#isTouched) this.#reset(); };
     this.#reset();
   }
 
@@ -72,7 +73,7 @@ export class View {
   }
 
   /**
-   * Says how far the outer ones of bodies beside each other are apart. A view that the user has not changed shows them all.
+   * Sets the distance between the outer bodies. The camera fits them all, unless the user has moved it.
    *
    * @param {number} metres
    */
@@ -89,9 +90,9 @@ export class View {
   }
 
   /**
-   * Says where the character is.
+   * Sets the place of the character.
    *
-   * @param {Place} target the middle of the body; best of `Path`, which is smooth
+   * @param {Place} target the middle of the body, from `Path` for a smooth camera
    * @param {number} heading radians about Y
    */
   at(target, heading) {
@@ -117,7 +118,7 @@ export class View {
     this.#update();
   }
 
-  /** The view as the address holds it: places of the camera and its target, from the character if it is followed; zoom. */
+  /** The view for the address: positions of the camera and its target, relative to the character if it is followed, and the zoom. */
   get text() {
     const { controls, camera } = this.#stage;
     const from = this.#isFollowing ? this.#place : new Vector3();

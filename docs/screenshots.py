@@ -1,0 +1,116 @@
+"""Takes the pictures of the viewer for the documentation, in Chromium: part of `make pictures`."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Literal
+from urllib.parse import urlencode
+
+from PIL import Image
+from playwright.sync_api import Browser, Page, sync_playwright
+
+PORT = 8473
+URL = f"http://127.0.0.1:{PORT}"
+ARGUMENTS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+WIDE, PHONE = (1366, 768), (390, 844)
+PICTURES: dict[str, tuple[tuple[int, int], Literal["light", "dark"], dict[str, object]]] = {
+    "viewer": (WIDE, "light", {"locomotion": "curve", "action": "carry_cup", "time": 2.1}),
+    "viewer-differences": (
+        WIDE,
+        "light",
+        {"locomotion": "run", "action": "wave", "time": 1.7, "layout": "over", "against": "naive", "joint": "LeftArm"},
+    ),
+    "viewer-stairs": (
+        WIDE,
+        "dark",
+        {
+            "locomotion": "stairs_up",
+            "action": "carry_box",
+            "time": 3.2,
+            "show": "splice,naive,action",
+            "trails": "true",
+        },
+    ),
+    "viewer-phone": (PHONE, "dark", {"locomotion": "walk", "action": "wave", "time": 1.0, "show": "splice"}),
+}
+ANIMATED = {"locomotion": "curve", "action": "carry_cup", "against": "", "trails": "true"}
+FROM, SECONDS, RATE = 1.0, 3.2, 15  # of the animation
+
+
+def take_screenshots(bank: Path, images: Path) -> None:
+    """Writes all pictures of the viewer that shows a bank of the built-in motions."""
+    with serving(bank), sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
+        for name, (size, scheme, state) in PICTURES.items():
+            with page(browser, size, scheme, state) as shown:
+                if "joint" in state:
+                    shown.get_by_role("button", name="Curves of a joint").click()
+                shown.wait_for_timeout(1000)
+                Image.open(io.BytesIO(shown.screenshot())).convert("RGB").save(images / f"{name}.png", optimize=True)
+        animate(browser, images / "viewer.webp")
+        browser.close()
+
+
+def animate(browser: Browser, path: Path) -> None:
+    """Writes the animation with which the README begins."""
+    pictures = []
+    with page(browser, (1180, 760), "light", ANIMATED) as shown:
+        for number in range(round(SECONDS * RATE)):
+            shown.evaluate(
+                """async (time) => {
+                    const { player } = await import('/view/main.js');
+                    player.seek(time);
+                    await new Promise(requestAnimationFrame);
+                    await new Promise(requestAnimationFrame);
+                }""",
+                FROM + number / RATE,
+            )
+            area = shown.locator("main").bounding_box()
+            assert area is not None
+            picture = Image.open(io.BytesIO(shown.screenshot(clip=area)))  # type: ignore[arg-type]
+            pictures.append(picture.convert("RGB").resize((720, round(720 * picture.height / picture.width))))
+    first, *rest = pictures
+    first.save(path, save_all=True, append_images=rest, duration=round(1000 / RATE), loop=0, quality=70, method=6)
+
+
+@contextmanager
+def page(
+    browser: Browser, size: tuple[int, int], scheme: Literal["light", "dark"], state: dict[str, object]
+) -> Iterator[Page]:
+    """Opens the viewer, and waits until it shows a state."""
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=scheme)
+    shown = context.new_page()
+    shown.goto(f"{URL}/view/?{urlencode({'playing': 'false', **state})}")
+    shown.evaluate(
+        """async () => {
+            const { viewer } = await import('/view/main.js');
+            while (!viewer.isSettled || !viewer.shown.length) await new Promise(requestAnimationFrame);
+        }"""
+    )
+    yield shown
+    context.close()
+
+
+@contextmanager
+def serving(bank: Path) -> Iterator[None]:
+    """Serves a bank while the context lasts."""
+    command = [sys.executable, "-m", "motionsplice", "serve", str(bank), "--port", str(PORT)]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        for _ in range(600):
+            with suppress(OSError):
+                urllib.request.urlopen(f"{URL}/readyz").close()
+                break
+            time.sleep(0.1)
+        yield
+    finally:
+        process.terminate()
+        process.wait()

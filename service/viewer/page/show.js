@@ -1,4 +1,5 @@
 import { contactsOf } from './facts.js';
+import { Figure } from './figure/figure.js';
 import { Body } from './scene/body.js';
 import { distances, mean, shares, upperBody, worst } from './scene/differences.js';
 import { Path } from './scene/path.js';
@@ -28,6 +29,8 @@ class Shown {
     this.side = side;
     this.body = body;
     this.traces = traces;
+    /** The user's character in place of the body. */
+    this.figure = side.nodes && side.character && new Figure(side.character, side.nodes);
     this.path = new Path(side.motion);
     this.pose = side.motion.pose(0);
   }
@@ -63,6 +66,8 @@ export class Show {
       this.stage.remove(one.traces.object);
       one.body.dispose();
       one.traces.dispose();
+      if (one.figure) this.stage.remove(one.figure.object);
+      one.figure?.dispose();
     }
     this.#shown = sides.map((side) => this.#shown.find((one) => one.side === side) ?? this.#begin(side, values));
   }
@@ -76,6 +81,7 @@ export class Show {
     const shown = new Shown(side, new Body(side.motion.rig, side.colour), new Traces(side, clip ? contactsOf(side, clip, values) : { left: [], right: [] }));
     this.stage.add(shown.body.object);
     this.stage.add(shown.traces.object);
+    if (shown.figure) this.stage.add(shown.figure.object);
     return shown;
   }
 
@@ -128,15 +134,36 @@ export class Show {
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
     const { heading } = leading.path.at(0);
     const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
-    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, headingOf(leading) - headingOf(one), leading.pose.root);
+    const isCarried = one.side.name === 'action' && one !== leading;
+    const turn = isCarried ? headingOf(leading) - headingOf(one) : 0;
+    if (one.figure) this.#figure(one.figure, one, isCarried ? leading : one, turn, offset);
+    if (isCarried) this.#carry(one.pose, turn, leading.pose.root);
+    one.body.object.visible = !one.figure;
     one.body.style = values.body === 'stick' ? 'stick' : 'mannequin';
     one.body.opacity = values.layout === 'over' && index > 0 ? 0.45 : 1;
+    if (one.figure) one.figure.opacity = one.body.opacity;
     one.body.set(one.pose, offset);
     const { trails, path, contacts } = values;
     const own = one.side.name !== 'action' || one === leading;
     one.traces.show({ trails: trails && own, path: path && own, contacts: contacts && own });
     one.traces.offset(offset);
     one.traces.at(one.moment);
+  }
+
+  /**
+   * Shows the user's character as `#place` shows the body.
+   *
+   * @param {Figure} figure
+   * @param {Shown} one
+   * @param {Shown} at whose hips it gets
+   * @param {number} turn radians
+   * @param {number[]} offset
+   */
+  #figure(figure, one, at, turn, offset) {
+    const hips = new Vector3().fromArray(/** @type {Pose} */ (one.pose).root).applyAxisAngle(UP, turn);
+    const to = /** @type {Pose} */ (at.pose).root;
+    figure.at(one.moment);
+    figure.place([to[0] - hips.x + offset[0], to[1] - hips.y + offset[1], to[2] - hips.z + offset[2]], turn);
   }
 
   /**

@@ -15,7 +15,7 @@ import { Transport } from './timeline/transport.js';
 
 const DRAWN = 250; // ms after which the address follows the state
 /** Values that change what the service is asked for. @type {Key[]} */
-const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'own', 'once', 'length', 'show', 'truth', 'against'];
+const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'own', 'once', 'length', 'show', 'truth', 'against', 'body'];
 
 /** The middle of the page: the stage and what lies below it. It shows what the state says. */
 export class Viewer {

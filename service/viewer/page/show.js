@@ -102,7 +102,9 @@ export class Show {
     for (const one of this.#shown) this.#pose(one, momentOf(one.side, leading.side, time));
     this.#shown.forEach((one, index) => this.#place(one, leading, index, values));
     const place = leading.path.at(leading.moment);
-    this.stage.floor = leading.traces.floor;
+    const shrink = shrinkOf(leading);
+    for (const axis of /** @type {const} */ (['x', 'y', 'z'])) place[axis] *= shrink;
+    this.stage.floor = leading.traces.floor * shrink;
     const apart = values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART;
     this.view.wide(apart);
     this.view.at(place, apart ? leading.path.at(0).heading : place.heading); // in a turning view one would hide the other
@@ -147,6 +149,7 @@ export class Show {
     const own = one.side.name !== 'action' || one === leading;
     one.traces.show({ trails: trails && own, path: path && own, contacts: contacts && own });
     one.traces.offset(offset);
+    one.traces.object.scale.setScalar(shrinkOf(one));
     one.traces.at(one.moment);
   }
 
@@ -163,7 +166,9 @@ export class Show {
     const hips = new Vector3().fromArray(/** @type {Pose} */ (one.pose).root).applyAxisAngle(UP, turn);
     const to = /** @type {Pose} */ (at.pose).root;
     figure.at(one.moment);
-    figure.place([to[0] - hips.x + offset[0], to[1] - hips.y + offset[1], to[2] - hips.z + offset[2]], turn);
+    const shrink = shrinkOf(one);
+    figure.object.scale.setScalar(shrink);
+    figure.place(offset.map((metres, axis) => shrink * (to[axis] - hips.getComponent(axis)) + metres), turn);
   }
 
   /**
@@ -197,6 +202,11 @@ export class Show {
 /** @param {Shown} one */
 function headingOf({ path, moment }) {
   return path.at(moment).heading;
+}
+
+/** @param {Shown} shown */
+function shrinkOf({ side }) {
+  return side.character?.shrink ?? 1;
 }
 
 /**

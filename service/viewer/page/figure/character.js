@@ -13,6 +13,8 @@ export class Character {
   id = ++loaded;
   /** Metres by which it is raised, so that its soles are on the ground where those of the mannequin are. */
   lift = 0;
+  /** What it and its path are made smaller by, so that a body that is large for its legs is not a giant. */
+  shrink = 1;
   #figures = 0;
   #isOver = false;
 

@@ -2,7 +2,7 @@ import { RefusedError, take } from '../vendor/motionsplice.js';
 import { Character } from './character.js';
 import { Figure } from './figure.js';
 import { CharacterError } from './glb.js';
-import { liftOf } from './soles.js';
+import { measured } from './measured.js';
 
 /** @import { Service } from '../service.js' */
 /** @import { Sides } from '../sides.js' */
@@ -75,7 +75,7 @@ export class Own {
     const { motion, nodes } = await take(this.service.url, { ...TRIED, commands, rig: character.rig }, { token: this.service.token });
     if (!nodes) throw new CharacterError('The service is too old to move characters.');
     const figure = new Figure(character, nodes);
-    character.lift = liftOf(figure, motion);
+    Object.assign(character, measured(figure, motion));
     figure.dispose();
     return nodes.notes;
   }

@@ -8,28 +8,40 @@ import { tracks } from '../scene/tracks.js';
 /** @import { Figure } from './figure.js' */
 
 const SAMPLES = 40; // frames
+const HEIGHT = 1.78; // metres of a mannequin of size 1
+const GIANT = 1.25; // times the mannequin's height, arms down
 /** Directions in which points of a bone are outermost: to the sides, edges and corners of a cube. */
 const DIRECTIONS = [-1, 0, 1].flatMap((x) => [-1, 0, 1].flatMap((y) => [-1, 0, 1].map((z) => [x, y, z]))).filter((one) => one.some(Boolean));
 
 /**
- * Returns how far a figure must be raised for its lowest points to be where the mannequin's soles are, in metres: legs are as
- * long as the mannequin's, but the feet below may be thicker.
+ * Measures a figure against the mannequin. Legs are as long as the mannequin's, but the feet below may be thicker, and the body
+ * above much larger.
  *
  * @param {Figure} figure
  * @param {Motion} motion of the bank's skeleton, which the figure shows
+ * @returns {{ lift: number, shrink: number }} metres by which it must be raised for its lowest points to be where the
+ *   mannequin's soles are, and by what it is to be made smaller not to be a giant
  */
-export function liftOf(figure, motion) {
+export function measured(figure, motion) {
   const outermost = outermostPoints(figure.object);
   const anatomy = new Anatomy(motion.rig);
   const { count, positions } = tracks(motion);
-  const lifts = [];
+  const lifts = [], heights = [];
   for (let sample = 0; sample < SAMPLES; sample++) {
     const frame = Math.round((sample / (SAMPLES - 1)) * (count - 1));
     figure.at(frame / motion.rate);
     figure.object.updateMatrixWorld(true);
-    lifts.push(solesAt(anatomy, positions.subarray(3 * motion.rig.joints.length * frame)) - lowest(outermost));
+    const [low, high] = extent(outermost);
+    lifts.push(solesAt(anatomy, positions.subarray(3 * motion.rig.joints.length * frame)) - low);
+    heights.push(high - low);
   }
-  return lifts.sort((a, b) => a - b)[SAMPLES >> 1];
+  const taller = median(heights) / (HEIGHT * anatomy.size);
+  return { lift: median(lifts), shrink: taller > GIANT ? 1 / taller : 1 };
+}
+
+/** @param {number[]} values */
+function median(values) {
+  return values.sort((a, b) => a - b)[values.length >> 1];
 }
 
 /**
@@ -92,12 +104,20 @@ function outermostPoints(model) {
   return [...found].map(([object, { points }]) => ({ object, points }));
 }
 
-/** @param {Outermost[]} outermost */
-function lowest(outermost) {
-  let low = Infinity;
+/**
+ * Returns the heights of the lowest and the highest point.
+ *
+ * @param {Outermost[]} outermost
+ */
+function extent(outermost) {
+  let low = Infinity, high = -Infinity;
   for (const { object, points } of outermost) {
     const [, b, , , , f, , , , j, , , , n] = object.matrixWorld.elements;
-    for (const { x, y, z } of points) low = Math.min(low, b * x + f * y + j * z + n);
+    for (const { x, y, z } of points) {
+      const height = b * x + f * y + j * z + n;
+      low = Math.min(low, height);
+      high = Math.max(high, height);
+    }
   }
-  return low;
+  return [low, high];
 }

@@ -90,6 +90,11 @@ export class Show {
     return this.#shown.map(({ body }) => body.positions);
   }
 
+  /** The user's character as each side shows it, if it does. */
+  figures() {
+    return this.#shown.flatMap(({ figure }) => figure ?? []);
+  }
+
   /**
    * Poses all characters at a time. Returns how far the first one is from the side that it is compared with.
    *

@@ -3,7 +3,9 @@ import { CharacterError, openGlb, writeGlb } from './glb.js';
 import { checkReadable, withOwnPictures } from './readable.js';
 import { strip } from './strip.js';
 
-/** @import { Material, Object3D } from '../vendor/three.js' */
+/** @import { Material, MeshStandardMaterial, Object3D } from '../vendor/three.js' */
+
+const METAL = 0.4; // the stage has no surroundings that a metal could mirror: it would be black
 
 let loaded = 0;
 
@@ -114,6 +116,9 @@ function prepare(model) {
     if (object instanceof Mesh) {
       hasMesh = object.castShadow = true;
       object.frustumCulled = false;
+      for (const material of /** @type {Partial<MeshStandardMaterial>[]} */ (materialsOf(object))) {
+        if (material.metalness) material.metalness = Math.min(material.metalness, METAL);
+      }
     }
     if ('intensity' in object) object.intensity = 0;
   });

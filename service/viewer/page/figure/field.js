@@ -28,7 +28,7 @@ export function characterField(own) {
   const sync = () => {
     const { character } = own;
     choose.textContent = character ? character.name : 'Choose a GLB or VRM…';
-    choose.title = character ? 'Choose another GLB or VRM file' : '';
+    choose.title = character ? `${character.name}. Choose another GLB or VRM file` : '';
     remove.hidden = !character;
     const text = own.status || (character ? '' : PLACE);
     if (status.textContent !== text) status.textContent = text;

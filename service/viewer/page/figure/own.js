@@ -8,6 +8,7 @@ import { measured } from './measured.js';
 /** @import { Sides } from '../sides.js' */
 /** @import { State } from '../state.js' */
 
+const LEFT_OUT = 'not carried over, the skeleton has no such joints: '; // the service's note
 const TRIED = { rate: 30, frames: 60 }; // of the baseline, from which it is seen how high the soles are
 
 /** The user's own character: chosen, checked, and shown in place of the mannequin. */
@@ -51,7 +52,7 @@ export class Own {
       const notes = await this.#try(character);
       if (number !== this.#newest) return character.dispose();
       this.#use(character);
-      this.#say(notes.find((note) => note.startsWith('not carried over')) ?? '');
+      this.#say(notes.filter((note) => note.startsWith(LEFT_OUT)).map((note) => `Not shown: ${note.slice(LEFT_OUT.length)}, which it does not have.`)[0] ?? '');
     } catch (error) {
       character?.dispose();
       if (number === this.#newest) this.#say(`${file.name}: ${reason(error)}`, true);

@@ -31,6 +31,7 @@ function stripped(document, binary) {
   if (!skins.length) throw new CharacterError('It has no skin: no bones move its mesh. Export the mesh with its armature.');
   const parents = parentsOf(nodes);
   const joints = new Set([...skins.flatMap((/** @type {any} */ skin) => skin.joints), ...humanNodes(document)]);
+  for (const joint of joints) if (!(joint in nodes)) throw new Error('not a node');
   checkOneBody(parents, joints);
   const kept = needed(nodes, parents, joints);
   const places = new Map(kept.map((node, place) => [node, place]));

@@ -207,7 +207,7 @@ def test_a_link_to_a_character_shows_the_mannequin_until_it_is_there(view: View)
     assert view.run("return viewer.show.figures().length") == 0
     expect(view.page.locator(".character")).to_contain_text("only its skeleton is sent")
     with view.page.expect_file_chooser() as chooser:
-        view.page.get_by_role("button", name="Choose a GLB or VRM").click()
+        view.page.get_by_role("button", name="Choose a file").click()
     chooser.value.set_files({"name": "hero.glb", "mimeType": "model/gltf-binary", "buffer": MIXAMO})
     wait(view)
     assert view.run("return viewer.show.figures().length") == 1

@@ -3,7 +3,7 @@ import { button, make } from '../panels/dom.js';
 /** @import { Field } from '../panels/fields.js' */
 /** @import { Own } from './own.js' */
 
-const PLACE = 'Or drop it on the picture. It stays on this machine; only its skeleton is sent to the service.';
+const PLACE = 'A GLB or VRM, here or dropped on the picture. It stays on this machine: only its skeleton is sent.';
 const SUFFIX = /\.(glb|vrm)$/i;
 
 /**
@@ -14,7 +14,7 @@ const SUFFIX = /\.(glb|vrm)$/i;
  */
 export function characterField(own) {
   const input = make('input', { type: 'file', accept: '.glb,.vrm,model/gltf-binary', hidden: true, 'aria-label': 'File of your character' });
-  const choose = button('Choose a GLB or VRM…', () => input.click(), { class: 'choose' });
+  const choose = button('Choose a file…', () => input.click(), { class: 'choose' });
   const remove = button('Remove', () => {
     own.remove();
     choose.focus();
@@ -27,7 +27,7 @@ export function characterField(own) {
   });
   const sync = () => {
     const { character } = own;
-    choose.textContent = character ? character.name : 'Choose a GLB or VRM…';
+    choose.textContent = character ? character.name : 'Choose a file…';
     choose.title = character ? `${character.name}. Choose another GLB or VRM file` : '';
     remove.hidden = !character;
     const text = own.status || (character ? '' : PLACE);

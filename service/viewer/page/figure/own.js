@@ -1,6 +1,7 @@
 import { RefusedError, take } from '../vendor/motionsplice.js';
 import { Character } from './character.js';
 import { Figure } from './figure.js';
+import { followBody } from './followers.js';
 import { CharacterError } from './glb.js';
 import { measured } from './measured.js';
 
@@ -75,6 +76,7 @@ export class Own {
     const commands = [{ do: /** @type {const} */ ('create'), locomotion: this.sides.catalogue.baseline, loop: true }];
     const { motion, nodes } = await take(this.service.url, { ...TRIED, commands, rig: character.rig }, { token: this.service.token });
     if (!nodes) throw new CharacterError('The service is too old to move characters.');
+    followBody(character.model, nodes);
     const figure = new Figure(character, nodes);
     Object.assign(character, measured(figure, motion));
     figure.dispose();

@@ -1,11 +1,11 @@
 import { contactsOf } from './facts.js';
-import { Figure } from './figure/figure.js';
 import { Body } from './scene/body.js';
 import { distances, mean, shares, upperBody, worst } from './scene/differences.js';
 import { Path } from './scene/path.js';
 import { Traces } from './scene/traces.js';
 import { Quaternion, Vector3 } from './vendor/three.js';
 
+/** @import { Figure } from './figure/figure.js' */
 /** @import { Stage } from './scene/stage.js' */
 /** @import { View } from './scene/view.js' */
 /** @import { Pose } from './vendor/motionsplice.js' */
@@ -30,7 +30,7 @@ class Shown {
     this.body = body;
     this.traces = traces;
     /** The user's character in place of the body. */
-    this.figure = side.nodes && side.character && new Figure(side.character, side.nodes);
+    this.figure = side.nodes && side.character?.figure(side.nodes);
     this.path = new Path(side.motion);
     this.pose = side.motion.pose(0);
   }

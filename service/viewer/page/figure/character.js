@@ -1,9 +1,11 @@
 import { Mesh } from '../vendor/three.js';
+import { Figure, materialsOf } from './figure.js';
 import { CharacterError, openGlb, writeGlb } from './glb.js';
 import { checkReadable, withOwnPictures } from './readable.js';
 import { strip } from './strip.js';
 
-/** @import { Material, MeshStandardMaterial, Object3D } from '../vendor/three.js' */
+/** @import { MeshStandardMaterial, Object3D } from '../vendor/three.js' */
+/** @import { Nodes } from '../vendor/motionsplice.js' */
 
 const METAL = 0.4; // the stage has no surroundings that a metal could mirror: it would be black
 
@@ -62,12 +64,17 @@ export class Character {
     }
   }
 
-  /** Counts a figure that begins to show it. */
-  enter() {
+  /**
+   * Returns a figure of it.
+   *
+   * @param {Nodes} nodes its motion
+   */
+  figure(nodes) {
     this.#figures += 1;
+    return new Figure(this, nodes);
   }
 
-  /** Counts a figure that ends. */
+  /** Counts a figure that was disposed of. */
   leave() {
     this.#figures -= 1;
     if (this.#isOver && !this.#figures) this.#free();
@@ -89,14 +96,6 @@ export class Character {
       }
     });
   }
-}
-
-/**
- * @param {Mesh} mesh
- * @returns {Material[]}
- */
-export function materialsOf({ material }) {
-  return Array.isArray(material) ? material : [material];
 }
 
 /** @param {{ dispose(): void, image?: Partial<ImageBitmap> }} texture */

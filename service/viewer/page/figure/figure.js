@@ -1,5 +1,4 @@
 import { Group, Mesh, Quaternion, Vector3 } from '../vendor/three.js';
-import { materialsOf } from './character.js';
 
 /** @import { Material, Object3D, SkinnedMesh } from '../vendor/three.js' */
 /** @import { Nodes } from '../vendor/motionsplice.js' */
@@ -28,7 +27,6 @@ export class Figure {
   constructor(character, nodes) {
     this.character = character;
     this.nodes = nodes;
-    character.enter();
     const model = character.clone();
     this.#scaled.scale.setScalar(nodes.scale);
     this.#scaled.position.y = character.lift;
@@ -118,4 +116,12 @@ export class Figure {
       if (object instanceof Mesh) visit(object);
     });
   }
+}
+
+/**
+ * @param {Mesh} mesh
+ * @returns {Material[]}
+ */
+export function materialsOf({ material }) {
+  return Array.isArray(material) ? material : [material];
 }

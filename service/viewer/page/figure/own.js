@@ -1,10 +1,6 @@
 import { RefusedError, take } from '../vendor/motionsplice.js';
-import { Character } from './character.js';
-import { Figure } from './figure.js';
-import { followBody } from './followers.js';
-import { CharacterError } from './glb.js';
-import { measured } from './measured.js';
 
+/** @import { Character } from './character.js' */
 /** @import { Service } from '../service.js' */
 /** @import { Sides } from '../sides.js' */
 /** @import { State } from '../state.js' */
@@ -49,6 +45,7 @@ export class Own {
     this.#say(`Reading ${file.name} …`);
     let character;
     try {
+      const { Character } = await import('./character.js'); // which most people never need
       character = await Character.read(file.name, await file.arrayBuffer());
       const notes = await this.#try(character);
       if (number !== this.#newest) return character.dispose();
@@ -75,9 +72,10 @@ export class Own {
   async #try(character) {
     const commands = [{ do: /** @type {const} */ ('create'), locomotion: this.sides.catalogue.baseline, loop: true }];
     const { motion, nodes } = await take(this.service.url, { ...TRIED, commands, rig: character.rig }, { token: this.service.token });
-    if (!nodes) throw new CharacterError('The service is too old to move characters.');
+    if (!nodes) throw new Error('The service is too old to move characters.');
+    const [{ followBody }, { measured }] = await Promise.all([import('./followers.js'), import('./measured.js')]);
     followBody(character.model, nodes);
-    const figure = new Figure(character, nodes);
+    const figure = character.figure(nodes);
     Object.assign(character, measured(figure, motion));
     figure.dispose();
     return nodes.notes;

@@ -29,8 +29,9 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: f
     x, in frames or seconds, never falls (it may stay, as where a path climbs straight up); y is in frames or cycles.
     There is one knot per `knot_spacing` of x. x[-1] must be above x[0] and y[-1] above y[0]: the curve's slope is
     everywhere at least LEAST_SLOPE times the slope from end to end, and the fit starts from the straight line.
-    `stiffness` weighs the squared second differences of the coefficients against the squared misfit, so that a spline
-    with close knots neither oscillates nor cuts corners (a P-spline, Eilers and Marx 1996).
+    `stiffness` weighs the squared changes of slope from coefficient to coefficient against the squared misfit, so that
+    a spline with close knots neither oscillates nor cuts corners (a P-spline, Eilers and Marx 1996). A straight line
+    costs nothing, also at its ends, where the coefficients of clamped knots are closer to each other.
     """
     x, y = np.asarray(x, np.float64), np.asarray(y, np.float64)
     intervals = max(1, round(float(x[-1] - x[0]) / knot_spacing))
@@ -38,12 +39,12 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: f
     knots = np.concatenate([[x[0]] * DEGREE, breaks, [x[-1]] * DEGREE])
     design = BSpline.design_matrix(x, knots, DEGREE).tocsr()
     count = intervals + DEGREE
-    bend = diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(count - 2, count))
+    steps = _greville_steps(knots, count)
+    bend = _slope_changes(steps)
     normal = csr_array(design.T @ design + stiffness * len(x) / count * (bend.T @ bend))
     bands = np.zeros((DEGREE + 1, count))
     for offset in range(DEGREE + 1):
         bands[offset, : count - offset] = normal.diagonal(offset)
-    steps = _greville_steps(knots, count)
     line = y[0] + np.concatenate([[0.0], np.cumsum(steps)]) * (y[-1] - y[0]) / (x[-1] - x[0])
     floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * steps
     coefficients = _increasing_least_squares(bands, design.T @ y, line, floor)
@@ -57,6 +58,18 @@ def _greville_steps(knots: Floats, count: int) -> Floats:
     """
     abscissae = np.mean([knots[first : first + count] for first in range(1, DEGREE + 1)], axis=0)
     return cast(Floats, np.diff(abscissae))
+
+
+def _slope_changes(steps: Floats) -> csr_array:
+    """Returns the matrix [n - 2, n] of changes of slope between neighbouring pairs of n coefficients.
+
+    The sum of their squares stands for the integral of the squared curvature. Where steps are equal, they are second
+    differences.
+    """
+    slopes = steps.max() / steps
+    weights = np.sqrt(2.0 * steps.max() / (steps[:-1] + steps[1:]))
+    diagonals = [weights * slopes[:-1], -weights * (slopes[:-1] + slopes[1:]), weights * slopes[1:]]
+    return csr_array(diags_array(diagonals, offsets=[0, 1, 2], shape=(len(steps) - 1, len(steps) + 1)))
 
 
 def _increasing_least_squares(bands: Floats, right: Floats, inside: Floats, floor: Floats) -> Floats:

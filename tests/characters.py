@@ -138,7 +138,7 @@ def facing_back(data: bytes, bones: dict[str, str]) -> bytes:
     attributes = document["meshes"][0]["primitives"][0]["attributes"]
     turn(attributes["POSITION"], round_y[:3, :3])
     turn(attributes["NORMAL"], round_y[:3, :3])
-    turn(document["skins"][0]["inverseBindMatrices"], np.kron(round_y, np.eye(4)))
+    turn(document["skins"][0]["inverseBindMatrices"], np.asarray(np.kron(round_y, np.eye(4)), np.float64))
 
     def edit(document: Document) -> None:
         top = document["nodes"][0]

@@ -211,3 +211,24 @@ def test_a_link_to_a_character_shows_the_mannequin_until_it_is_there(view: View)
     chooser.value.set_files({"name": "hero.glb", "mimeType": "model/gltf-binary", "buffer": MIXAMO})
     wait(view)
     assert view.run("return viewer.show.figures().length") == 1
+
+
+def test_its_own_file_is_saved_with_the_motion(view: View, bank: Bank, tmp_path: Path) -> None:
+    """Also where nodes have matrices, which an animation may not move."""
+    hero = character_file(WALK.skeleton.scaled(0.9), seed=2, matrices=True)
+    view.open(locomotion="walk", action="wave", show="splice")
+    drop(view, "hero.glb", hero)
+    view.page.get_by_role("button", name="Export").click()
+    with view.page.expect_download() as download:
+        view.page.get_by_role("button", name="GLB of your character").click()
+    assert download.value.suggested_filename == "walk+wave.glb"
+    download.value.save_as(tmp_path / "saved.glb")
+    saved = read_clip(tmp_path / "saved.glb", unit="1")
+    expected = written(bank, tmp_path, hero)
+    found = joint_positions(saved.clip)
+    assert found.shape == expected.shape
+    apart = [np.linalg.norm(one[:, :, None] - one[:, None], axis=-1) for one in (found, expected)]
+    np.testing.assert_allclose(apart[0], apart[1], atol=1e-4)
+    before, after = (read_document(data)[0] for data in (hero, (tmp_path / "saved.glb").read_bytes()))
+    assert after["meshes"] == before["meshes"]
+    assert [one["name"] for one in after["animations"]] == ["walk+wave"]

@@ -1,4 +1,5 @@
 import { Mesh } from '../vendor/three.js';
+import { animated } from './animated.js';
 import { Figure, materialsOf } from './figure.js';
 import { CharacterError, openGlb, writeGlb } from './glb.js';
 import { checkReadable, withOwnPictures } from './readable.js';
@@ -6,6 +7,7 @@ import { strip } from './strip.js';
 
 /** @import { MeshStandardMaterial, Object3D } from '../vendor/three.js' */
 /** @import { Nodes } from '../vendor/motionsplice.js' */
+/** @import { Document } from './glb.js' */
 
 const METAL = 0.4; // the stage has no surroundings that a metal could mirror: it would be black
 
@@ -27,12 +29,14 @@ export class Character {
    * @param {string} rig its nodes and skins as a GLB file, in base64: all of it that the service gets
    * @param {Object3D} model with the number of each node of `rig` as `userData.rigNode`
    * @param {(source: Object3D) => Object3D} clone
+   * @param {{ document: Document, binary: Uint8Array, nodes: number[] }} file, and the number there of each node of the rig
    */
-  constructor(name, rig, model, clone) {
+  constructor(name, rig, model, clone, file) {
     this.name = name;
     this.rig = rig;
     this.model = model;
     this.clone = () => clone(model);
+    this.file = file;
   }
 
   /**
@@ -56,7 +60,7 @@ export class Character {
         if (object.isObject3D && node !== undefined) object.userData = { rigNode: places.get(node) };
       }
       prepare(scene);
-      return new Character(name, base64(rig), scene, clone);
+      return new Character(name, base64(rig), scene, clone, { document, binary, nodes });
     } catch (error) {
       throw new CharacterError(`The file cannot be read: ${error instanceof Error ? error.message : error}`);
     } finally {
@@ -72,6 +76,17 @@ export class Character {
   figure(nodes) {
     this.#figures += 1;
     return new Figure(this, nodes);
+  }
+
+  /**
+   * Returns a copy of its file with one more animation.
+   *
+   * @param {Nodes} nodes
+   * @param {string} name
+   */
+  animated(nodes, name) {
+    const { document, binary, nodes: places } = this.file;
+    return animated(document, binary, places, nodes, name);
   }
 
   /** Counts a figure that was disposed of. */

@@ -198,8 +198,41 @@ def test_a_file_that_cannot_be_shown_is_refused_in_a_sentence(view: View, data: 
     status = view.page.locator(".character [role=status]")
     expect(status).to_contain_text("hero.glb: ")
     expect(status).to_contain_text(problem)
+    expect(view.page.locator("#readout .fault")).to_contain_text(problem)
     assert view.run("return state.values.body") == "mannequin"
     view.faults[:] = [fault for fault in view.faults if "422" not in fault]  # the browser logs the answer
+
+
+def test_its_pictures_are_loaded_from_the_file_and_nowhere_else(view: View) -> None:
+    png = base64.b64decode(
+        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGP4DwABAQEAsTj2FAAAAABJRU5ErkJggg=="
+    )
+    _, binary = read_document(MIXAMO)
+
+    def pictured(document: dict[str, Any]) -> None:
+        document["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(png)})
+        document["buffers"][0]["byteLength"] = len(binary) + len(png)
+        document["images"] = [
+            {"bufferView": len(document["bufferViews"]) - 1, "mimeType": "image/png"},
+            {"uri": f"data:image/png;base64,{base64.b64encode(png).decode()}"},
+            {"uri": "https://example.org/beside.png"},
+        ]
+        document["textures"] = [{"source": source} for source in range(3)]
+        (material,) = document["materials"]
+        material["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+        material["normalTexture"] = {"index": 1}
+        material["emissiveTexture"] = {"index": 2}
+
+    view.open(locomotion="walk", action="wave", show="splice")
+    drop(view, "hero.glb", edited(MIXAMO, pictured, binary + png + bytes(-len(png) % 4)))
+    found = view.run(
+        """const found = [];
+        viewer.show.figures()[0].object.traverse(({ material }) => {
+            if (material) for (const key of ['map', 'normalMap', 'emissiveMap']) found.push(material[key].image.width);
+        });
+        return found"""
+    )
+    assert found == [1, 1, 1]
 
 
 def test_a_link_to_a_character_shows_the_mannequin_until_it_is_there(view: View) -> None:

@@ -15,6 +15,12 @@ export class Own {
   isFault = false;
   /** Called when the status or the character has changed. */
   onchange = () => {};
+  /**
+   * Called with the reason when a file cannot be shown.
+   *
+   * @type {(problem: string) => void}
+   */
+  onfault = () => {};
   #newest = 0;
 
   /** Called to have what is shown fetched again. */
@@ -97,6 +103,7 @@ export class Own {
   #say(status, isFault = false) {
     Object.assign(this, { status, isFault });
     this.onchange();
+    if (isFault) this.onfault(status);
   }
 }
 

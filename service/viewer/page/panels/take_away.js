@@ -4,7 +4,6 @@ import { button, byId, make, newId } from './dom.js';
 import { curlLine, fileName, pythonLines } from './recipes.js';
 import { Recorder } from './recorder.js';
 
-/** @import { Catalogue } from '../catalogue.js' */
 /** @import { Player } from '../player.js' */
 /** @import { Sides } from '../sides.js' */
 /** @import { Service } from '../service.js' */

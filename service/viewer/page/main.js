@@ -58,7 +58,7 @@ new Columns();
 
 const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
 own.refresh = () => void viewer.refresh();
-own.onfault = (problem) => viewer.readout.fault(problem); // the controls may be folded away
+own.onfault = (/** @type {string} */ problem) => viewer.readout.fault(problem); // the controls may be folded away
 takeDrops(element('view'), own);
 const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });

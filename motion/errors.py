@@ -87,3 +87,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
         return "Did you mean " + " or ".join(repr(match) for match in near) + "?"
     listed = ", ".join(names[:10]) + (f" and {len(names) - 10} more" if len(names) > 10 else "")
     return f"Choose one of {listed}" if listed else "None are available"
+
+
+def listed(names: list[str]) -> str:
+    """Returns the first five names as text."""
+    return f"{', '.join(names[:5])}{' ...' * (len(names) > 5)}"

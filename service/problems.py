@@ -33,6 +33,10 @@ class MediaTypeError(MotionError):
     """A body of an unsupported type."""
 
 
+class RigError(MotionError):
+    """A rig that a clip cannot be put onto."""
+
+
 class NotReadyError(MotionError):
     """A request for poses before the kernels are compiled."""
 
@@ -75,6 +79,7 @@ PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
     RequestError: (422, "request"),
     SettingsError: (422, "request"),
     LimitError: (422, "limit"),
+    RigError: (422, "rig"),
     BusyError: (429, "busy"),
     BankError: (500, "failure"),
     NotReadyError: (503, "not-ready"),

@@ -15,13 +15,17 @@ from motionsplice.service.settings import Settings
 
 @dataclass(frozen=True, eq=False)
 class Shared:
-    """The settings, the bank that is served, the metrics, the open streams, and whether the service is stopping."""
+    """The settings, the bank that is served, the metrics, the open streams, and whether the service is stopping.
+
+    retargeting: held while a take is put onto a rig in a thread: one at a time, as that takes a core and much memory.
+    """
 
     settings: Settings
     serving: Serving
     metrics: Metrics
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
     streams: set[object] = field(default_factory=set)
+    retargeting: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     @contextmanager
     def admitted(self) -> Iterator[None]:

@@ -8,10 +8,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.formats.gltf.container import read_document
 from motionsplice.motion.formats.gltf.document import ASSET, Binary, Document, glb
 from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Skeleton
+from tests.glb_files import edited
 
 HEIGHT = 0.95  # metres: where the root is bound
 
@@ -119,3 +121,36 @@ def _add_shorts(document: Document, binary: Binary, values: Any) -> int:
     )
     document["buffers"][0]["byteLength"] = len(binary.data)
     return len(document["accessors"]) - 1
+
+
+def facing_back(data: bytes, bones: dict[str, str]) -> bytes:
+    """Returns the character of `character_file` as a VRM 0.x file, which faces -Z. bones: the node of each VRM bone."""
+    document, chunk = read_document(data)
+    binary, views, accessors = bytearray(chunk), document["bufferViews"], document["accessors"]
+
+    def turn(accessor: int, matrix: Floats) -> None:
+        view = views[accessors[accessor]["bufferView"]]
+        place = slice(view["byteOffset"], view["byteOffset"] + view["byteLength"])
+        rows = np.frombuffer(bytes(binary[place]), "<f4").reshape(-1, len(matrix))
+        binary[place] = (rows @ matrix).astype("<f4").tobytes()
+
+    round_y = np.diag([-1.0, 1.0, -1.0, 1.0])
+    attributes = document["meshes"][0]["primitives"][0]["attributes"]
+    turn(attributes["POSITION"], round_y[:3, :3])
+    turn(attributes["NORMAL"], round_y[:3, :3])
+    turn(document["skins"][0]["inverseBindMatrices"], np.asarray(np.kron(round_y, np.eye(4)), np.float64))
+
+    def edit(document: Document) -> None:
+        top = document["nodes"][0]
+        top["rotation"] = quaternion.multiply(np.array([0.0, 1.0, 0.0, 0.0]), np.array(top["rotation"])).tolist()
+        numbers = {node["name"]: number for number, node in enumerate(document["nodes"])}
+        human = [{"bone": bone, "node": numbers[name]} for bone, name in bones.items()]
+        document["extensions"] = {"VRM": {"specVersion": "0.0", "humanoid": {"humanBones": human}}}
+        bounds = accessors[attributes["POSITION"]]
+        low, high = bounds["min"], bounds["max"]
+        document["accessors"][attributes["POSITION"]] |= {
+            "min": [-high[0], low[1], -high[2]],
+            "max": [-low[0], high[1], -low[2]],
+        }
+
+    return edited(data, edit, bytes(binary))

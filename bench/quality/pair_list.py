@@ -10,9 +10,9 @@ from bench.quality.claims import CLAIMS
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.procedural.library import ACTIONS, LOCOMOTIONS, truth
+from motionsplice.motion.retarget.onto_rig import onto_rig
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.common_skeleton import onto_rig
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.runtime.bank import Bank
 
 PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))

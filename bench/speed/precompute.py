@@ -31,8 +31,8 @@ from motionsplice.cli import run
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.precompute.alignment.baseline import find_baseline
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.job import CACHE, build_bank
 from motionsplice.precompute.job.workers import end_with_parent

@@ -3,6 +3,7 @@ export { connect, Connection } from './source/connection.js';
 export { Character } from './source/character.js';
 export { splice, stream, take } from './source/http.js';
 export { Motion } from './source/motion.js';
+export { Nodes } from './source/nodes.js';
 export { Frames } from './source/frames.js';
 export { Pose } from './source/pose.js';
 export { Rig } from './source/rig.js';

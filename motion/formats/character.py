@@ -56,13 +56,12 @@ class Character:
     placed: Mapping[int, Floats]
     animations: list[str]
 
-    def animated(self, clip: Clip) -> bytes:
-        """Returns a copy of the file with one more animation: a clip of this skeleton, under the clip's name.
+    def keys(self, clip: Clip) -> tuple[dict[int, Floats], dict[int, Floats]]:
+        """Returns the translations and the local rotations of nodes, by node, that show a clip of this skeleton.
 
-        The nodes of the skeleton get keys; everything else is as it was, other animations included. If one of these has
-        the clip's name, a number is added to the new one's.
+        They are [F, 3] and [F, 4]; a node that stays at one place has a translation [1, 3]. Nodes without a translation
+        keep their own.
         """
-        document = deepcopy(self.document)
         positions, turns = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
         turns = quaternion.multiply(turns, self.bind)
         translations = {node: place[None] for node, place in self.placed.items()}
@@ -74,6 +73,16 @@ class Character:
                 rotations[node] = quaternion.multiply(rotations_of(inwards[:3]), turns[:, joint])
             else:
                 rotations[node] = quaternion.multiply(quaternion.conjugate(turns[:, parent]), turns[:, joint])
+        return translations, rotations
+
+    def animated(self, clip: Clip) -> bytes:
+        """Returns a copy of the file with one more animation: a clip of this skeleton, under the clip's name.
+
+        The nodes of the skeleton get keys; everything else is as it was, other animations included. If one of these has
+        the clip's name, a number is added to the new one's.
+        """
+        document = deepcopy(self.document)
+        translations, rotations = self.keys(clip)
         for node in rotations:
             _without_matrix(document["nodes"][node])
         binary = Binary(document, self.binary)
@@ -89,19 +98,30 @@ def read_character(path: Path) -> Character:
     Raises FormatError if the file is not one that can be written into, RoleError if its roles cannot be found.
     """
     try:
-        data = read_bytes(path)
-        if data[:4] != MAGIC:
-            raise FormatError("this is not a GLB file", mend="Export the character as .glb or .vrm")
-        with malformed():
-            return _read(data)
-    except RoleError as error:
-        raise RoleError(error.problem, file=str(path), mend=RENAME) from None
+        return parse_character(read_bytes(path))
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
-def _read(data: bytes) -> Character:
+def parse_character(data: bytes, most_nodes: int | None = None) -> Character:
+    """Reads a character from the bytes of a GLB file, which may have at most so many nodes.
+
+    Raises FormatError, or RoleError, as `read_character` does.
+    """
+    if data[:4] != MAGIC:
+        raise FormatError("this is not a GLB file", mend="Export the character as .glb or .vrm")
+    try:
+        with malformed(), np.errstate(over="ignore", invalid="ignore"):  # Skeleton rejects numbers that are not finite
+            return _parsed(data, most_nodes)
+    except RoleError as error:
+        raise RoleError(error.problem, mend=RENAME) from None
+
+
+def _parsed(data: bytes, most_nodes: int | None) -> Character:
     document, binary = read_document(data)
+    if most_nodes is not None and len(document["nodes"]) > most_nodes:
+        problem = f"it has {len(document['nodes'])} nodes, more than {most_nodes}"
+        raise FormatError(problem, mend="Leave out those that are not joints, and bones of hair and cloth")
     if "uri" in (document.get("buffers") or [{}])[0]:
         raise FormatError("its data are not in the file's binary chunk", mend="Export it as one GLB file")
     loose, numbers = read_rest(data)

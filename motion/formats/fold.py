@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import FormatError
+from motionsplice.motion.errors import FormatError, listed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers, Skeleton, chain, subtree
 
@@ -91,11 +91,6 @@ def fold(nodes: Nodes, root: int) -> Folded:
     rotations = nodes.rotations[:, inside]
     rotations[:, 0] = rotation
     return Folded(skeleton, position, rotations, tuple(notes))
-
-
-def listed(names: list[str]) -> str:
-    """Returns the first five names as text."""
-    return f"{', '.join(names[:5])}{' ...' * (len(names) > 5)}"
 
 
 def _world(nodes: Nodes, joint: int) -> tuple[Floats, Floats]:

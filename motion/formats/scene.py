@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import FormatError, did_you_mean
-from motionsplice.motion.formats.fold import Nodes, listed
+from motionsplice.motion.errors import FormatError, did_you_mean, listed
+from motionsplice.motion.formats.fold import Nodes
 from motionsplice.motion.formats.names import numbered
 from motionsplice.motion.formats.transforms import rotations_of
 from motionsplice.motion.quaternion import Floats

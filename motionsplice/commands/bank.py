@@ -159,8 +159,8 @@ def print_work(outcome: Outcome, out: Path) -> None:
 
 def print_left_out(clips: list[Path]) -> None:
     """Prints which motion files in the folders cannot be read."""
+    from motionsplice.motion.errors import listed
     from motionsplice.motion.formats.files import other_files
-    from motionsplice.motion.formats.fold import listed
 
     others = [file.name for path in clips if path.is_dir() for file in other_files(path)]
     if others:
@@ -170,7 +170,7 @@ def print_left_out(clips: list[Path]) -> None:
 
 def print_retargeted(bank: Bank, skeleton: Path | None) -> None:
     """Prints how many clips were retargeted, and how to see the notes."""
-    from motionsplice.precompute.body.common_skeleton import RETARGETED
+    from motionsplice.motion.retarget.onto_rig import RETARGETED
 
     notes = notes_of(bank)
     if moved := sum(sentence.startswith(RETARGETED) for _, sentence in notes):

@@ -19,9 +19,9 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.hand_joints import fingers_of
+from motionsplice.motion.retarget.onto_rig import onto_rig
 from motionsplice.motion.role_names import PAIRED
 from motionsplice.motion.roles import SIDES, read_roles_file
-from motionsplice.precompute.body.common_skeleton import onto_rig
 from motionsplice.precompute.job.skeleton import rig_of
 
 console = Console(emoji=False)

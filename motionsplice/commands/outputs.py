@@ -73,8 +73,8 @@ def write_motion(out: Path, clip: Clip, roles: Roles, character: Character | Non
 
         write_clip(out, clip, roles)
         return ()
-    from motionsplice.precompute.body.common_skeleton import onto_rig
-    from motionsplice.precompute.body.rig import Rig
+    from motionsplice.motion.retarget.onto_rig import onto_rig
+    from motionsplice.motion.retarget.rig import Rig
 
     fitted = onto_rig(clip, roles, Rig(character.skeleton, character.roles))
     out.write_bytes(character.animated(fitted.clip))

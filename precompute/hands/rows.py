@@ -11,8 +11,8 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.reading import Reading
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import SIDES
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.settings import HandSettings
 from motionsplice.precompute.hands.splice import splice_hands
 from motionsplice.precompute.preparation.prepared import PreparedClip

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from motionsplice.motion.errors import BaselineError, ClipError, MotionError
 from motionsplice.motion.formats.files import files_behind, read_bytes
 from motionsplice.motion.formats.reading import Reading, read_clip
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.precompute.alignment.baseline import Baseline, find_baseline
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.cache import Cache, digest_of_array, key_of
 from motionsplice.precompute.job.entries import (
     FoundStride,

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.reading import Reading
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Alignment, Baseline
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.cache import Arrays, Fields
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.torso_offset import MeanStride

@@ -12,8 +12,8 @@ from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.formats.reading import Reading
 from motionsplice.motion.hand_joints import fingered, has_fingers
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.skeleton import Skeleton
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.hands.rows import LaidHands, lay_hands
 from motionsplice.precompute.hands.settings import FILE_NAME, HandSettings, HandsOnBody, read_hand_settings
 from motionsplice.precompute.job.cache import Arrays, Cache, Fields, key_of

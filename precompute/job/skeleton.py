@@ -8,9 +8,9 @@ from pathlib import Path
 
 from motionsplice.motion.errors import BaselineError, SkeletonError
 from motionsplice.motion.formats.reading import read_rig
+from motionsplice.motion.retarget.onto_rig import onto_rig
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.precompute.alignment.baseline import find_baseline
-from motionsplice.precompute.body.common_skeleton import onto_rig
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.cache import Cache, key_of
 from motionsplice.precompute.job.clip_work import Identified, stored_reading
 from motionsplice.precompute.job.entries import FoundStride, StrideSearched, pack_rig, pack_stride, unpack_stride

@@ -8,9 +8,8 @@ from functools import cache
 from pathlib import Path
 
 from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings, settings_for
-from motionsplice.motion.errors import ClipError, FormatError, SettingsError, did_you_mean
+from motionsplice.motion.errors import ClipError, FormatError, SettingsError, did_you_mean, listed
 from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in, other_files
-from motionsplice.motion.formats.fold import listed
 from motionsplice.motion.roles import GivenRole
 
 

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.onto_rig import onto_rig
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, Baseline
 from motionsplice.precompute.alignment.gait import mean_gait
-from motionsplice.precompute.body.common_skeleton import onto_rig
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride

@@ -28,7 +28,7 @@ async def chunks(scope: Scope, receive: Receive, most: int) -> AsyncIterator[byt
     """Yields a body as it arrives. Raises TooLargeError, or RequestError if the client disconnects before its end."""
     length, received = header(scope, b"content-length"), 0
     if length.isdigit() and int(length[:18]) > most:
-        raise _too_large(most)
+        raise too_large(most)
     while True:
         message = await receive()
         if message["type"] == "http.disconnect":
@@ -36,11 +36,12 @@ async def chunks(scope: Scope, receive: Receive, most: int) -> AsyncIterator[byt
         chunk = message.get("body", b"")
         received += len(chunk)
         if received > most:
-            raise _too_large(most)
+            raise too_large(most)
         yield chunk
         if not message.get("more_body", False):
             return
 
 
-def _too_large(most: int) -> TooLargeError:
+def too_large(most: int) -> TooLargeError:
+    """Returns the error for a body with more than `most` bytes."""
     return TooLargeError(f"the body has more than {most} bytes", mend="Send it in parts")

@@ -9,6 +9,7 @@ import numpy as np
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import pieces
 from motionsplice.motion.formats.files import WRITERS
+from motionsplice.motion.roles import Roles
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.requests import Float32s
 from motionsplice.service.answers.answer import Headers
@@ -30,10 +31,14 @@ def check_encoding(form: str, how: Encoding) -> None:
         raise RequestError(problem, mend="Leave out axes and parts")
 
 
-def written(bank: Bank, name: str, rate: float, roots: Float32s, rotations: Float32s, form: str) -> Iterator[bytes]:
-    """Yields the file of a motion with root positions [F, 3] and rotations [F, J, 4], in pieces."""
-    clip = Clip(name, bank.skeleton, rate, roots.astype(np.float64), rotations.astype(np.float64))
-    yield from pieces(clip) if form == "bvh" else [WRITERS[f".{form}"](clip, bank.roles)]
+def written(clip: Clip, roles: Roles, form: str) -> Iterator[bytes]:
+    """Yields the file of a motion, in pieces."""
+    yield from pieces(clip) if form == "bvh" else [WRITERS[f".{form}"](clip, roles)]
+
+
+def clip_of(bank: Bank, name: str, rate: float, roots: Float32s, rotations: Float32s) -> Clip:
+    """Returns a motion with root positions [F, 3] and rotations [F, J, 4] as a clip."""
+    return Clip(name, bank.skeleton, rate, roots.astype(np.float64), rotations.astype(np.float64))
 
 
 def disposition(form: str, *names: str | None) -> Headers:

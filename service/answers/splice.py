@@ -10,7 +10,7 @@ import numpy as np
 import orjson
 
 from motionsplice.service.answers.answer import Answer
-from motionsplice.service.answers.files import FILES, check_encoding, disposition, written
+from motionsplice.service.answers.files import FILES, check_encoding, clip_of, disposition, written
 from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
@@ -80,4 +80,5 @@ def _file(frames: Frames, form: str) -> Iterator[bytes]:
         rotations.append(poses.rotations)
         yield b""
     motion = np.concatenate(roots), np.concatenate(rotations)
-    yield from written(frames.edition.bank, frames.splice.name, frames.rate, *motion, form)
+    bank = frames.edition.bank
+    yield from written(clip_of(bank, frames.splice.name, frames.rate, *motion), bank.roles, form)

@@ -12,24 +12,27 @@ import orjson
 from starlette.types import Receive, Scope
 
 from motionsplice.motion.axes import Axes
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.characters.moments import action_times, phases
 from motionsplice.runtime.characters.state import EVENT_NAMES
 from motionsplice.runtime.requests import Poses
 from motionsplice.service.answers.answer import Answer
-from motionsplice.service.answers.body import header, whole_body
-from motionsplice.service.answers.files import FILES, check_encoding, disposition, written
+from motionsplice.service.answers.body import header, too_large, whole_body
+from motionsplice.service.answers.files import FILES, check_encoding, clip_of, disposition, written
+from motionsplice.service.answers.rig import OnRig, decoded, room_for_rig, without_rig
 from motionsplice.service.characters.commands import NEEDED, Command, checked
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.problems import LimitError, MediaTypeError, RequestError
 from motionsplice.service.serving import Edition
 from motionsplice.service.shared import Shared
+from motionsplice.service.wire.encoding import Arrays, Encoding
 from motionsplice.service.wire.messages import FORMS, JSON, frame_fields
 from motionsplice.service.wire.parameters import HOW, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
 TAKE = Query(*HOW, format_parameter("json", "msgpack", *FILES))
-KEYS = ("rate", "frames", "commands")
+KEYS = ("rate", "frames", "commands", "rig")
 COMMANDS = tuple(name for name in NEEDED if name not in ("remove", "set", "send"))
 ID = 0  # of the character
 BLOCK = 32  # frames after which other requests are served
@@ -44,26 +47,34 @@ async def take(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     how, form = encoding(values), values["format"]
     if form in FILES:
         check_encoding(form, how)
-    body = await whole_body(scope, receive, settings.max_message, settings.request_seconds)
+    most = settings.max_message + room_for_rig(settings.max_rig)
+    body, text = without_rig(await whole_body(scope, receive, most, settings.request_seconds))
+    if len(body) > settings.max_message:
+        raise too_large(settings.max_message)
     asked = Take.parse(body, how.axes, settings.max_frames)
+    rig = None if text is None else decoded(text, settings.max_rig)
+    if rig is not None and form in FILES and form != "glb":
+        raise RequestError(f"format: a rig cannot be written as {form}", mend="Ask for json, msgpack or glb")
     with shared.admitted():
         played = Played(shared.serving.edition, asked)
         for first in range(0, asked.frames, BLOCK):
             played.play(first, min(first + BLOCK, asked.frames))
             await asyncio.sleep(0)
-        bank, poses = played.edition.bank, played.poses
-        if form in FILES:
-            motion = poses.root_positions, poses.rotations
+        moved: tuple[dict[str, Any], Arrays] = {}, {}
+        if rig is not None:
+            async with shared.retargeting:
+                on_rig = await asyncio.to_thread(OnRig.of, rig, played.clip, played.edition.bank.roles)
+                if form in FILES:
+                    file = await asyncio.to_thread(on_rig.file)
+                    return Answer(file, FILES[form], headers=disposition(form, *asked.clips))
+                moved = await asyncio.to_thread(on_rig.message)
+        elif form in FILES:
             pieces = []
-            for piece in written(bank, "+".join(asked.clips), asked.rate, *motion, form):
+            for piece in written(played.clip, played.edition.bank.roles, form):
                 pieces.append(piece)
                 await asyncio.sleep(0)
             return Answer(b"".join(pieces), FILES[form], headers=disposition(form, *asked.clips))
-    moments = {"phases": played.phases, "action_times": played.times}
-    arrays = {**moments, **how.arrays(played.edition.evaluator, poses)}  # in an order that `layout` can align
-    media, write = FORMS[form]
-    fields = {**frame_fields(0, asked.frames, asked.rate), "events": played.events}
-    return Answer(write(bank.digest, fields, arrays), media)
+    return played.answer(how, form, *moved)
 
 
 @dataclass(frozen=True)
@@ -86,6 +97,8 @@ class Take:
         for key in values:
             if key not in KEYS:
                 raise RequestError(f"unknown key {key[:40]!r}", mend=did_you_mean(key[:40], KEYS))
+        if values.get("rig", "") != "":  # a text of base64 was taken out before
+            raise RequestError("rig: expected the bytes of a GLB file as text in base64")
         rate, frames, listed = values.get("rate", 60.0), values.get("frames"), values.get("commands")
         if type(rate) not in (int, float) or not 1.0 <= rate <= 1000.0:
             raise RequestError(f"rate: expected frames per second from 1 to 1000, found {rate!r:.40}")
@@ -168,3 +181,18 @@ class Played:
         rows = np.array(states)
         self.phases[first:end] = phases(rows)
         self.times[first:end] = action_times(rows, self._rates)
+
+    @property
+    def clip(self) -> Clip:
+        """The frames as a clip, named after the clips that it plays."""
+        motion = self.poses.root_positions, self.poses.rotations
+        return clip_of(self.edition.bank, "+".join(self._take.clips), self._take.rate, *motion)
+
+    def answer(self, how: Encoding, form: str, rig: dict[str, Any], of_rig: Arrays) -> Answer:
+        """Returns the answer as a map, with the fields and arrays of a rig if there is one."""
+        moments = {"phases": self.phases, "action_times": self.times}
+        # in an order that `layout` can align
+        arrays = {**moments, **how.arrays(self.edition.evaluator, self.poses), **of_rig}
+        media_type, write = FORMS[form]
+        fields = {**frame_fields(0, self._take.frames, self._take.rate), "events": self.events}
+        return Answer(write(self.edition.bank.digest, fields | ({"rig": rig} if rig else {}), arrays), media_type)

@@ -77,7 +77,8 @@ def direct_operations(batch: dict[str, Any], order: dict[str, Any]) -> dict[str,
                 **_operation(
                     "post_take",
                     "What a character does",
-                    "All frames of a character that is given commands at certain frames, computed at once.",
+                    "All frames of a character that is given commands at certain frames, computed at once. With a "
+                    "`rig`, also as the motion of its nodes, retargeted.",
                     TAKE,
                     {MSGPACK: OCTETS, **{form.decode(): OCTETS for form in FILES.values()}, JSON: reference("Take")},
                     UNKNOWN,

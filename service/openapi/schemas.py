@@ -18,6 +18,7 @@ from motionsplice.service.wire.query import Query
 Schema = dict[str, Any]
 
 ANY = None  # any length of a list
+NONE: Mapping[str, Schema] = {}
 
 
 def reference(name: str) -> Schema:
@@ -65,7 +66,9 @@ def _numbers(*lengths: int | None) -> Schema:
     return schema
 
 
-def _frames(title: str, description: str, *leading: None, **fields: Schema) -> Schema:
+def _frames(
+    title: str, description: str, *leading: None, optional: Mapping[str, Schema] = NONE, **fields: Schema
+) -> Schema:
     """Returns the schema of a map of frames, whose arrays have the dimensions `leading` before their own."""
     example: list[Any] = [[0.603, 0.964, 1.602], [[0.032, 0.314, -0.006, 0.949], [-0.067, 0.022, -0.012, 0.997]]]
     root, rotations = [[one] for one in example] if leading else example
@@ -84,6 +87,7 @@ def _frames(title: str, description: str, *leading: None, **fields: Schema) -> S
             "root_positions": {**_numbers(*leading, 3), "example": root},
             "rotations": {**_numbers(*leading, ANY, 4), "example": rotations},
             "world_positions": _numbers(*leading, ANY, 3),
+            **optional,
         },
     }
 
@@ -96,6 +100,11 @@ def _seconds(description: str) -> Schema:
     return {"type": "array", "items": {"type": "number"}, "description": f"[n] seconds into the {description}"}
 
 
+_OF_RIG: dict[str, Schema] = {
+    "rig": reference("TakeRig"),
+    "node_translations": _numbers(ANY, ANY, 3),
+    "node_rotations": _numbers(ANY, ANY, 4),
+}
 _FRAMES: dict[str, Schema] = {
     "frame": {"type": "integer", "description": "Number of the first frame"},
     "count": {"type": "integer", "description": "F"},
@@ -119,7 +128,25 @@ SCHEMAS: Mapping[str, Schema] = {
             "description": "[F] seconds into the action; null without one",
         },
         events={"type": "array", "items": reference("TakeEvent"), "description": "What happened, in order"},
+        optional=_OF_RIG,
     ),
+    "TakeRig": {
+        "type": "object",
+        "title": "TakeRig",
+        "description": "The nodes of a rig that a take was put onto",
+        "required": ["scale", "moved", "turned", "still", "notes"],
+        "properties": {
+            "scale": {"type": "number", "description": "Metres in a unit of the rig, for legs as long as the bank's"},
+            "moved": {"type": "array", "items": {"type": "integer"}, "description": "[M] nodes of node_translations"},
+            "turned": {"type": "array", "items": {"type": "integer"}, "description": "[N] nodes of node_rotations"},
+            "still": {
+                "type": "array",
+                "items": {"type": "object", "additionalProperties": True},
+                "description": "Values of the other nodes: `node`, and its `translation` or `rotation`",
+            },
+            "notes": {"type": "array", "items": {"type": "string"}, "description": "What the rig does not show"},
+        },
+    },
     "TakeEvent": {
         "type": "object",
         "title": "TakeEvent",
@@ -145,6 +172,7 @@ SCHEMAS: Mapping[str, Schema] = {
                 "items": {"type": "object", "additionalProperties": True},
                 "description": "Commands of the WebSocket without `id`; `at` is the frame at which each is done",
             },
+            "rig": {"type": "string", "description": "A GLB file with a character's nodes and skins, in base64"},
         },
     },
     "Batch": {

@@ -4,9 +4,11 @@ import { copyFileSync } from 'node:fs';
 
 const folder = process.argv[2] ?? 'page/vendor';
 await build({
-  entryPoints: ['vendor/three.js', 'vendor/motionsplice.js'],
+  entryPoints: ['vendor/three.js', 'vendor/loader.js', 'vendor/motionsplice.js'],
   outdir: folder,
   bundle: true,
+  splitting: true,
+  chunkNames: 'shared', // what three.js and the loader have in common
   minify: true,
   format: 'esm',
   target: 'es2022',

@@ -18,9 +18,9 @@ from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.retarget.onto_rig import onto_rig
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.common_skeleton import onto_rig
-from motionsplice.precompute.body.rig import Rig
 from tests.characters import character_file
 from tests.glb_files import edited
 

@@ -9,9 +9,9 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.formats.character import read_character
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.retarget.onto_rig import onto_rig
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.common_skeleton import onto_rig
-from motionsplice.precompute.body.rig import Rig
 from tests.characters import boxes, character_file, standing
 from tests.oracles.node import needs_node, run
 

@@ -14,10 +14,10 @@ from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.variants import local_axes, uneven_time, warped, with_local_axes
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.baseline import WORKING_RATE, align, find_baseline
 from motionsplice.precompute.body.posture import measure_torso
-from motionsplice.precompute.body.rig import Rig
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.precompute.preparation.torso_offset import MeanStride, torso_offsets

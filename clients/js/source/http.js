@@ -3,6 +3,7 @@ import { ConnectionLostError, FormatError, RefusedError } from './errors.js';
 import { Frames, floats } from './frames.js';
 import { Motion } from './motion.js';
 import { decode } from './msgpack.js';
+import { Nodes } from './nodes.js';
 import { Rig } from './rig.js';
 
 /** @import { How } from './address.js' */
@@ -80,6 +81,7 @@ async function motionOf(message, url, token, axes, encoding) {
  * @property {number} [rate] frames per second, 60 if not given
  * @property {number} frames
  * @property {({ at?: number } & Command)[]} commands in the protocol's words, without `id`
+ * @property {string} [rig] a GLB file with the nodes and skins of a character, in base64
  */
 
 /**
@@ -90,6 +92,7 @@ async function motionOf(message, url, token, axes, encoding) {
  * @property {Float32Array} phases of the locomotion at each frame, in strides
  * @property {Float32Array} actionTimes seconds into the action at each frame; NaN without one
  * @property {{ frame: number, event: string, action?: string }[]} events
+ * @property {Nodes} [nodes] the motion of the rig that was sent
  */
 
 /**
@@ -105,7 +108,8 @@ export async function take(url, order, { token, axes = 'gltf', parts, encoding =
   const message = await map(address(url, '/v1/take', { axes, parts, encoding, format: 'msgpack' }), token, order);
   const motion = await motionOf(message, url, token, axes, encoding);
   const { count, phases, action_times, events } = message;
-  return { motion, phases: floats('phases', phases, count), actionTimes: floats('action_times', action_times, count), events };
+  const nodes = message.rig && new Nodes(message);
+  return { motion, phases: floats('phases', phases, count), actionTimes: floats('action_times', action_times, count), events, nodes };
 }
 
 /**

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.errors import FormatError, did_you_mean, listed
 from motionsplice.motion.formats.asf_amc.skeleton import (
     CUT_SHORT,
     AcclaimSkeleton,
@@ -17,7 +17,7 @@ from motionsplice.motion.formats.asf_amc.skeleton import (
     spellings,
 )
 from motionsplice.motion.formats.decimals import is_finite, read_table
-from motionsplice.motion.formats.fold import Nodes, listed, still
+from motionsplice.motion.formats.fold import Nodes, still
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.text import COMMAS, text_of, with_points
 from motionsplice.motion.quaternion import Floats

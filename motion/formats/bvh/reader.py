@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import FormatError, did_you_mean
+from motionsplice.motion.errors import FormatError, did_you_mean, listed
 from motionsplice.motion.formats.bvh.frames import read_frames, read_header
 from motionsplice.motion.formats.bvh.hierarchy import Joint, check_doubles, number_doubles, read_hierarchy
-from motionsplice.motion.formats.fold import Nodes, listed, still
+from motionsplice.motion.formats.fold import Nodes, still
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.text import text_of
 from motionsplice.motion.quaternion import Floats

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from motionsplice.motion.errors import FormatError
-from motionsplice.motion.formats.fold import listed
+from motionsplice.motion.errors import FormatError, listed
 from motionsplice.motion.formats.scene import Scene, most_transforms, unknown_animation
 from motionsplice.motion.formats.transforms import in_the_world, local_transforms
 from motionsplice.motion.quaternion import Floats

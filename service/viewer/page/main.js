@@ -1,6 +1,8 @@
 import { Adding } from './adding/panel.js';
 import { Catalogue } from './catalogue.js';
 import { Aim } from './panels/aim.js';
+import { takeDrops } from './figure/field.js';
+import { Own } from './figure/own.js';
 import { Columns } from './panels/columns.js';
 import { Connection } from './panels/connection.js';
 import { Controls } from './panels/controls.js';
@@ -49,7 +51,8 @@ if (!location.search) state.set({ action: [...catalogue.clips.values()].find(({ 
 
 const sides = new Sides(service, catalogue);
 const lists = new Lists(element('lists'), catalogue, state);
-const controls = new Controls(element('controls'), catalogue, state);
+const own = new Own(service, state, sides);
+const controls = new Controls(element('controls'), catalogue, state, own);
 const title = new Title(element('bank'), catalogue, state);
 const help = new Help(/** @type {HTMLDialogElement} */ (element('help')));
 element('show-help').addEventListener('click', () => help.toggle());
@@ -59,8 +62,11 @@ new Aim(element('lists'), (key, name) => {
 });
 
 const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
+own.refresh = () => void viewer.refresh();
+own.onfault = (/** @type {string} */ problem) => viewer.readout.fault(problem); // the controls may be folded away
+takeDrops(element('view'), own);
 const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
-new Keys({ state, player, lists, takeAway, help });
+new Keys({ state, player, lists, takeAway, help, own });
 const connection = new Connection(element('banner'), service, catalogue, reload);
 const adding = new Adding(
   { element: element('adding'), column: element('lists-column'), dialog: /** @type {HTMLDialogElement} */ (element('adding-dialog')) },
@@ -68,7 +74,7 @@ const adding = new Adding(
 );
 void viewer.refresh();
 
-export { player, sides, state, viewer };
+export { own, player, sides, state, viewer };
 
 /** @param {Catalogue} found */
 function reload(found) {

@@ -5,6 +5,7 @@ import { Path } from './scene/path.js';
 import { Traces } from './scene/traces.js';
 import { Quaternion, Vector3 } from './vendor/three.js';
 
+/** @import { Figure } from './figure/figure.js' */
 /** @import { Stage } from './scene/stage.js' */
 /** @import { View } from './scene/view.js' */
 /** @import { Pose } from './vendor/motionsplice.js' */
@@ -28,6 +29,8 @@ class Shown {
     this.side = side;
     this.body = body;
     this.traces = traces;
+    /** The user's character in place of the body. */
+    this.figure = side.nodes && side.character?.figure(side.nodes);
     this.path = new Path(side.motion);
     this.pose = side.motion.pose(0);
   }
@@ -63,9 +66,11 @@ export class Show {
       if (sides.includes(one.side)) continue;
       this.stage.remove(one.body.object);
       this.stage.remove(one.traces.object);
+      if (one.figure) this.stage.remove(one.figure.object);
       this.stage.later(() => {
         one.body.dispose();
         one.traces.dispose();
+        one.figure?.dispose();
       });
     }
   }
@@ -79,12 +84,18 @@ export class Show {
     const shown = new Shown(side, new Body(side.motion.rig, side.colour), new Traces(side, clip ? contactsOf(side, clip, values) : { left: [], right: [] }));
     this.stage.add(shown.body.object);
     this.stage.add(shown.traces.object);
+    if (shown.figure) this.stage.add(shown.figure.object);
     return shown;
   }
 
   /** Where the joints of each side are [J][3], without the place beside the others. */
   positions() {
     return this.#shown.map(({ body }) => body.positions);
+  }
+
+  /** The user's character as each side shows it, if it does. */
+  figures() {
+    return this.#shown.flatMap(({ figure }) => figure ?? []);
   }
 
   /**
@@ -99,7 +110,9 @@ export class Show {
     for (const one of this.#shown) this.#pose(one, momentOf(one.side, leading.side, time));
     this.#shown.forEach((one, index) => this.#place(one, leading, index, values));
     const place = leading.path.at(leading.moment);
-    this.stage.floor = leading.traces.floor;
+    const shrink = shrinkOf(leading);
+    for (const axis of /** @type {const} */ (['x', 'y', 'z'])) place[axis] *= shrink;
+    this.stage.floor = leading.traces.floor * shrink;
     const apart = values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART;
     this.view.wide(apart);
     this.view.at(place, apart ? leading.path.at(0).heading : place.heading); // in a turning view one would hide the other
@@ -131,15 +144,39 @@ export class Show {
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
     const { heading } = leading.path.at(0);
     const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
-    if (one.side.name === 'action' && one !== leading) this.#carry(one.pose, headingOf(leading) - headingOf(one), leading.pose.root);
+    const isCarried = one.side.name === 'action' && one !== leading;
+    const turn = isCarried ? headingOf(leading) - headingOf(one) : 0;
+    if (one.figure) this.#figure(one.figure, one, isCarried ? leading : one, turn, offset);
+    if (isCarried) this.#carry(one.pose, turn, leading.pose.root);
+    one.body.object.visible = !one.figure;
     one.body.style = values.body === 'stick' ? 'stick' : 'mannequin';
     one.body.opacity = values.layout === 'over' && index > 0 ? 0.45 : 1;
+    if (one.figure) one.figure.opacity = one.body.opacity;
     one.body.set(one.pose, offset);
     const { trails, path, contacts } = values;
     const own = one.side.name !== 'action' || one === leading;
     one.traces.show({ trails: trails && own, path: path && own, contacts: contacts && own });
     one.traces.offset(offset);
+    one.traces.object.scale.setScalar(shrinkOf(one));
     one.traces.at(one.moment);
+  }
+
+  /**
+   * Shows the user's character as `#place` shows the body.
+   *
+   * @param {Figure} figure
+   * @param {Shown} one
+   * @param {Shown} at whose hips it gets
+   * @param {number} turn radians
+   * @param {number[]} offset
+   */
+  #figure(figure, one, at, turn, offset) {
+    const hips = new Vector3().fromArray(/** @type {Pose} */ (one.pose).root).applyAxisAngle(UP, turn);
+    const to = /** @type {Pose} */ (at.pose).root;
+    figure.at(one.moment);
+    const shrink = shrinkOf(one);
+    figure.object.scale.setScalar(shrink);
+    figure.place(offset.map((metres, axis) => shrink * (to[axis] - hips.getComponent(axis)) + metres), turn);
   }
 
   /**
@@ -173,6 +210,11 @@ export class Show {
 /** @param {Shown} one */
 function headingOf({ path, moment }) {
   return path.at(moment).heading;
+}
+
+/** @param {Shown} shown */
+function shrinkOf({ side }) {
+  return side.character?.shrink ?? 1;
 }
 
 /**

@@ -33,7 +33,7 @@ export const DEFAULTS = {
   view: 'free', // or front, side, top
   follow: true,
   camera: '', // place and target of the free camera
-  body: 'mannequin', // or stick
+  body: 'mannequin', // or stick, or own: the user's character, which no link can hold
   trails: false,
   path: true,
   contacts: true,

@@ -13,7 +13,7 @@ test('keys change only values that the state has', () => {
   const changed = [];
   const state = { values: { ...DEFAULTS }, set: (/** @type {object} */ values) => changed.push(...Object.keys(values)) };
   const player = { range: [0, 1], time: 0.5, seek() {}, step() {}, toggle() {} };
-  const parts = { state, player, lists: { step() {}, find() {} }, takeAway: { savePicture() {}, copyLink() {} }, help: { toggle() {} } };
+  const parts = { state, player, lists: { step() {}, find() {} }, takeAway: { savePicture() {}, copyLink() {} }, help: { toggle() {} }, own: {} };
   for (const { run, keys } of BINDINGS) for (const key of keys) run?.(/** @type {any} */ (parts), key);
   assert.deepEqual(changed.filter((key) => !(key in DEFAULTS)), []);
   assert.ok(changed.includes('view') && changed.includes('show'));

@@ -21,8 +21,8 @@ from motionsplice.motion.formats.files import clips_in
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.retarget.onto_rig import onto_rig
 from motionsplice.motion.roles import LIMBS, find_roles
-from motionsplice.precompute.body.common_skeleton import onto_rig
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.precompute.job.skeleton import rig_of
 from motionsplice.runtime.bank import Bank

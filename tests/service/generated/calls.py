@@ -1,11 +1,12 @@
 """Calls every operation by the client that openapi-python-client has made, in the generator's own environment.
 
-Arguments: the service's URL, its token, and a folder with the generated package, `batch.msgpack` and `wave.bvh`.
-Writes binary answers there, and prints the names of the operations called.
+Arguments: the service's URL, its token, and a folder with the generated package, `batch.msgpack`, `hero.glb` and
+`wave.bvh`. Writes binary answers there, and prints the names of the operations called.
 """
 
 from __future__ import annotations
 
+import base64
 import importlib
 import io
 import json
@@ -90,6 +91,9 @@ for form in SpliceFormat:
 taken = models.Take.from_dict(json.loads((FOLDER / "take.json").read_bytes()))
 assert (taken.count, len(taken.phases), taken.action_times[0]) == (60, 60, None)
 assert [one.action for one in taken.events if one.event == "action_began"] == ["wave"]
+order.rig = base64.b64encode((FOLDER / "hero.glb").read_bytes()).decode()
+on_rig = models.Take.from_dict(json.loads(save("take.json", call("motion", "post_take", body=order))))
+assert (len(on_rig.node_rotations), len(on_rig.node_rotations[0])) == (60, len(on_rig.rig.turned))
 
 unknown = operation("bank", "get_clip").sync("wlak", client=client)
 assert isinstance(unknown, models.Problem)

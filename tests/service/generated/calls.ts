@@ -1,5 +1,5 @@
 // Calls every operation by the types that openapi-typescript has made: `schema.d.ts` beside this file.
-// Arguments: the service's URL, its token, and a folder with `batch.msgpack` and `wave.bvh`.
+// Arguments: the service's URL, its token, and a folder with `batch.msgpack`, `hero.glb` and `wave.bvh`.
 // Writes binary answers there, and prints the operations called.
 
 import { readFileSync, writeFileSync } from "node:fs";
@@ -85,6 +85,10 @@ const take = good(await json.POST("/v1/take", { ...query, body: order }));
 const times: (number | null)[] = take.action_times;
 check(times.length === 60 && times[0] === null, "times");
 check(take.events.find((one) => one.event === "action_began")?.action === "wave", "events");
+const rig = readFileSync(`${folder}/hero.glb`).toString("base64");
+const onRig = good(await json.POST("/v1/take", { ...query, body: { ...order, rig } }));
+const turns: number[][][] | undefined = onRig.node_rotations;
+check(turns?.length === 60 && turns[0]?.length === onRig.rig?.turned.length, "nodes");
 
 const frames = good(await json.GET("/v1/splice", { params: { query: { ...splice, ...encoded, ...part } } }));
 const all: number[][][] | undefined = frames.rotations;

@@ -12,6 +12,7 @@ from pydantic import SecretStr
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
+from tests.characters import character_file
 from tests.reports import report_of
 from tests.service.generated.live import TOKEN
 from tests.service.running import Running, running
@@ -30,10 +31,11 @@ def full_service(clip_folder: Path, bank: Bank, tmp_path_factory: pytest.TempPat
 
 
 @pytest.fixture
-def folder(tmp_path: Path, clip_folder: Path) -> Path:
+def folder(tmp_path: Path, clip_folder: Path, bank: Bank) -> Path:
     """A folder with what the clients send."""
     shutil.copy(clip_folder / "wave.bvh", tmp_path)
     columns = {"locomotion": np.array([0, 0], "<i4"), "action": np.array([1, -1], "<i4"), "time": np.full(2, 0.5)}
     batch = {"clips": ["walk", "wave"], "posture": "absolute"} | {key: one.tobytes() for key, one in columns.items()}
     (tmp_path / "batch.msgpack").write_bytes(msgpack.packb(batch))
+    (tmp_path / "hero.glb").write_bytes(character_file(bank.skeleton, seed=1))
     return tmp_path

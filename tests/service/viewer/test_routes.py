@@ -55,10 +55,11 @@ def test_it_is_small(client: TestClient) -> None:
         path = waiting.pop()
         found.add(path)
         text = page_files()[path].plain.decode()
-        for name in re.findall(r"from ?['\"](\.[^'\"]+)", text) if not path.startswith("vendor/") else ():
+        for name in re.findall(r"from ?['\"](\./?[\w./]+\.js)['\"]", text):
             target = posixpath.normpath(posixpath.join(posixpath.dirname(path), name))
             waiting += [target] if target not in found else []
-    assert {"viewer.js", "vendor/three.js", "scene/body.js"} <= found
+    assert {"viewer.js", "vendor/three.js", "vendor/shared.js", "scene/body.js"} <= found
+    assert "vendor/loader.js" not in found
     assert sum(len(page_files()[path].compressed) for path in found) < 250_000
 
 

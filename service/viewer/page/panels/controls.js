@@ -1,9 +1,11 @@
+import { characterField } from '../figure/field.js';
 import { SIDES } from '../takes.js';
 import { SIDE_NAMES, sidesField } from './compared.js';
 import { hint, number, row, segments, select, shownIf, toggle } from './fields.js';
 import { Group } from './group.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
+/** @import { Own } from '../figure/own.js' */
 /** @import { State } from '../state.js' */
 
 const LONGEST = 60; // seconds of a take
@@ -27,9 +29,11 @@ export class Controls {
    * @param {HTMLElement} element
    * @param {Catalogue} catalogue
    * @param {State} state
+   * @param {Own} own
    */
-  constructor(element, catalogue, state) {
+  constructor(element, catalogue, state, own) {
     this.catalogue = catalogue;
+    this.own = own;
     this.state = state;
     this.groups = [this.#compare(), this.#action(), this.#mix(), this.#camera(), this.#show(), this.#length(), this.#crowd()];
     element.replaceChildren(...this.groups.map((group) => group.element));
@@ -121,7 +125,8 @@ export class Controls {
   #show() {
     const { state } = this;
     return new Group(state, 'Show', ['body', 'trails', 'path', 'contacts', 'joint'], [
-      segments(state, 'body', 'Body', { mannequin: 'Mannequin', stick: 'Stick' }),
+      segments(state, 'body', 'Body', { mannequin: 'Mannequin', stick: 'Stick', own: 'Own' }),
+      characterField(this.own),
       row(toggle(state, 'trails', 'Trails', 'Paths of feet and hands'), toggle(state, 'path', 'Path', 'Path of the root'),
         toggle(state, 'contacts', 'Contacts', 'Where the feet stand')),
       select(state, 'joint', 'Curves of', () => ({ '': 'No joint', ...Object.fromEntries(this.#joints.map((name) => [name, name])) })),

@@ -1,5 +1,6 @@
 import { toggleSide, SIDE_NAMES } from './compared.js';
 
+/** @import { Own } from '../figure/own.js' */
 /** @import { Player } from '../player.js' */
 /** @import { State, Values } from '../state.js' */
 /** @import { Lists } from './lists.js' */
@@ -8,7 +9,7 @@ import { toggleSide, SIDE_NAMES } from './compared.js';
 /**
  * What the keys act on.
  *
- * @typedef {{ state: State, player: Player, lists: Lists, takeAway: TakeAway, help: { toggle(): void } }} Parts
+ * @typedef {{ state: State, player: Player, lists: Lists, takeAway: TakeAway, help: { toggle(): void }, own: Own }} Parts
  */
 
 /**
@@ -44,7 +45,8 @@ export const BINDINGS = [
   bind('Compare', ['b'], 'Beside or over each other', (parts) => next(parts, 'layout', ['beside', 'over'])),
   bind('View', ['v'], 'Next view: free, front, side, top', (parts) => next(parts, 'view', VIEWS)),
   bind('View', ['f'], 'Follow the character', (parts) => flip(parts, 'follow')),
-  bind('View', ['m'], 'Mannequin or stick figure', (parts) => next(parts, 'body', ['mannequin', 'stick'])),
+  bind('View', ['m'], 'Mannequin, stick figure, or your character',
+    (parts) => next(parts, 'body', ['mannequin', 'stick', ...(parts.own.character ? ['own'] : [])])),
   bind('View', ['t'], 'Trails of feet and hands', (parts) => flip(parts, 'trails')),
   bind('View', ['p'], 'Path of the root', (parts) => flip(parts, 'path')),
   bind('View', ['c'], 'Contacts of the feet', (parts) => flip(parts, 'contacts')),

@@ -4,8 +4,8 @@ import { button, byId, make, newId } from './dom.js';
 import { curlLine, fileName, pythonLines } from './recipes.js';
 import { Recorder } from './recorder.js';
 
-/** @import { Catalogue } from '../catalogue.js' */
 /** @import { Player } from '../player.js' */
+/** @import { Sides } from '../sides.js' */
 /** @import { Service } from '../service.js' */
 /** @import { State } from '../state.js' */
 /** @import { SideName, Take } from '../takes.js' */
@@ -24,7 +24,7 @@ export class TakeAway {
    * @param {HTMLElement} element
    * @param {Service} service
    * @param {State} state
-   * @param {{ catalogue: Catalogue }} sides
+   * @param {Sides} sides
    * @param {{ picture(): Promise<Blob>, canvas?: HTMLCanvasElement }} stage
    * @param {Player} player
    */
@@ -39,12 +39,13 @@ export class TakeAway {
     this.side = make('select', { id });
     this.status = make('p', { role: 'status', class: 'status' });
     this.text = make('textarea', { readonly: true, rows: 6, 'aria-label': 'Text to copy', hidden: true, spellcheck: 'false' });
+    this.own = button('GLB of your character', () => this.#saveCharacter());
     this.video = button('WebM of the range', () => this.#record());
     this.video.hidden = !Recorder.isPossible;
     element.replaceChildren(
       make('h2', {}, 'Motion'),
       make('div', { class: 'field' }, make('label', { for: id, class: 'label' }, 'Of'), this.side),
-      make('div', { class: 'buttons' }, ...Object.entries(FORMATS).map(([format, label]) => button(label, () => this.#saveMotion(format)))),
+      make('div', { class: 'buttons' }, ...Object.entries(FORMATS).map(([format, label]) => button(label, () => this.#saveMotion(format))), this.own),
       make('h2', {}, 'Picture'),
       make('div', { class: 'buttons' }, button('PNG', () => this.savePicture()), this.video),
       make('h2', {}, 'Copy'),
@@ -55,6 +56,7 @@ export class TakeAway {
     state.on(() => this.#offer());
     element.addEventListener('toggle', (event) => {
       if (/** @type {ToggleEvent} */ (event).newState === 'closed') return;
+      this.#offer();
       this.status.textContent = '';
       this.text.hidden = true;
     });
@@ -84,6 +86,18 @@ export class TakeAway {
         method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(take),
       });
       this.#save(await answer.blob(), format);
+    });
+  }
+
+  /** Saves the user's own file with the motion. */
+  async #saveCharacter() {
+    const { character } = this.sides;
+    if (!character) return;
+    await this.#trying('Waiting for the service ...', async () => {
+      const side = await this.sides.side(/** @type {SideName} */ (this.side.value), this.state.values, character);
+      if (!side?.nodes) return;
+      const suffix = character.name.toLowerCase().endsWith('.vrm') ? 'vrm' : 'glb';
+      this.#save(new Blob([character.animated(side.nodes, fileName(side.take))]), suffix);
     });
   }
 
@@ -120,6 +134,7 @@ export class TakeAway {
   }
 
   #offer() {
+    this.own.hidden = !this.sides.character;
     const before = this.side.value;
     const names = SIDE_NAMES.filter((name) => takeOf(name, this.state.values, this.sides.catalogue));
     if ([...this.side.options].map((one) => one.value).join() === names.join()) return;

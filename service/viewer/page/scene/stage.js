@@ -102,6 +102,11 @@ export class Stage {
   /** Called when the canvas has another size, before it is drawn. */
   onsize = () => {};
 
+  /** How many geometries and textures the graphics card holds. */
+  get memory() {
+    return this.#renderer.info.memory;
+  }
+
   /** Draws a picture. */
   draw() {
     this.#renderer.render(this.scene, this.camera);

@@ -9,15 +9,14 @@ from scipy.optimize import linear_sum_assignment
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import SkeletonError
-from motionsplice.motion.formats.fold import listed
+from motionsplice.motion.errors import SkeletonError, listed
 from motionsplice.motion.hand_joints import fingered, has_fingers
 from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.by_roles import retarget
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import LIMBS, Roles
 from motionsplice.motion.skeleton import Skeleton
-from motionsplice.precompute.body.rig import Rig
 
 OTHER_LIMB = 10.0  # rig sizes: joints of different limbs are matched only if nothing else is left
 WIDEST_BIND_ANGLE = np.radians(25.0)  # radians between the same bone of two rigs in their bind poses

@@ -9,9 +9,9 @@ from bench.retarget.kinds import FOOT, KINDS
 from bench.retarget.rigs import Kind, on_rig
 from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.retarget.stance import standing_pose
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.rig import Rig
 
 DOWN = quaternion.about([1.0, 0.0, 0.0], np.radians(75.0))
 FEET_DOWN = replace(KINDS["built-in"], bind=lambda name: DOWN if FOOT.search(name) else quaternion.IDENTITY)

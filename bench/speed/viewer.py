@@ -145,7 +145,7 @@ def script(browser: Browser, url: str, seconds: float, findings: Findings) -> No
         with opened(browser, url, query) as page:
             if "crowd" in query:
                 count = query.rpartition("=")[2]
-                until(page, f"window.page?.viewer.crowd.shown === {count}")
+                until(page, f"window.page?.viewer.crowd?.shown === {count}")
             page.wait_for_timeout(SETTLING)
             profiler = page.context.new_cdp_session(page)
             profiler.send("Performance.enable")

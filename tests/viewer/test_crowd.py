@@ -17,7 +17,7 @@ from tests.viewer.conftest import View
 def gather(view: View, count: int, **state: object) -> None:
     """Opens the page with a crowd, and waits until all of it is there."""
     view.page.goto(f"{view.url}/view/?crowd={count}" + "".join(f"&{key}={value}" for key, value in state.items()))
-    wait(view, f"viewer.crowd.shown === {count}")
+    wait(view, f"viewer.crowd?.shown === {count}")
 
 
 def wait(view: View, condition: str) -> None:
@@ -51,7 +51,7 @@ def test_a_crowd_moves_and_says_what_it_costs(view: View) -> None:
     assert 10 <= int(found["Delay"].split()[0]) < 2000
     assert int(found["Traffic"].split()[0]) > 20
     moved: Any = view.run(
-        """const { characters } = viewer.crowd.company.connection;
+        """const { characters } = viewer.crowd?.company.connection;
         const turns = () => [...characters.values()].map((one) => [...one.pose().rotations]);
         const before = turns();
         await new Promise((resolve) => setTimeout(resolve, 300));
@@ -63,11 +63,11 @@ def test_a_crowd_moves_and_says_what_it_costs(view: View) -> None:
 def test_it_grows_shrinks_and_ends(view: View, service: Running) -> None:
     gather(view, 1)
     view.page.keyboard.press("n")
-    wait(view, "viewer.crowd.shown === 10")
+    wait(view, "viewer.crowd?.shown === 10")
     view.page.get_by_role("radiogroup", name="Characters").get_by_role("radio", name="100", exact=True).check()
-    wait(view, "viewer.crowd.shown === 100")
+    wait(view, "viewer.crowd?.shown === 100")
     view.run("state.set({ crowd: 3 })")
-    wait(view, "viewer.crowd.shown === 3 && viewer.crowd.company.connection.characters.size === 3")
+    wait(view, "viewer.crowd?.shown === 3 && viewer.crowd?.company.connection.characters.size === 3")
     view.page.get_by_role("button", name="End").click()
     view.settle()
     expect(view.page.locator("#crowd")).to_be_hidden()
@@ -77,7 +77,9 @@ def test_it_grows_shrinks_and_ends(view: View, service: Running) -> None:
 
 
 def test_a_link_shows_the_same_crowd(view: View) -> None:
-    cast = "return viewer.crowd.company.members.map(({ locomotion, action, heading }) => [locomotion, action, heading])"
+    cast = (
+        "return viewer.crowd?.company.members.map(({ locomotion, action, heading }) => [locomotion, action, heading])"
+    )
     gather(view, 10)
     found: Any = view.run(cast)
     assert len({tuple(one) for one in found}) > 5
@@ -91,7 +93,7 @@ def test_choosing_a_clip_ends_it_and_the_camera_is_that_of_the_splice(view: View
     camera = "return viewer.stage.camera.position.toArray().map((value) => Number(value.toFixed(3)))"
     before = view.run(camera)
     view.run("state.set({ crowd: 10 })")
-    wait(view, "viewer.crowd.shown === 10")
+    wait(view, "viewer.crowd?.shown === 10")
     assert view.run(camera) != before
     view.page.locator("#lists").get_by_role("option").filter(has_text="carry_box").click()
     view.settle()
@@ -102,7 +104,7 @@ def test_choosing_a_clip_ends_it_and_the_camera_is_that_of_the_splice(view: View
 def test_its_colours_are_on_the_canvas(view: View) -> None:
     gather(view, 10)
     found: Any = view.run(
-        """viewer.crowd.picture();
+        """viewer.crowd?.picture();
         const { width, height } = viewer.stage.canvas;
         const copy = new OffscreenCanvas(width, height).getContext('2d');
         copy.drawImage(viewer.stage.canvas, 0, 0);
@@ -129,6 +131,6 @@ def test_a_refusal_is_shown(small: View) -> None:
     expect(small.page.locator("#crowd .fault")).to_contain_text("more than 5")
     assert small.page.get_by_role("radiogroup", name="Characters").inner_text().split() == ["Characters", "Off", "1"]
     small.run("state.set({ crowd: 1 })")
-    wait(small, "viewer.crowd.shown === 1")
+    wait(small, "viewer.crowd?.shown === 1")
     expect(small.page.locator("#crowd .fault")).to_be_hidden()
     assert not small.faults

@@ -1,4 +1,3 @@
-import { Adding } from './adding/panel.js';
 import { Catalogue } from './catalogue.js';
 import { Aim } from './panels/aim.js';
 import { takeDrops } from './figure/field.js';
@@ -68,18 +67,19 @@ takeDrops(element('view'), own);
 const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });
 const connection = new Connection(element('banner'), service, catalogue, reload);
-const adding = new Adding(
-  { element: element('adding'), column: element('lists-column'), dialog: /** @type {HTMLDialogElement} */ (element('adding-dialog')) },
-  service, catalogue, { reload: () => connection.look(), play },
-);
-void viewer.refresh();
+const adding = viewer.refresh().then(async () => { // after the first picture
+  const { Adding } = await import('./adding/panel.js');
+  const places = { element: element('adding'), column: element('lists-column'), dialog: /** @type {HTMLDialogElement} */ (element('adding-dialog')) };
+  return new Adding(places, service, sides.catalogue, { reload: () => connection.look(), play });
+});
 
 export { own, player, sides, state, viewer };
 
 /** @param {Catalogue} found */
 function reload(found) {
   sides.reload(found);
-  for (const part of [lists, controls, title, adding]) part.reload(found);
+  for (const part of [lists, controls, title]) part.reload(found);
+  void adding.then((part) => part.reload(found));
   void viewer.refresh();
 }
 

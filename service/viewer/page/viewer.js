@@ -1,4 +1,3 @@
-import { Crowd } from './crowd/crowd.js';
 import { contactsOf, differencesOf, mismatchesOf } from './facts.js';
 import { Readout } from './readout.js';
 import { Show } from './show.js';
@@ -9,6 +8,7 @@ import { Grid } from './timeline/grid.js';
 import { Timeline } from './timeline/timeline.js';
 import { Transport } from './timeline/transport.js';
 
+/** @import { Crowd } from './crowd/crowd.js' */
 /** @import { Player } from './player.js' */
 /** @import { ViewName } from './scene/view.js' */
 /** @import { Side, Sides } from './sides.js' */
@@ -55,7 +55,8 @@ export class Viewer {
     this.timeline = new Timeline(element('timeline'), player);
     this.curves = new Curves(element('curves'), player);
     this.grid = new Grid(element('grid'), player);
-    this.crowd = new Crowd(element('crowd'), this.stage, this.view, sides.service, () => sides.catalogue, () => state.set({ crowd: 0 }));
+    /** Loaded when it is asked for. @type {Crowd | undefined} */
+    this.crowd = undefined;
     this.#look(new Set(['view', 'follow']));
     if (state.values.camera) this.view.text = state.values.camera;
     this.view.onchange = () => { this.#isStale = true; };
@@ -81,7 +82,7 @@ export class Viewer {
   /** Asks for what the state says, and shows it. */
   async refresh() {
     const number = ++this.#asked;
-    if (this.#gather()) {
+    if (await this.#gather()) {
       this.#answered = number;
       return;
     }
@@ -103,8 +104,10 @@ export class Viewer {
   }
 
   /** Shows the crowd if the state asks for one, and else ends it. Returns whether there is one. */
-  #gather() {
-    const { crowd, state, view } = this;
+  async #gather() {
+    const { state, view } = this;
+    if (!(state.values.crowd > 0) && !this.crowd) return false;
+    const crowd = this.crowd ?? await this.#crowd();
     const count = Math.max(0, Math.floor(state.values.crowd));
     const isNew = !crowd.isOn && count > 0, isOver = crowd.isOn && !count;
     document.body.classList.toggle('crowd', count > 0);
@@ -122,6 +125,14 @@ export class Viewer {
     }
     if (isNew) [this.#sides, this.#chosen] = [[], this.#choice];
     return count > 0;
+  }
+
+  async #crowd() {
+    const { Crowd } = await import('./crowd/crowd.js');
+    const { stage, view, sides, state } = this;
+    const element = /** @type {HTMLElement} */ (document.getElementById('crowd'));
+    this.crowd ??= new Crowd(element, stage, view, sides.service, () => sides.catalogue, () => state.set({ crowd: 0 }));
+    return this.crowd;
   }
 
   /** @param {Side[]} sides */
@@ -170,7 +181,7 @@ export class Viewer {
   #changed(changed) {
     this.#isStale = true;
     this.#look(changed);
-    if (this.crowd.isOn && !changed.has('crowd') && this.#chosen !== this.#choice) this.state.set({ crowd: 0 });
+    if (this.crowd?.isOn && !changed.has('crowd') && this.#chosen !== this.#choice) this.state.set({ crowd: 0 });
     else if (ASKED.some((key) => changed.has(key))) void this.refresh();
     if (changed.has('joint')) this.curves.show(this.#sides, this.state.values.joint);
     clearTimeout(this.#address);
@@ -191,7 +202,7 @@ export class Viewer {
     const passed = Math.min(0.25, (now - this.#before) / 1000); // a page that was hidden goes on where it was
     this.#before = now;
     const { state, player } = this;
-    if (this.crowd.isOn) {
+    if (this.crowd?.isOn) {
       this.#isStale = false;
       this.crowd.picture();
       return;

@@ -39,6 +39,7 @@ PICTURES: dict[str, tuple[tuple[int, int], Literal["light", "dark"], dict[str, o
             "trails": "true",
         },
     ),
+    "viewer-crowd": (WIDE, "light", {"crowd": 100}),
     "viewer-phone": (PHONE, "dark", {"locomotion": "walk", "action": "wave", "time": 1.0, "show": "splice"}),
 }
 ANIMATED = {"locomotion": "curve", "action": "carry_cup", "against": "", "trails": "true"}
@@ -46,8 +47,11 @@ FROM, SECONDS, RATE = 1.0, 3.2, 15  # of the animation
 
 
 def take_screenshots(bank: Path, images: Path) -> None:
-    """Writes all pictures of the viewer that shows a bank of the built-in motions."""
-    with serving(bank), sync_playwright() as playwright:
+    """Writes all pictures of the viewer that shows a bank of the built-in motions, which takes minutes."""
+    report = bank.parent / "quality"
+    command = [sys.executable, "-m", "bench.quality", "--bank", str(bank), "--out", str(report)]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    with serving(bank, report / "scores.json"), sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
         for name, (size, scheme, state) in PICTURES.items():
             with page(browser, size, scheme, state) as shown:
@@ -55,6 +59,10 @@ def take_screenshots(bank: Path, images: Path) -> None:
                     shown.get_by_role("button", name="Curves of a joint").click()
                 shown.wait_for_timeout(1000)
                 Image.open(io.BytesIO(shown.screenshot())).convert("RGB").save(images / f"{name}.png", optimize=True)
+        shown = browser.new_page(viewport={"width": WIDE[0], "height": WIDE[1]})
+        shown.goto(f"{URL}/view/report")
+        shown.wait_for_timeout(2000)
+        Image.open(io.BytesIO(shown.screenshot())).convert("RGB").save(images / "viewer-report.png", optimize=True)
         animate(browser, images / "viewer.webp")
         browser.close()
 
@@ -92,7 +100,8 @@ def page(
     shown.evaluate(
         """async () => {
             const { viewer } = await import('/view/main.js');
-            while (!viewer.isSettled || !viewer.shown.length) await new Promise(requestAnimationFrame);
+            const isReady = () => viewer.crowd?.shown || (viewer.isSettled && viewer.shown.length);
+            while (!isReady()) await new Promise(requestAnimationFrame);
         }"""
     )
     yield shown
@@ -100,9 +109,9 @@ def page(
 
 
 @contextmanager
-def serving(bank: Path) -> Iterator[None]:
-    """Serves a bank while the context lasts."""
-    command = [sys.executable, "-m", "motionsplice", "serve", str(bank), "--port", str(PORT)]
+def serving(bank: Path, report: Path) -> Iterator[None]:
+    """Serves a bank and its report while the context lasts."""
+    command = [sys.executable, "-m", "motionsplice", "serve", str(bank), "--port", str(PORT), "--report", str(report)]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         for _ in range(600):

@@ -62,6 +62,9 @@ def test_the_wheel_has_one_name_at_its_top(wheel: Path) -> None:
         assert f"motionsplice/{name}/__init__.py" in names
     assert "motionsplice/py.typed" in names
     assert "motionsplice/__init__.pyi" in names
+    viewer = {name.removeprefix("motionsplice/service/viewer/") for name in names if "/viewer/" in name}
+    assert {"page/index.html", "page/main.js", "page/vendor/shared.js", "page/vendor/three.LICENSE"} <= viewer
+    assert {name for name in viewer if not name.startswith("page/")} == {"__init__.py", "routes.py"}
 
 
 def test_a_wheel_from_the_sdist_has_the_same_files(wheel: Path, tmp_path: Path) -> None:

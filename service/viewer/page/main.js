@@ -1,7 +1,7 @@
 import { Catalogue } from './catalogue.js';
-import { Aim } from './panels/aim.js';
 import { takeDrops } from './figure/field.js';
 import { Own } from './figure/own.js';
+import { Aim } from './panels/aim.js';
 import { Columns } from './panels/columns.js';
 import { Connection } from './panels/connection.js';
 import { Controls } from './panels/controls.js';
@@ -17,6 +17,8 @@ import { Sides } from './sides.js';
 import { State } from './state.js';
 import { RefusedError } from './vendor/motionsplice.js';
 import { Viewer } from './viewer.js';
+
+/** @import { Adding } from './adding/panel.js' */
 
 /** @param {string} id */
 const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
@@ -67,11 +69,22 @@ takeDrops(element('view'), own);
 const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });
 const connection = new Connection(element('banner'), service, catalogue, reload);
-const adding = viewer.refresh().then(async () => { // after the first picture
+/** @type {Promise<Adding> | undefined} */
+let adding;
+void viewer.refresh().then(offerUploads); // after the first picture
+for (const event of ['dragover', 'drop']) addEventListener(event, (one) => one.preventDefault()); // else the browser opens the file
+
+async function beginAdding() {
   const { Adding } = await import('./adding/panel.js');
   const places = { element: element('adding'), column: element('lists-column'), dialog: /** @type {HTMLDialogElement} */ (element('adding-dialog')) };
   return new Adding(places, service, sides.catalogue, { reload: () => connection.look(), play });
-});
+}
+
+/** Loads what adds clips, where the service allows it. */
+function offerUploads() {
+  if (sides.catalogue.server.uploads) adding ??= beginAdding();
+  void adding?.then((part) => part.reload(sides.catalogue));
+}
 
 export { own, player, sides, state, viewer };
 
@@ -79,7 +92,7 @@ export { own, player, sides, state, viewer };
 function reload(found) {
   sides.reload(found);
   for (const part of [lists, controls, title]) part.reload(found);
-  void adding.then((part) => part.reload(found));
+  offerUploads();
   void viewer.refresh();
 }
 

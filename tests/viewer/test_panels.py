@@ -102,6 +102,24 @@ def test_it_says_when_the_service_is_gone_and_comes_back(browser: Browser, bank:
     context.close()
 
 
+def test_it_waits_for_a_service_that_compiles_its_kernels(view: View) -> None:
+    refusals = iter(["not-ready", "not-ready"])
+
+    def answer(route: Route) -> None:
+        if (kind := next(refusals, None)) is None:
+            route.fallback()
+        else:
+            problem = {"type": f"urn:motionsplice:{kind}", "detail": "the kernels are still being compiled"}
+            route.fulfill(status=503, json=problem)
+
+    view.page.route("**/v1/take*", answer)
+    view.page.goto(f"{view.url}/view/?action=wave&show=splice&playing=false")
+    expect(view.page.locator("#readout .fault")).to_contain_text("compiles its kernels")
+    view.settle()
+    expect(view.page.locator("#readout .fault")).to_be_empty()
+    view.faults.clear()  # the browser logs the answers 503
+
+
 def test_names_are_text(view: View, service: Running) -> None:
     hostile = "<img src=x onerror=alert(1)>"
 

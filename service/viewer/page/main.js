@@ -20,6 +20,8 @@ import { Viewer } from './viewer.js';
 
 /** @import { Adding } from './adding/panel.js' */
 
+const WARMING = 1000; // ms until a service that was not ready is asked again
+
 /** @param {string} id */
 const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
@@ -111,5 +113,9 @@ function play(kind, name) {
 function failed(error) {
   if (connection.notice(error)) return;
   if (error instanceof RefusedError && error.type === 'token') void askForToken(service).then(() => viewer.refresh());
+  else if (error instanceof RefusedError && error.type === 'not-ready') {
+    viewer.readout.fault('The service compiles its kernels: the first time, half a minute. Then the motion is shown.');
+    setTimeout(() => void viewer.refresh(), WARMING);
+  }
   else viewer.readout.fault(error instanceof Error ? error.message : String(error));
 }

@@ -124,7 +124,7 @@ SCHEMAS: Mapping[str, Schema] = {
         phases={**_numbers(ANY), "description": "[F] phase of the locomotion, in strides"},
         action_times={
             "type": "array",
-            "items": {"type": ["number", "null"]},
+            "items": {"anyOf": [{"type": "number"}, {"type": "null"}]},
             "description": "[F] seconds into the action; null without one",
         },
         events={"type": "array", "items": reference("TakeEvent"), "description": "What happened, in order"},

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import io
-import shutil
 import subprocess
 import sys
-import time
-import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 from urllib.parse import urlencode
@@ -17,9 +14,9 @@ from urllib.parse import urlencode
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
-PORT = 8473
-URL = f"http://127.0.0.1:{PORT}"
-ARGUMENTS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+from bench.chromium import ARGUMENTS, CHROMIUM
+from bench.service.process import serving
+
 WIDE, PHONE = (1366, 768), (390, 844)
 PICTURES: dict[str, tuple[tuple[int, int], Literal["light", "dark"], dict[str, object]]] = {
     "viewer": (WIDE, "light", {"locomotion": "curve", "action": "carry_cup", "time": 2.1}),
@@ -51,26 +48,26 @@ def take_screenshots(bank: Path, images: Path) -> None:
     report = bank.parent / "quality"
     command = [sys.executable, "-m", "bench.quality", "--bank", str(bank), "--out", str(report)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    with serving(bank, report / "scores.json"), sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
+    with serving(bank, "--report", str(report / "scores.json")) as service, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         for name, (size, scheme, state) in PICTURES.items():
-            with page(browser, size, scheme, state) as shown:
+            with page(browser, service.url, size, scheme, state) as shown:
                 if "joint" in state:
                     shown.get_by_role("button", name="Curves of a joint").click()
                 shown.wait_for_timeout(1000)
                 Image.open(io.BytesIO(shown.screenshot())).convert("RGB").save(images / f"{name}.png", optimize=True)
         shown = browser.new_page(viewport={"width": WIDE[0], "height": WIDE[1]})
-        shown.goto(f"{URL}/view/report")
+        shown.goto(f"{service.url}/view/report")
         shown.wait_for_timeout(2000)
         Image.open(io.BytesIO(shown.screenshot())).convert("RGB").save(images / "viewer-report.png", optimize=True)
-        animate(browser, images / "viewer.webp")
+        animate(browser, service.url, images / "viewer.webp")
         browser.close()
 
 
-def animate(browser: Browser, path: Path) -> None:
+def animate(browser: Browser, url: str, path: Path) -> None:
     """Writes the animation with which the README begins."""
     pictures = []
-    with page(browser, (1180, 760), "light", ANIMATED) as shown:
+    with page(browser, url, (1180, 760), "light", ANIMATED) as shown:
         for number in range(round(SECONDS * RATE)):
             shown.evaluate(
                 """async (time) => {
@@ -91,12 +88,12 @@ def animate(browser: Browser, path: Path) -> None:
 
 @contextmanager
 def page(
-    browser: Browser, size: tuple[int, int], scheme: Literal["light", "dark"], state: dict[str, object]
+    browser: Browser, url: str, size: tuple[int, int], scheme: Literal["light", "dark"], state: dict[str, object]
 ) -> Iterator[Page]:
     """Opens the viewer, and waits until it shows a state."""
     context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=scheme)
     shown = context.new_page()
-    shown.goto(f"{URL}/view/?{urlencode({'playing': 'false', **state})}")
+    shown.goto(f"{url}/view/?{urlencode({'playing': 'false', **state})}")
     shown.evaluate(
         """async () => {
             const { viewer } = await import('/view/main.js');
@@ -106,20 +103,3 @@ def page(
     )
     yield shown
     context.close()
-
-
-@contextmanager
-def serving(bank: Path, report: Path) -> Iterator[None]:
-    """Serves a bank and its report while the context lasts."""
-    command = [sys.executable, "-m", "motionsplice", "serve", str(bank), "--port", str(PORT), "--report", str(report)]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        for _ in range(600):
-            with suppress(OSError):
-                urllib.request.urlopen(f"{URL}/readyz").close()
-                break
-            time.sleep(0.1)
-        yield
-    finally:
-        process.terminate()
-        process.wait()

@@ -125,6 +125,10 @@ class Poses:
         """Returns arrays for `count` characters of `joints` joints; their contents are undefined."""
         return cls(np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32))
 
+    def rows(self, first: int, end: int) -> Poses:
+        """Returns a view of the poses of characters `first` to `end` - 1."""
+        return Poses(self.root_positions[first:end], self.rotations[first:end])
+
 
 def check_array(what: str, array: NDArray[Any], kind: np.dtype[Any], shape: tuple[int, ...]) -> None:
     """Checks dtype, shape and contiguity, so that kernels write into this array, not a copy, and are not recompiled.

@@ -15,7 +15,6 @@ all script      the same, with the frames that arrive, the garbage and all else:
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,15 +25,12 @@ import numpy as np
 import typer
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from bench.chromium import ARGUMENTS, CHROMIUM, MISSING
 from bench.findings import Findings
 from bench.service.banks import built_in
 from bench.service.process import serving
 from motionsplice.cli import run
 
-ARGUMENTS = [
-    *("--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-sync"),
-    *("--disable-component-update", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-]
 SIZE = {"width": 1366, "height": 768}
 NAVIGATIONS = 5
 CLICKS = 20
@@ -175,16 +171,15 @@ def main(
     check: Annotated[bool, typer.Option("--check", help="Exit with status 1 if a target is missed.")] = False,
 ) -> None:
     """Prints how fast the page is."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if chromium is None:
-        raise SystemExit("Chromium is not installed: apt-get install chromium")
+    if CHROMIUM is None:
+        raise SystemExit(MISSING)
     findings = Findings("The viewer's page, drawing left out")
     with (
         tempfile.TemporaryDirectory() as folder,
         serving(bank or built_in(Path(folder))) as service,
         sync_playwright() as playwright,
     ):
-        browser = playwright.chromium.launch(executable_path=chromium, args=ARGUMENTS)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         loading(browser, service.url, findings)
         clicks(browser, service.url, findings)
         script(browser, service.url, seconds, findings)

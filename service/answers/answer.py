@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import asyncio
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from starlette.types import Send
@@ -24,3 +25,12 @@ class Answer(NamedTuple):
         headers = [(b"content-type", self.media_type), (b"content-length", length), *self.headers, *more]
         await send({"type": "http.response.start", "status": self.status, "headers": headers})
         await send({"type": "http.response.body", "body": self.body})
+
+
+async def joined(pieces: Iterator[bytes]) -> bytes:
+    """Returns all pieces of a body as one, and serves other requests after each."""
+    made = []
+    for piece in pieces:
+        made.append(piece)
+        await asyncio.sleep(0)
+    return b"".join(made)

@@ -8,12 +8,12 @@ from typing import Any, get_args
 
 import msgpack
 import numpy as np
-import orjson
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.requests import METHODS, POSTURES, Method, Posture, Requests
+from motionsplice.service.answers.body import json_map
 from motionsplice.service.problems import LimitError, RequestError
 
 COLUMNS: Mapping[str, str] = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8", "start": "<f8"}
@@ -68,13 +68,7 @@ class Batch:
     @classmethod
     def from_json(cls, body: bytes, most: int) -> Batch:
         """Parses a map of lists. Raises RequestError or LimitError."""
-        try:
-            values = orjson.loads(body)
-        except orjson.JSONDecodeError as error:
-            raise RequestError(f"the body is not JSON ({error})") from None
-        if not isinstance(values, dict):
-            raise RequestError("the body is not a map")
-        columns = {}
+        values, columns = json_map(body), {}
         for key in list(values):
             _known(key, {})
             if key in COLUMNS:

@@ -4,15 +4,36 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
+from typing import Any
 
+import orjson
 from starlette.types import Receive, Scope
 
-from motionsplice.service.problems import RequestError, TooLargeError, TooSlowError
+from motionsplice.service.problems import MediaTypeError, RequestError, TooLargeError, TooSlowError
 
 
 def header(scope: Scope, name: bytes) -> str:
     """Returns the value of a header, or an empty text."""
     return next((value.decode("latin-1") for key, value in scope["headers"] if key == name), "")
+
+
+def media_type(scope: Scope, *supported: str) -> str:
+    """Returns the media type of a body. Raises MediaTypeError if it is none of those that are supported."""
+    found = header(scope, b"content-type").partition(";")[0].strip().lower()
+    if found not in supported:
+        raise MediaTypeError(f"content type {found!r:.80} is not supported", mend=f"Send {' or '.join(supported)}")
+    return found
+
+
+def json_map(body: bytes) -> dict[str, Any]:
+    """Returns a body that is a map in JSON. Raises RequestError."""
+    try:
+        values = orjson.loads(body)
+    except orjson.JSONDecodeError as error:
+        raise RequestError(f"the body is not JSON ({error})") from None
+    if not isinstance(values, dict):
+        raise RequestError("the body is not a map")
+    return values
 
 
 async def whole_body(scope: Scope, receive: Receive, most: int, seconds: float) -> bytes:

@@ -12,7 +12,7 @@ from motionsplice.motion.formats.files import WRITERS
 from motionsplice.motion.roles import Roles
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.requests import Float32s
-from motionsplice.service.answers.answer import Headers
+from motionsplice.service.answers.answer import Answer
 from motionsplice.service.problems import RequestError
 from motionsplice.service.wire.encoding import Encoding
 
@@ -41,8 +41,9 @@ def clip_of(bank: Bank, name: str, rate: float, roots: Float32s, rotations: Floa
     return Clip(name, bank.skeleton, rate, roots.astype(np.float64), rotations.astype(np.float64))
 
 
-def disposition(form: str, *names: str | None) -> Headers:
-    """Returns the header that names the file after clips."""
+def file_answer(file: bytes, form: str, *names: str | None) -> Answer:
+    """Returns the answer with a file that is named after clips."""
     name = "+".join(one for one in names if one)
     safe = "".join(one if one.isascii() and (one.isalnum() or one in "+-_.") else "_" for one in name)
-    return [(b"content-disposition", f'attachment; filename="{safe}.{form}"'.encode())]
+    named = f'attachment; filename="{safe}.{form}"'.encode()
+    return Answer(file, FILES[form], headers=[(b"content-disposition", named)])

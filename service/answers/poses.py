@@ -8,8 +8,8 @@ from starlette.types import Receive, Scope
 
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.answers.batch import Batch
-from motionsplice.service.answers.body import header, whole_body
-from motionsplice.service.problems import LimitError, MediaTypeError
+from motionsplice.service.answers.body import media_type, whole_body
+from motionsplice.service.problems import LimitError
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.messages import FORMS, JSON, JSON_SHARE, MSGPACK
 from motionsplice.service.wire.parameters import HOW, encoding, format_parameter
@@ -21,12 +21,10 @@ POSES = Query(*HOW, format_parameter("json", "msgpack"))
 async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     """Returns the poses of all characters of a batch. Raises MotionError."""
     values, settings = POSES.read(scope["query_string"]), shared.settings
-    media_type = header(scope, b"content-type").partition(";")[0].strip().lower()
-    if media_type not in (JSON, MSGPACK):
-        raise MediaTypeError(f"content type {media_type!r:.80} is not supported", mend=f"Send {MSGPACK} or {JSON}")
-    most = settings.max_body // (JSON_SHARE if media_type == JSON else 1)
+    is_json = media_type(scope, MSGPACK, JSON) == JSON
+    most = settings.max_body // (JSON_SHARE if is_json else 1)
     body = await whole_body(scope, receive, most, settings.request_seconds)
-    read = Batch.from_json if media_type == JSON else Batch.from_msgpack
+    read = Batch.from_json if is_json else Batch.from_msgpack
     batch = read(body, settings.max_batch)
     edition, form, count = shared.serving.edition, values["format"], len(batch.columns["locomotion"])
     if form == "json" and count > (fewer := settings.max_batch // JSON_SHARE):

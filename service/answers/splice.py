@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import orjson
 
-from motionsplice.service.answers.answer import Answer
-from motionsplice.service.answers.files import FILES, check_encoding, clip_of, disposition, written
+from motionsplice.service.answers.answer import Answer, joined
+from motionsplice.service.answers.files import FILES, check_encoding, clip_of, file_answer, written
 from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
@@ -33,15 +32,11 @@ async def splice(shared: Shared, query: bytes) -> Answer:
         write = _file(frames, form)
     else:
         write = _json(frames, how) if form == "json" else _msgpack(frames, how)
-    pieces = []
     with shared.admitted():
-        for piece in write:
-            pieces.append(piece)
-            await asyncio.sleep(0)
+        body = await joined(write)
     if form in FILES:
-        headers = disposition(form, values["locomotion"], values["action"], values["hands"])
-        return Answer(b"".join(pieces), FILES[form], headers=headers)
-    return Answer(b"".join(pieces), FORMS[form].media_type)
+        return file_answer(body, form, values["locomotion"], values["action"], values["hands"])
+    return Answer(body, FORMS[form].media_type)
 
 
 def _fields(frames: Frames) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-import orjson
 from starlette.types import Receive, Scope
 
 from motionsplice.motion.axes import Axes
@@ -16,14 +15,13 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.characters.moments import action_times, phases
 from motionsplice.runtime.characters.state import EVENT_NAMES
-from motionsplice.runtime.requests import Poses
-from motionsplice.service.answers.answer import Answer
-from motionsplice.service.answers.body import header, too_large, whole_body
-from motionsplice.service.answers.files import FILES, check_encoding, clip_of, disposition, written
+from motionsplice.service.answers.answer import Answer, joined
+from motionsplice.service.answers.body import json_map, media_type, too_large, whole_body
+from motionsplice.service.answers.files import FILES, check_encoding, clip_of, file_answer, written
 from motionsplice.service.answers.rig import OnRig, decoded, room_for_rig, without_rig
 from motionsplice.service.characters.commands import NEEDED, Command, checked
 from motionsplice.service.characters.scene import Scene
-from motionsplice.service.problems import LimitError, MediaTypeError, RequestError
+from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
@@ -41,9 +39,7 @@ BLOCK = 32  # frames after which other requests are served
 async def take(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     """Returns the frames as one map, or as a file of the motion. Raises MotionError."""
     values, settings = TAKE.read(scope["query_string"]), shared.settings
-    media_type = header(scope, b"content-type").partition(";")[0].strip().lower()
-    if media_type != JSON:
-        raise MediaTypeError(f"content type {media_type!r:.80} is not supported", mend=f"Send {JSON}")
+    media_type(scope, JSON)
     how, form = encoding(values), values["format"]
     if form in FILES:
         check_encoding(form, how)
@@ -60,21 +56,18 @@ async def take(shared: Shared, scope: Scope, receive: Receive) -> Answer:
         for first in range(0, asked.frames, BLOCK):
             played.play(first, min(first + BLOCK, asked.frames))
             await asyncio.sleep(0)
-        moved: tuple[dict[str, Any], Arrays] = {}, {}
+        fields: dict[str, Any] = {}
+        arrays: Arrays = {}
         if rig is not None:
             async with shared.retargeting:
                 on_rig = await asyncio.to_thread(OnRig.of, rig, played.clip, played.edition.bank.roles)
                 if form in FILES:
-                    file = await asyncio.to_thread(on_rig.file)
-                    return Answer(file, FILES[form], headers=disposition(form, *asked.clips))
-                moved = await asyncio.to_thread(on_rig.message)
+                    return file_answer(await asyncio.to_thread(on_rig.file), form, *asked.clips)
+                fields, arrays = await asyncio.to_thread(on_rig.message)
         elif form in FILES:
-            pieces = []
-            for piece in written(played.clip, played.edition.bank.roles, form):
-                pieces.append(piece)
-                await asyncio.sleep(0)
-            return Answer(b"".join(pieces), FILES[form], headers=disposition(form, *asked.clips))
-    return played.answer(how, form, *moved)
+            file = await joined(written(played.clip, played.edition.bank.roles, form))
+            return file_answer(file, form, *asked.clips)
+    return played.answer(how, form, fields, arrays)
 
 
 @dataclass(frozen=True)
@@ -88,12 +81,7 @@ class Take:
     @classmethod
     def parse(cls, body: bytes, axes: Axes, most: int) -> Self:
         """Parses a map. Raises RequestError, or LimitError for more than `most` frames."""
-        try:
-            values = orjson.loads(body)
-        except orjson.JSONDecodeError as error:
-            raise RequestError(f"the body is not JSON ({error})") from None
-        if not isinstance(values, dict):
-            raise RequestError("the body is not a map")
+        values = json_map(body)
         for key in values:
             if key not in KEYS:
                 raise RequestError(f"unknown key {key[:40]!r}", mend=did_you_mean(key[:40], KEYS))
@@ -167,7 +155,6 @@ class Played:
 
     def play(self, first: int, end: int) -> None:
         """Plays the next frames. Raises MotionError about a command."""
-        roots, rotations = self.poses.root_positions, self.poses.rotations
         states = []
         for frame in range(first, end):
             if frame:
@@ -176,7 +163,7 @@ class Played:
                     self.events.append({"frame": frame, **event})
             for command in self._take.commands.get(frame, ()):
                 self._scene.do(command)
-            self._scene.evaluate(Poses(roots[frame : frame + 1], rotations[frame : frame + 1]))
+            self._scene.evaluate(self.poses.rows(frame, frame + 1))
             states.append(self._scene.characters.state[0].copy())
         rows = np.array(states)
         self.phases[first:end] = phases(rows)

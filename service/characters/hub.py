@@ -146,7 +146,7 @@ class Hub:
             frames.append(arrays)
             for one, first, end in zip(group, [0, *ends], ends, strict=False):
                 if one.play.scene.sent:
-                    self._receivers.send(one, _rows(poses, first, end))
+                    self._receivers.send(one, poses.rows(first, end))
                 for event in one.play.scene.advance():
                     one.queue_event(frame=one.play.frame + later + 1, **event)
         wall, loop = time.time(), asyncio.get_running_loop().time()
@@ -164,7 +164,7 @@ class Hub:
         began = time.perf_counter()
         poses, first = edition.evaluator.poses(sum(len(scene) for scene in scenes)), 0
         for scene in scenes:
-            scene.evaluate(_rows(poses, first, first + len(scene)))
+            scene.evaluate(poses.rows(first, first + len(scene)))
             first += len(scene)
         motion = form.motion(np.concatenate([scene.characters.deltas for scene in scenes])) if form.deltas else {}
         arrays = {**motion, **form.encoding.arrays(edition.evaluator, poses)}
@@ -243,11 +243,6 @@ async def accept(scope: Scope, receive: Receive, send: Send) -> None:
     await receive()
     offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
     await send({"type": "websocket.accept", "subprotocol": offered})
-
-
-def _rows(poses: Poses, first: int, end: int) -> Poses:
-    """Returns a view of some rows."""
-    return Poses(poses.root_positions[first:end], poses.rotations[first:end])
 
 
 def _next_tick(now: float, rate: float) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -19,8 +18,6 @@ from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings, variable
 
-logger = logging.getLogger(__name__)
-
 MOST: Mapping[Kind, int] = {"vmc": 1, "livelink": 32}  # characters; packing one takes 16 to 50 us of the event loop
 
 
@@ -32,7 +29,7 @@ class Output:
         owner: The connection, or None.
         began: When its first frame was due, in seconds of the event loop's clock.
         edition: The edition for whose rig the packers are.
-        packers: By the character's id.
+        packers: By the id of each character that was sent last.
         refused: Whether the owner knows that the system refused datagrams.
     """
 
@@ -112,15 +109,13 @@ class Receivers:
     ) -> list[bytes | memoryview]:
         """Returns the datagrams of a frame. Raises SkeletonError if the rig has too many joints."""
         edition = play.scene.edition
-        if output.edition is not edition:
-            output.edition, output.packers = edition, {}
+        known = output.packers if output.edition is edition else {}
+        output.edition = edition
+        output.packers = {one: known.get(one) or packer(kind, edition.bank, f"motionsplice-{one}") for one in ids}
         datagrams: list[bytes | memoryview] = []
-        for one in ids:
+        for one, pack in output.packers.items():
             row = int(np.flatnonzero(play.scene.ids == one)[0])
-            if one not in output.packers:
-                output.packers[one] = packer(kind, edition.bank, f"motionsplice-{one}")
-            pack = output.packers[one].datagrams
-            datagrams += pack(play.due - output.began, poses.root_positions[row], poses.rotations[row])
+            datagrams += pack.datagrams(play.due - output.began, poses.root_positions[row], poses.rotations[row])
         return datagrams
 
     def _end(self, kind: Kind, reason: str) -> None:

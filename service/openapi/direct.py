@@ -17,6 +17,11 @@ from motionsplice.service.wire.messages import JSON, MSGPACK
 from motionsplice.service.wire.query import REQUIRED, Query
 
 BUSY = problem_response(429, "Too many streams at once")
+BODY: Responses = {
+    **problem_response(408, "The body did not arrive"),
+    **problem_response(413, "The body is too large"),
+    **problem_response(415, "A body of an unsupported type"),
+}
 LIMITED = problem_response(422, "An invalid parameter, or more than the service allows")
 
 
@@ -46,9 +51,7 @@ def direct_operations(batch: dict[str, Any], order: dict[str, Any]) -> dict[str,
                     UNKNOWN,
                     LIMITED,
                     NOT_READY,
-                    problem_response(408, "The body did not arrive"),
-                    problem_response(413, "The body is too large"),
-                    problem_response(415, "A body of an unsupported type"),
+                    BODY,
                 ),
                 "requestBody": {
                     "required": True,
@@ -85,9 +88,7 @@ def direct_operations(batch: dict[str, Any], order: dict[str, Any]) -> dict[str,
                     LIMITED,
                     BUSY,
                     NOT_READY,
-                    problem_response(408, "The body did not arrive"),
-                    problem_response(413, "The body is too large"),
-                    problem_response(415, "A body of an unsupported type"),
+                    BODY,
                 ),
                 "requestBody": {
                     "required": True,

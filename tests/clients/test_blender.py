@@ -7,7 +7,6 @@ import os
 import runpy
 import subprocess
 import sys
-from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from importlib.util import find_spec
 from pathlib import Path
@@ -29,12 +28,6 @@ ROOT = Path(__file__).parents[2]
 CLIENT = ROOT / "clients" / "blender"
 PYTHON = os.environ.get("BPY_PYTHON") or (sys.executable if find_spec("bpy") else "")
 MINUTES = 300.0  # seconds, far more than the script takes
-
-
-@pytest.fixture(scope="module")
-def service(bank: Bank) -> Iterator[Running]:
-    with running(bank.path, Settings()) as service:
-        yield service
 
 
 @pytest.fixture

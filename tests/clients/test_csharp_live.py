@@ -9,7 +9,6 @@ import json
 import re
 import subprocess
 import urllib.request
-from collections.abc import Iterator
 from pathlib import Path
 from threading import Thread
 
@@ -20,7 +19,7 @@ from websockets.sync.server import ServerConnection, serve
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
-from tests.clients.happenings import lose, newer_bank
+from tests.clients.happenings import lose
 from tests.clients.mono import GOLDEN, ROOT, SOURCES, compiled, needs_mono, printed, started
 from tests.clients.processes import MINUTES
 from tests.clients.samples import placed
@@ -33,18 +32,6 @@ pytestmark = needs_mono
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The client, the Unity components and the tests' program."""
     return compiled(tmp_path_factory.mktemp("csharp") / "program.exe", SOURCES)
-
-
-@pytest.fixture(scope="module")
-def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    """A newer bank: the run is another one."""
-    return newer_bank(clip_folder, tmp_path_factory.mktemp("other"))
-
-
-@pytest.fixture(scope="module")
-def service(bank: Bank) -> Iterator[Running]:
-    with running(bank.path, Settings()) as service:
-        yield service
 
 
 def test_joints_are_where_the_service_has_them_through_an_exchange_and_a_reconnection(

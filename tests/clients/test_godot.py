@@ -7,7 +7,6 @@ import json
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,25 +16,13 @@ import pytest
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
-from motionsplice.service.settings import Settings
 from tests.clients.godot import CLIENT, GODOT, MINUTES, project, script
-from tests.clients.happenings import lose, newer_bank
-from tests.service.running import Running, running
+from tests.clients.happenings import lose
+from tests.service.running import Running
 
 ROOT = Path(__file__).parents[2]
 GDPARSE = shutil.which("gdparse")
 needs_godot = pytest.mark.skipif(GODOT is None, reason="Godot 3 is not installed: apt-get install godot3-server")
-
-
-@pytest.fixture(scope="module")
-def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    return newer_bank(clip_folder, tmp_path_factory.mktemp("other"))
-
-
-@pytest.fixture(scope="module")
-def service(bank: Bank) -> Iterator[Running]:
-    with running(bank.path, Settings()) as service:
-        yield service
 
 
 @needs_godot

@@ -6,7 +6,7 @@ import json
 import shutil
 import subprocess
 import tarfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ import pytest
 from PIL import Image
 from pydantic import SecretStr
 
+from bench.chromium import CHROMIUM
 from motionsplice import __version__
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
@@ -24,7 +25,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
 from tests.characters import character_file
-from tests.clients.happenings import lose, newer_bank
+from tests.clients.happenings import lose
 from tests.clients.processes import MINUTES, started
 from tests.clients.samples import placed
 from tests.oracles.three import shared_rig
@@ -39,19 +40,6 @@ MISSING = (
     else "its packages are not installed: npm ci --prefix clients/js"
 )
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=MISSING)
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-
-
-@pytest.fixture(scope="module")
-def other(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    """A newer bank: the run is another one."""
-    return newer_bank(clip_folder, tmp_path_factory.mktemp("other"))
-
-
-@pytest.fixture(scope="module")
-def service(bank: Bank) -> Iterator[Running]:
-    with running(bank.path, Settings()) as service:
-        yield service
 
 
 def script(name: str, *arguments: object) -> AbstractContextManager[Callable[[], dict[str, Any]]]:

@@ -174,6 +174,17 @@ def test_vmc_goes_to_the_last_character_of_a_connection(sending: Running, vmc: L
         assert vmc.vmc()["Hips"][0] > 5.0
 
 
+def test_a_client_that_goes_through_many_ids_leaves_nothing_behind(sending: Running, livelink: Listener) -> None:
+    with Player(sending) as player:
+        for number in range(6):
+            made = {"do": "create", "id": number, "locomotion": "walk"}
+            player.do(made, *([{"do": "remove", "id": number - 1}] if number else []), send(number, to=["livelink"]))
+            livelink.empty()
+            assert livelink.subjects(1).keys() == {f"motionsplice-{number}"}
+        outputs = sending.config.front.hub._receivers._outputs
+        assert outputs["livelink"].packers.keys() == {5}
+
+
 def test_it_goes_on_with_a_new_bank(sending: Running, bank: Bank, vmc: Listener) -> None:
     with Player(sending) as player:
         player.do(WALK, send(7, to=["vmc"]))

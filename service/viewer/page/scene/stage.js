@@ -1,11 +1,12 @@
-import { Color, DirectionalLight, HemisphereLight, OrthographicCamera, PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer } from '../vendor/three.js';
-import { OrbitControls } from '../vendor/three.js';
+import {
+  Color, DirectionalLight, HemisphereLight, OrbitControls, OrthographicCamera, PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer,
+} from '../vendor/three.js';
 import { Ground } from './ground.js';
 
 /** @import { Object3D } from '../vendor/three.js' */
 
 /** Half the height that front, side and top show at first, in metres. */
-export const HALF_HEIGHT = 1.25;
+const HALF_HEIGHT = 1.25;
 
 const THEMES = {
   light: { back: '#eceef1', line: '#5d6673', shadow: 0.2, strength: 0.8, sky: '#ffffff', floor: '#b9bdc6', fill: 1.55, key: 1.9 },

@@ -90,7 +90,7 @@ export class Viewer {
       const found = await this.sides.of(this.state.values);
       if (number === this.#asked) this.#take(found);
       const mismatches = await this.#mismatches();
-      if (mismatches && number === this.#asked) this.#describe(mismatches);
+      if (mismatches && number === this.#asked) this.timeline.add({ mismatches });
     } catch (error) {
       if (number === this.#asked) this.onError(error);
     } finally {
@@ -146,12 +146,12 @@ export class Viewer {
     this.readout.sides(sides);
     this.onJoints(first?.motion.rig.joints ?? []);
     this.curves.show(sides, state.values.joint);
-    this.#describe(undefined);
+    this.#describe();
     this.#isStale = true;
   }
 
-  /** @param {Float32Array | undefined} mismatches */
-  #describe(mismatches) {
+  /** Fills the timeline, but for the mismatches, whose sides come later. */
+  #describe() {
     const { values } = this.state;
     const clip = this.sides.catalogue.clips.get(values.locomotion);
     const side = this.#sides.find(({ name }) => name === 'splice') ?? this.#sides[0];
@@ -161,7 +161,7 @@ export class Viewer {
     this.timeline.show({
       duration: side.motion.duration, rate: side.motion.rate, phases: side.phases, events: side.events, contacts: contactsOf(side, clip, values),
       actionTimes: hasAction ? side.actionTimes : undefined, actionDuration: this.sides.catalogue.clips.get(values.action)?.duration,
-      mismatches, differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
+      differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
       names: { action: values.action, difference: other && `To ${other.label.toLowerCase()}` },
     });
   }

@@ -28,7 +28,6 @@ export class Stage {
   #fill = new HemisphereLight();
   #key = new DirectionalLight();
   #rim = new DirectionalLight('#dfe8ff', 0.9); // from behind, so that a dark body has an edge
-  #observer = new ResizeObserver(() => this.size());
 
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
@@ -51,7 +50,7 @@ export class Stage {
     this.controls.update();
     this.aim(0, 0);
     this.theme(false);
-    this.#observer.observe(canvas);
+    new ResizeObserver(() => this.size()).observe(canvas);
     this.size();
   }
 
@@ -162,12 +161,5 @@ export class Stage {
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the canvas has no picture'))), 'image/png');
     });
-  }
-
-  dispose() {
-    this.#observer.disconnect();
-    this.controls.dispose();
-    this.#ground.dispose();
-    this.#renderer.dispose();
   }
 }

@@ -17,6 +17,8 @@ import { largest, multiples, plain, timeSteps } from './ticks.js';
  * A grid, as it is painted.
  *
  * @typedef {object} Shown
+ * @property {Side} locomotion alone, frame for frame as in the splice
+ * @property {Side} action as captured
  * @property {DistanceGrid} grid
  * @property {HTMLCanvasElement} picture
  * @property {number} top metres that are lightest
@@ -66,16 +68,21 @@ export class Grid {
   }
 
   /**
+   * Shows a splice's grid. As long as its clips stay, only the path through them is another.
+   *
    * @param {Side} locomotion alone, frame for frame as in the splice
    * @param {Side} action as captured
    * @param {Float32Array} actionTimes seconds into the action at each frame of the splice; NaN without one
    */
   show(locomotion, action, actionTimes) {
-    const grid = distanceGrid(legClouds(locomotion.motion), legClouds(action.motion));
-    const top = largest(grid.values) || 1;
-    this.#shown = {
-      grid, top, picture: heatPicture(grid, top), across: locomotion.motion.duration, up: action.motion.duration, times: actionTimes,
-    };
+    if (locomotion === this.#shown?.locomotion && action === this.#shown.action) this.#shown.times = actionTimes;
+    else {
+      const grid = distanceGrid(legClouds(locomotion.motion), legClouds(action.motion));
+      const top = largest(grid.values) || 1;
+      this.#shown = {
+        locomotion, action, grid, top, picture: heatPicture(grid, top), across: locomotion.motion.duration, up: action.motion.duration, times: actionTimes,
+      };
+    }
     this.redraw();
     this.#write();
   }

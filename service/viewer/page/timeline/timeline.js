@@ -66,6 +66,15 @@ export class Timeline {
     this.#describe(true);
   }
 
+  /**
+   * Shows more of the same motion.
+   *
+   * @param {Partial<TimelineData>} data
+   */
+  add(data) {
+    if (this.data) this.show({ ...this.data, ...data });
+  }
+
   /** @param {number} time */
   at(time) {
     if (time === this.#time) return;

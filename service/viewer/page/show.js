@@ -32,6 +32,7 @@ class Shown {
     /** The user's character in place of the body. */
     this.figure = side.nodes && side.character?.figure(side.nodes);
     this.path = new Path(side.motion);
+    this.beginning = this.path.at(0);
     this.upperBody = upperBody(side.motion.rig);
     this.pose = side.motion.pose(0);
   }
@@ -116,7 +117,7 @@ export class Show {
     this.stage.floor = leading.traces.floor * shrink;
     const apart = values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART;
     this.view.wide(apart);
-    this.view.at(place, apart ? leading.path.at(0).heading : place.heading); // in a turning view one would hide the other
+    this.view.at(place, apart ? leading.beginning.heading : place.heading); // in a turning view one would hide the other
     return this.#compare(values);
   }
 
@@ -143,7 +144,7 @@ export class Show {
   #place(one, leading, index, values) {
     if (!one.pose || !leading.pose) return;
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
-    const { heading } = leading.path.at(0);
+    const { heading } = leading.beginning;
     const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
     const isCarried = one.side.name === 'action' && one !== leading;
     const turn = isCarried ? headingOf(leading) - headingOf(one) : 0;

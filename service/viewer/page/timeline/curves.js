@@ -1,9 +1,10 @@
+import { make } from '../panels/dom.js';
 import { jointCurves } from './curve_values.js';
 import { FONT, alongFrames, clip, line, note } from './paint.js';
 import { EDGE, GUTTER, NARROW, RULER, paintMoment, paintRuler, timeAxis } from './ruler.js';
 import { Scrub } from './scrub.js';
 import { Span } from './span.js';
-import { Surface, make } from './surface.js';
+import { Surface } from './surface.js';
 import { onTheme, themeOf } from './theme.js';
 import { axis as valueAxis, multiples, plain, readable } from './ticks.js';
 
@@ -50,8 +51,8 @@ export class Curves {
     this.player = player;
     this.span = Span.of(player);
     element.classList.add('curves');
-    this.legend = make('div', 'curves-legend');
-    this.plots = make('div', 'curves-plots');
+    this.legend = make('div', { class: 'curves-legend' });
+    this.plots = make('div', { class: 'curves-plots' });
     element.append(this.legend, this.plots);
     this.#theme = themeOf(element);
     this.back = new Surface(this.plots, (context, width, height) => this.#paintCurves(context, height));
@@ -81,12 +82,11 @@ export class Curves {
     const isEmpty = !this.#shown.length;
     this.plots.hidden = isEmpty;
     const reason = joint ? `Joint ${joint} not found` : 'Choose a joint to see its curves';
-    this.legend.replaceChildren(isEmpty ? make('span', 'curves-empty', reason) : make('span', 'curves-joint', joint));
+    this.legend.replaceChildren(isEmpty ? make('span', { class: 'curves-empty' }, reason) : make('span', { class: 'curves-joint' }, joint));
     this.#numbers = this.#shown.map(({ label, colour }) => {
-      const side = make('span', 'curves-side'), swatch = make('span', 'curves-swatch'), numbers = make('span', 'curves-numbers');
+      const swatch = make('span', { class: 'curves-swatch' }), numbers = make('span', { class: 'curves-numbers' });
       swatch.style.background = colour;
-      side.append(swatch, make('span', 'curves-name', label), numbers);
-      this.legend.append(side);
+      this.legend.append(make('span', { class: 'curves-side' }, swatch, make('span', { class: 'curves-name' }, label), numbers));
       return numbers;
     });
     this.redraw();

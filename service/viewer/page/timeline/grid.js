@@ -1,10 +1,11 @@
+import { centimetres, make } from '../panels/dom.js';
 import { distanceGrid, legClouds } from './distance_grid.js';
 import { heat, heatPicture } from './heat.js';
 import { FONT, plate } from './paint.js';
 import { clockPieces } from './pieces.js';
 import { EDGE, GUTTER, NARROW, timeAxis } from './ruler.js';
 import { Scrub } from './scrub.js';
-import { Surface, make } from './surface.js';
+import { Surface } from './surface.js';
 import { Span } from './span.js';
 import { onTheme, themeOf } from './theme.js';
 import { largest, multiples, plain, timeSteps } from './ticks.js';
@@ -50,8 +51,8 @@ export class Grid {
     this.player = player;
     this.span = Span.of(player);
     element.classList.add('grid');
-    this.caption = make('div', 'grid-caption');
-    this.plot = make('div', 'grid-plot');
+    this.caption = make('div', { class: 'grid-caption' });
+    this.plot = make('div', { class: 'grid-plot' });
     element.append(this.caption, this.plot);
     this.theme = themeOf(element);
     this.back = new Surface(this.plot, (context) => this.#paintMap(context));
@@ -122,10 +123,10 @@ export class Grid {
     const words = ['Distance between the legs of the locomotion and the action'];
     if (place) {
       const [across, up] = place;
-      words.push(`locomotion ${across.toFixed(2)} s`, `action ${up.toFixed(2)} s`, `${(100 * this.#distance(across, up)).toFixed(1)} cm`);
+      words.push(`locomotion ${across.toFixed(2)} s`, `action ${up.toFixed(2)} s`, centimetres(this.#distance(across, up)));
     }
     words.forEach((text, at) => {
-      const item = this.caption.children[at] ?? this.caption.appendChild(make('span', at ? 'curves-numbers' : 'grid-title'));
+      const item = this.caption.children[at] ?? this.caption.appendChild(make('span', { class: at ? 'curves-numbers' : 'grid-title' }));
       if (item.textContent !== text) item.textContent = text;
     });
     while (this.caption.children.length > words.length) this.caption.lastElementChild?.remove();
@@ -242,8 +243,7 @@ export class Grid {
     stroke(context, [[px, ABOVE], [px, bottom]]);
     stroke(context, [[left, py], [right, py]]);
     context.setLineDash([]);
-    const text = `${(100 * this.#distance(...this.#pointed)).toFixed(1)} cm`;
-    plate(context, this.theme, text, px, py < 30 ? py + 18 : py - 16, { left, right });
+    plate(context, this.theme, centimetres(this.#distance(...this.#pointed)), px, py < 30 ? py + 18 : py - 16, { left, right });
   }
 }
 

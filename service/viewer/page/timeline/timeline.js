@@ -1,9 +1,10 @@
+import { make } from '../panels/dom.js';
 import { FONT, clip } from './paint.js';
 import { Pointer } from './pointer.js';
 import { EDGE, GUTTER, LANE, NARROW, RULER, paintMoment, paintRange, paintRuler, paintVisible, timeAxis } from './ruler.js';
 import { rowsOf } from './rows.js';
 import { Span } from './span.js';
-import { Surface, make } from './surface.js';
+import { Surface } from './surface.js';
 import { onTheme, themeOf } from './theme.js';
 
 /** @import { Player } from '../player.js' */
@@ -38,7 +39,7 @@ export class Timeline {
     this.player = player;
     this.span = Span.of(player);
     element.classList.add('timeline');
-    this.slider = make('div', 'timeline-strips');
+    this.slider = make('div', { class: 'timeline-strips' });
     this.slider.tabIndex = 0;
     this.slider.setAttribute('role', 'slider');
     this.slider.setAttribute('aria-label', 'Time');
@@ -153,10 +154,9 @@ export class Timeline {
       row.paint(box);
     }
     const { from, to } = this.player.state.values;
-    const range = /** @type {[number, number]} */ (this.player.range);
     context.restore();
     clip(context, axis.left - 6, axis.right + 6, bottom);
-    paintRange(context, this.#theme, axis, range, { isWhole: !from && !to, bottom });
+    paintRange(context, this.#theme, axis, this.player.range, { isWhole: !from && !to, bottom });
     context.restore();
     paintVisible(context, this.#theme, axis, this.span, bottom);
     context.font = FONT;

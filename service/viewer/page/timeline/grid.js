@@ -3,11 +3,8 @@ import { distanceGrid, legClouds } from './distance_grid.js';
 import { heat, heatPicture } from './heat.js';
 import { FONT, plate } from './paint.js';
 import { clockPieces } from './pieces.js';
-import { EDGE, GUTTER, NARROW, timeAxis } from './ruler.js';
+import { Plot } from './plot.js';
 import { Scrub } from './scrub.js';
-import { Surface } from './surface.js';
-import { Span } from './span.js';
-import { onTheme, themeOf } from './theme.js';
 import { largest, multiples, plain, timeSteps } from './ticks.js';
 
 /** @import { Player } from '../player.js' */
@@ -35,7 +32,7 @@ const SCALE = 10; // width of the scale of colours, on the left
 const HALO = 3.5;
 
 /** The distance grid: how far the legs are apart, each frame of a locomotion against each of an action, and the splice's path. */
-export class Grid {
+export class Grid extends Plot {
   /** @type {Shown | undefined} */
   #shown = undefined;
   #time = 0;
@@ -47,25 +44,18 @@ export class Grid {
    * @param {Player} player
    */
   constructor(element, player) {
-    this.element = element;
-    this.player = player;
-    this.span = Span.of(player);
-    element.classList.add('grid');
+    const plot = make('div', { class: 'grid-plot' });
+    super(element, player, plot, NARROW_GUTTER);
     this.caption = make('div', { class: 'grid-caption' });
-    this.plot = make('div', { class: 'grid-plot' });
-    element.append(this.caption, this.plot);
-    this.theme = themeOf(element);
-    this.back = new Surface(this.plot, (context) => this.#paintMap(context));
-    this.front = new Surface(this.plot, (context) => this.#paintMoment(context));
-    new Scrub(this.plot, player, () => this.#across, (time, event) => {
+    element.prepend(this.caption);
+    element.classList.add('grid');
+    new Scrub(plot, player, () => this.axis, (time, event) => {
       const action = this.#up.time(event.offsetY);
-      const isOn = time !== undefined && this.#shown && action >= 0 && action <= this.#shown.up && event.offsetX <= this.#across.right;
+      const isOn = time !== undefined && this.#shown && action >= 0 && action <= this.#shown.up && event.offsetX <= this.axis.right;
       this.#pointed = isOn ? [time, action] : undefined;
       this.front.request();
       this.#write();
     });
-    this.span.on(() => this.redraw());
-    onTheme(() => this.redraw());
   }
 
   /**
@@ -95,17 +85,6 @@ export class Grid {
     if (!this.#shown || !this.back.width) return;
     this.front.draw();
     this.#write();
-  }
-
-  /** Paints all again. */
-  redraw() {
-    this.back.request();
-    this.front.request();
-  }
-
-  get #across() {
-    const { width } = this.back;
-    return timeAxis(this.span, width < NARROW ? NARROW_GUTTER : GUTTER, width - EDGE);
   }
 
   get #up() {
@@ -153,11 +132,10 @@ export class Grid {
     return values[row * columns + column];
   }
 
-  /** @param {CanvasRenderingContext2D} context */
-  #paintMap(context) {
+  /** @override @param {CanvasRenderingContext2D} context */
+  paintBack(context) {
     if (!this.#shown) return;
-    this.theme = themeOf(this.element);
-    const { left, right, x } = this.#across, { bottom, y } = this.#up;
+    const { left, right, x } = this.axis, { bottom, y } = this.#up;
     const { picture, times, across } = this.#shown;
     this.#ticks(context);
     context.save();
@@ -182,7 +160,7 @@ export class Grid {
 
   /** @param {CanvasRenderingContext2D} context */
   #ticks(context) {
-    const { left, right, x } = this.#across, { bottom, y, pixels } = this.#up;
+    const { left, right, x } = this.axis, { bottom, y, pixels } = this.#up;
     const { up } = /** @type {Shown} */ (this.#shown);
     context.font = FONT;
     context.fillStyle = this.theme.faint;
@@ -220,10 +198,10 @@ export class Grid {
     }
   }
 
-  /** @param {CanvasRenderingContext2D} context */
-  #paintMoment(context) {
+  /** @override @param {CanvasRenderingContext2D} context */
+  paintFront(context) {
     if (!this.#shown) return;
-    const { left, right, x } = this.#across, { bottom, y } = this.#up;
+    const { left, right, x } = this.axis, { bottom, y } = this.#up;
     const place = this.#place();
     const isVisible = x(this.#time) >= left - 1 && x(this.#time) <= right + 1;
     context.lineWidth = 1.5;

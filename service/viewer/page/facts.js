@@ -5,10 +5,9 @@ import { tracks } from './scene/tracks.js';
 import { alignedDistances, legClouds } from './timeline/distance_grid.js';
 
 /** @import { Clip } from './catalogue.js' */
+/** @import { Contacts } from './scene/stances.js' */
 /** @import { Side } from './sides.js' */
 /** @import { Values } from './state.js' */
-
-/** @typedef {{ left: [number, number][], right: [number, number][] }} Contacts */
 
 /**
  * Returns when the feet stand. The clip says it, unless another clip is mixed in or the take goes on after the clip.

@@ -5,6 +5,7 @@ import { Aim } from './panels/aim.js';
 import { Columns } from './panels/columns.js';
 import { Connection } from './panels/connection.js';
 import { Controls } from './panels/controls.js';
+import { byId } from './panels/dom.js';
 import { askForToken } from './panels/entry.js';
 import { Help } from './panels/help.js';
 import { Keys } from './panels/keys.js';
@@ -21,9 +22,6 @@ import { Viewer } from './viewer.js';
 /** @import { Adding } from './adding/panel.js' */
 
 const WARMING = 1000; // ms until a service that was not ready is asked again
-
-/** @param {string} id */
-const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
 /**
  * Loads the catalogue; asks for the token if the service wants one.
@@ -45,32 +43,32 @@ const service = new Service();
 const state = new State(new URLSearchParams(location.search));
 const player = new Player(state);
 const catalogue = await enter(service).catch((error) => {
-  element('banner').className = 'gone';
-  element('banner').textContent = `${error.message}. Load the page again when the service runs.`;
+  byId('banner').className = 'gone';
+  byId('banner').textContent = `${error.message}. Load the page again when the service runs.`;
   throw error;
 });
 if (!catalogue.clips.has(state.values.locomotion)) state.set({ locomotion: catalogue.baseline });
 if (!location.search) state.set({ action: [...catalogue.clips.values()].find(({ kind }) => kind === 'action')?.name ?? '' });
 
 const sides = new Sides(service, catalogue);
-const lists = new Lists(element('lists'), catalogue, state);
+const lists = new Lists(byId('lists'), catalogue, state);
 const own = new Own(service, state, sides);
-const controls = new Controls(element('controls'), catalogue, state, own);
-const title = new Title(element('bank'), catalogue, state);
-const help = new Help(/** @type {HTMLDialogElement} */ (element('help')));
-element('show-help').addEventListener('click', () => help.toggle());
+const controls = new Controls(byId('controls'), catalogue, state, own);
+const title = new Title(byId('bank'), catalogue, state);
+const help = new Help(/** @type {HTMLDialogElement} */ (byId('help')));
+byId('show-help').addEventListener('click', () => help.toggle());
 new Columns();
-new Aim(element('lists'), (key, name) => {
+new Aim(byId('lists'), (key, name) => {
   if (!state.values.crowd) sides.of({ ...state.values, [key]: name }).catch(() => {}); // a click tries again, and says why
 });
 
 const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
 own.refresh = () => void viewer.refresh();
 own.onfault = (/** @type {string} */ problem) => viewer.readout.fault(problem); // the controls may be folded away
-takeDrops(element('view'), own);
-const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
+takeDrops(byId('view'), own);
+const takeAway = new TakeAway(byId('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });
-const connection = new Connection(element('banner'), service, catalogue, reload);
+const connection = new Connection(byId('banner'), service, catalogue, reload);
 /** @type {Promise<Adding> | undefined} */
 let adding;
 void viewer.refresh().then(offerUploads); // after the first picture
@@ -78,7 +76,7 @@ for (const event of ['dragover', 'drop']) addEventListener(event, (one) => one.p
 
 async function beginAdding() {
   const { Adding } = await import('./adding/panel.js');
-  const places = { element: element('adding'), column: element('lists-column'), dialog: /** @type {HTMLDialogElement} */ (element('adding-dialog')) };
+  const places = { element: byId('adding'), column: byId('lists-column'), dialog: /** @type {HTMLDialogElement} */ (byId('adding-dialog')) };
   return new Adding(places, service, sides.catalogue, { reload: () => connection.look(), play });
 }
 

@@ -16,7 +16,7 @@ export class Player {
     return this.#time;
   }
 
-  /** What is repeated: from and to, in seconds. */
+  /** What is repeated: from and to, in seconds. @returns {[number, number]} */
   get range() {
     const { from, to } = this.state.values;
     const end = to > from ? Math.min(to, this.duration) : this.duration;
@@ -47,6 +47,15 @@ export class Player {
   }
 
   /**
+   * Returns the time of the nearest frame.
+   *
+   * @param {number} time
+   */
+  whole(time) {
+    return Math.max(0, Math.min(this.duration, Math.round(time * this.rate) / this.rate));
+  }
+
+  /**
    * Shows the frame that is so many frames later.
    *
    * @param {number} frames
@@ -57,7 +66,7 @@ export class Player {
 
   /** Plays, or pauses at the frame that is shown. */
   toggle() {
-    if (this.state.values.playing) this.seek(Math.round(this.#time * this.rate) / this.rate);
+    if (this.state.values.playing) this.seek(this.whole(this.#time));
     else this.state.set({ playing: true });
   }
 }

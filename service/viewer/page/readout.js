@@ -1,3 +1,4 @@
+import { centimetres, make } from './panels/dom.js';
 import { FULL, STOPS } from './scene/differences.js';
 
 /** @import { Side } from './sides.js' */
@@ -10,19 +11,12 @@ export class Readout {
 
   /** @param {HTMLElement} element */
   constructor(element) {
-    this.names = document.createElement('p');
-    this.apart = document.createElement('p');
-    this.problem = document.createElement('p');
-    this.scale = document.createElement('p');
-    const colours = document.createElement('i');
+    const colours = make('i');
     colours.style.background = `linear-gradient(to right, ${STOPS.join(', ')})`;
-    this.scale.append('0', colours, `${100 * FULL} cm`);
-    this.scale.className = 'scale';
-    this.scale.hidden = true;
-    this.names.className = 'names';
-    this.problem.className = 'fault';
-    this.problem.setAttribute('role', 'alert');
-    this.apart.className = 'apart';
+    this.names = make('p', { class: 'names' });
+    this.apart = make('p', { class: 'apart' });
+    this.scale = make('p', { class: 'scale', hidden: true }, '0', colours, `${100 * FULL} cm`);
+    this.problem = make('p', { class: 'fault', role: 'alert' });
     element.replaceChildren(this.names, this.apart, this.scale, this.problem);
   }
 
@@ -39,11 +33,9 @@ export class Readout {
   sides(sides) {
     this.problem.textContent = '';
     this.names.replaceChildren(...sides.map(({ label, colour }) => {
-      const name = document.createElement('span');
-      const swatch = document.createElement('i');
+      const swatch = make('i');
       swatch.style.background = colour;
-      name.append(swatch, label);
-      return name;
+      return make('span', {}, swatch, label);
     }));
   }
 
@@ -54,9 +46,4 @@ export class Readout {
     this.apart.textContent = this.#shown = text;
     this.scale.hidden = !apart;
   }
-}
-
-/** @param {number} metres */
-function centimetres(metres) {
-  return `${(100 * metres).toFixed(1)} cm`;
 }

@@ -3,6 +3,7 @@ import { Body } from './scene/body.js';
 import { distances, mean, shares, upperBody, worst } from './scene/differences.js';
 import { Path } from './scene/path.js';
 import { Traces } from './scene/traces.js';
+import { clipOf } from './takes.js';
 import { Quaternion, Vector3 } from './vendor/three.js';
 
 /** @import { Figure } from './figure/figure.js' */
@@ -11,7 +12,6 @@ import { Quaternion, Vector3 } from './vendor/three.js';
 /** @import { Pose } from './vendor/motionsplice.js' */
 /** @import { Side, Sides } from './sides.js' */
 /** @import { Values } from './state.js' */
-/** @import { SideName } from './takes.js' */
 
 const APART = 1.3; // metres between characters that stand beside each other
 const UP = new Vector3(0, 1, 0);
@@ -32,6 +32,8 @@ class Shown {
     /** The user's character in place of the body. */
     this.figure = side.nodes && side.character?.figure(side.nodes);
     this.path = new Path(side.motion);
+    this.beginning = this.path.at(0);
+    this.upperBody = upperBody(side.motion.rig);
     this.pose = side.motion.pose(0);
   }
 }
@@ -81,7 +83,7 @@ export class Show {
    */
   #begin(side, values) {
     const clip = this.catalogue().clips.get(clipOf(side.name, values));
-    const shown = new Shown(side, new Body(side.motion.rig, side.colour), new Traces(side, clip ? contactsOf(side, clip, values) : { left: [], right: [] }));
+    const shown = new Shown(side, new Body(side.motion.rig, side.colour), new Traces(side, clip && contactsOf(side, clip, values)));
     this.stage.add(shown.body.object);
     this.stage.add(shown.traces.object);
     if (shown.figure) this.stage.add(shown.figure.object);
@@ -115,7 +117,7 @@ export class Show {
     this.stage.floor = leading.traces.floor * shrink;
     const apart = values.layout === 'over' ? 0 : (this.#shown.length - 1) * APART;
     this.view.wide(apart);
-    this.view.at(place, apart ? leading.path.at(0).heading : place.heading); // in a turning view one would hide the other
+    this.view.at(place, apart ? leading.beginning.heading : place.heading); // in a turning view one would hide the other
     return this.#compare(values);
   }
 
@@ -142,7 +144,7 @@ export class Show {
   #place(one, leading, index, values) {
     if (!one.pose || !leading.pose) return;
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
-    const { heading } = leading.path.at(0);
+    const { heading } = leading.beginning;
     const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
     const isCarried = one.side.name === 'action' && one !== leading;
     const turn = isCarried ? headingOf(leading) - headingOf(one) : 0;
@@ -201,9 +203,8 @@ export class Show {
     const { rig } = first.side.motion;
     const found = distances(first.body.positions, other.body.positions, rig, 'root');
     first.body.colours(shares(found));
-    const joints = upperBody(rig);
-    const { joint, metres } = worst(found, joints);
-    return { label: other.side.label, mean: mean(found, joints), worst: metres, joint: rig.joints[joint] };
+    const { joint, metres } = worst(found, first.upperBody);
+    return { label: other.side.label, mean: mean(found, first.upperBody), worst: metres, joint: rig.joints[joint] };
   }
 }
 
@@ -232,12 +233,4 @@ function momentOf(side, leading, time) {
   const after = leading.actionTimes[Math.ceil(place)];
   if (Number.isNaN(before)) return 0;
   return after >= before ? before + (after - before) * (place % 1) : before; // a loop jumps back
-}
-
-/**
- * @param {SideName} name
- * @param {Values} values
- */
-function clipOf(name, values) {
-  return name === 'action' || name === 'truth' ? values[name] : values.locomotion;
 }

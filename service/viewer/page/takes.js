@@ -27,8 +27,7 @@ const LONGEST = 60; // seconds of a take
  * @returns {Take | undefined}
  */
 export function takeOf(side, values, catalogue) {
-  const name = side === 'action' ? values.action : side === 'truth' ? values.truth : values.locomotion;
-  const clip = catalogue.clips.get(name);
+  const clip = catalogue.clips.get(clipOf(side, values));
   const hasAction = catalogue.clips.has(values.action);
   if (!clip || (side === 'naive' && !hasAction)) return undefined;
   const leading = catalogue.clips.get(values.locomotion) ?? clip;
@@ -37,6 +36,16 @@ export function takeOf(side, values, catalogue) {
   if ((side === 'splice' || side === 'naive') && hasAction) take.commands.push(act(side, values, leading.rate));
   if (values.hands && side !== 'locomotion' && side !== 'truth') take.commands.push({ at: 0, do: 'wear', hands: values.hands, blend: 0 });
   return take;
+}
+
+/**
+ * Returns the name of the clip that a side walks by.
+ *
+ * @param {SideName} side
+ * @param {Values} values
+ */
+export function clipOf(side, values) {
+  return side === 'action' || side === 'truth' ? values[side] : values.locomotion;
 }
 
 /**

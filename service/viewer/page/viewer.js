@@ -1,4 +1,5 @@
 import { contactsOf, differencesOf, mismatchesOf } from './facts.js';
+import { byId } from './panels/dom.js';
 import { Readout } from './readout.js';
 import { Show } from './show.js';
 import { Stage } from './scene/stage.js';
@@ -46,15 +47,14 @@ export class Viewer {
     this.sides = sides;
     this.onError = onError;
     this.onJoints = onJoints;
-    const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
-    this.stage = new Stage(/** @type {HTMLCanvasElement} */ (element('stage')));
+    this.stage = new Stage(/** @type {HTMLCanvasElement} */ (byId('stage')));
     this.view = new View(this.stage);
     this.show = new Show(this.stage, this.view, sides);
-    this.readout = new Readout(element('readout'));
-    this.transport = new Transport(element('transport'), player, state);
-    this.timeline = new Timeline(element('timeline'), player);
-    this.curves = new Curves(element('curves'), player);
-    this.grid = new Grid(element('grid'), player);
+    this.readout = new Readout(byId('readout'));
+    this.transport = new Transport(byId('transport'), player, state);
+    this.timeline = new Timeline(byId('timeline'), player);
+    this.curves = new Curves(byId('curves'), player);
+    this.grid = new Grid(byId('grid'), player);
     /** Loaded when it is asked for. @type {Crowd | undefined} */
     this.crowd = undefined;
     this.#look(new Set(['view', 'follow']));
@@ -90,7 +90,7 @@ export class Viewer {
       const found = await this.sides.of(this.state.values);
       if (number === this.#asked) this.#take(found);
       const mismatches = await this.#mismatches();
-      if (mismatches && number === this.#asked) this.#describe(mismatches);
+      if (mismatches && number === this.#asked) this.timeline.add({ mismatches });
     } catch (error) {
       if (number === this.#asked) this.onError(error);
     } finally {
@@ -130,8 +130,7 @@ export class Viewer {
   async #crowd() {
     const { Crowd } = await import('./crowd/crowd.js');
     const { stage, view, sides, state } = this;
-    const element = /** @type {HTMLElement} */ (document.getElementById('crowd'));
-    this.crowd ??= new Crowd(element, stage, view, sides.service, () => sides.catalogue, () => state.set({ crowd: 0 }));
+    this.crowd ??= new Crowd(byId('crowd'), stage, view, sides.service, () => sides.catalogue, () => state.set({ crowd: 0 }));
     return this.crowd;
   }
 
@@ -146,12 +145,12 @@ export class Viewer {
     this.readout.sides(sides);
     this.onJoints(first?.motion.rig.joints ?? []);
     this.curves.show(sides, state.values.joint);
-    this.#describe(undefined);
+    this.#describe();
     this.#isStale = true;
   }
 
-  /** @param {Float32Array | undefined} mismatches */
-  #describe(mismatches) {
+  /** Fills the timeline, but for the mismatches, whose sides come later. */
+  #describe() {
     const { values } = this.state;
     const clip = this.sides.catalogue.clips.get(values.locomotion);
     const side = this.#sides.find(({ name }) => name === 'splice') ?? this.#sides[0];
@@ -161,7 +160,7 @@ export class Viewer {
     this.timeline.show({
       duration: side.motion.duration, rate: side.motion.rate, phases: side.phases, events: side.events, contacts: contactsOf(side, clip, values),
       actionTimes: hasAction ? side.actionTimes : undefined, actionDuration: this.sides.catalogue.clips.get(values.action)?.duration,
-      mismatches, differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
+      differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
       names: { action: values.action, difference: other && `To ${other.label.toLowerCase()}` },
     });
   }

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { Bones } from '../page/crowd/bones.js';
-import { member, placeOf, widthOf } from '../page/crowd/cast.js';
+import { member, placeOf, repertoireOf, widthOf } from '../page/crowd/cast.js';
 import { CoarseShape } from '../page/crowd/coarse.js';
 import { Load } from '../page/crowd/load.js';
 import { Anatomy } from '../page/scene/anatomy.js';
@@ -13,11 +13,11 @@ const CLIPS = /** @type {any[]} */ ([
 ]);
 
 test('a link shows the same crowd, whatever the order of the clips', () => {
-  const found = Array.from({ length: 50 }, (_, number) => member(number, CLIPS));
-  assert.deepEqual(Array.from({ length: 50 }, (_, number) => member(number, [...CLIPS].reverse())), found);
+  const found = Array.from({ length: 50 }, (_, number) => member(number, repertoireOf(CLIPS)));
+  assert.deepEqual(Array.from({ length: 50 }, (_, number) => member(number, repertoireOf([...CLIPS].reverse()))), found);
   assert.deepEqual(new Set(found.map(({ locomotion }) => locomotion)), new Set(['walk', 'run']));
   for (const { locomotion, time } of found) assert.ok(time >= 0 && time < (locomotion === 'walk' ? 6 : 2));
-  assert.equal(member(0, CLIPS.slice(0, 2)).action, undefined);
+  assert.equal(member(0, repertoireOf(CLIPS.slice(0, 2))).action, undefined);
 });
 
 test('nobody stands on another, and all stand within the width', () => {

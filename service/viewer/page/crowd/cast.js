@@ -17,17 +17,25 @@ const APART = 1.5; // metres between neighbours
 const STRAY = 0.28; // metres by which they are off the grid
 const TURN = 0.5; // radians to either side
 
+/** @typedef {{ locomotions: Clip[], actions: Clip[] }} Repertoire what a crowd can play, by name */
+
+/**
+ * @param {Iterable<Clip>} clips of the bank
+ * @returns {Repertoire}
+ */
+export function repertoireOf(clips) {
+  const sorted = [...clips].sort((a, b) => (a.name < b.name ? -1 : 1));
+  return { locomotions: sorted.filter(({ kind }) => kind === 'locomotion'), actions: sorted.filter(({ kind }) => kind === 'action') };
+}
+
 /**
  * Returns a character of a crowd. A larger crowd has the characters of a smaller one, and more.
  *
  * @param {number} number from 0
- * @param {Iterable<Clip>} clips of the bank
+ * @param {Repertoire} repertoire
  * @returns {Member}
  */
-export function member(number, clips) {
-  const sorted = [...clips].sort((a, b) => (a.name < b.name ? -1 : 1));
-  const locomotions = sorted.filter(({ kind }) => kind === 'locomotion');
-  const actions = sorted.filter(({ kind }) => kind === 'action');
+export function member(number, { locomotions, actions }) {
   const random = generator(number);
   const colour = Math.floor(random() * locomotions.length);
   const { name, duration } = locomotions[colour];

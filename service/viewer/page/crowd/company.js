@@ -1,5 +1,5 @@
 import { connect } from '../vendor/motionsplice.js';
-import { member } from './cast.js';
+import { member, repertoireOf } from './cast.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { Service } from '../service.js' */
@@ -64,8 +64,8 @@ export class Company {
       await connection.send({ do: 'remove', id: gone });
       return;
     }
-    const clips = [...this.catalogue().clips.values()];
-    const made = Array.from({ length: Math.min(AT_ONCE, this.#wanted - members.length) }, (_, index) => member(members.length + index, clips));
+    const repertoire = repertoireOf(this.catalogue().clips.values());
+    const made = Array.from({ length: Math.min(AT_ONCE, this.#wanted - members.length) }, (_, index) => member(members.length + index, repertoire));
     await connection.send(made.flatMap((one, index) => commands(one, members.length + index)));
     if (connection === this.connection) members.push(...made);
   }

@@ -1,5 +1,6 @@
-import { BufferAttribute, BufferGeometry, Color, DataTexture, FloatType, InstancedMesh, Matrix4, MeshDepthMaterial, MeshStandardMaterial, RGBAFormat } from '../vendor/three.js';
+import { BufferAttribute, Color, DataTexture, FloatType, InstancedMesh, Matrix4, MeshDepthMaterial, MeshStandardMaterial, RGBAFormat } from '../vendor/three.js';
 import { Anatomy } from '../scene/anatomy.js';
+import { geometryOf } from '../scene/forms.js';
 import { mannequin } from '../scene/mannequin.js';
 import { CoarseShape } from './coarse.js';
 import { Bones, NUMBERS } from './bones.js';
@@ -50,7 +51,7 @@ export class Figures {
     this.#stride = NUMBERS * joints;
     this.#values = new Float32Array(this.#stride * columns * rows);
     this.#texture = new DataTexture(this.#values, TEXELS * joints * columns, rows, RGBAFormat, FloatType);
-    this.object = new InstancedMesh(geometryOf(anatomy, count), this.#skinned(new MeshStandardMaterial({ roughness: 0.72 })), count);
+    this.object = new InstancedMesh(surfaceOf(anatomy, count), this.#skinned(new MeshStandardMaterial({ roughness: 0.72 })), count);
     this.object.customDepthMaterial = this.#skinned(new MeshDepthMaterial());
     this.object.castShadow = true;
     this.object.frustumCulled = false;
@@ -120,14 +121,9 @@ export class Figures {
  * @param {Anatomy} anatomy
  * @param {number} count
  */
-function geometryOf(anatomy, count) {
+function surfaceOf(anatomy, count) {
   const shape = mannequin(anatomy, count > FINE ? new CoarseShape(count > 10 * FINE ? 3 : 2) : undefined);
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(Float32Array.from(shape.positions), 3));
-  geometry.setAttribute('skinIndex', new BufferAttribute(Uint16Array.from(shape.skinIndices), 4));
-  geometry.setAttribute('skinWeight', new BufferAttribute(Float32Array.from(shape.skinWeights), 4));
+  const geometry = geometryOf(shape);
   geometry.setAttribute('shade', new BufferAttribute(Float32Array.from(shape.shades), 1));
-  geometry.setIndex(shape.indices);
-  geometry.computeVertexNormals();
   return geometry;
 }

@@ -14,6 +14,7 @@ export class Body {
   /** Places of the joints [J][3] in the pose that is shown, without the offset. */
   positions;
   #rig;
+  #forms;
   #joints;
   /** Opaque bodies share one, which saves uploads of uniforms. */
   #material = OPAQUE;
@@ -32,7 +33,8 @@ export class Body {
   constructor(rig, colour) {
     this.#rig = rig;
     this.#colour = new Color(colour);
-    this.#joints = new Joints(formsOf(rig).anatomy.places);
+    this.#forms = formsOf(rig);
+    this.#joints = new Joints(this.#forms.anatomy.places);
     this.positions = new Float32Array(3 * rig.joints.length);
     this.#mesh = this.#skinned(new BufferGeometry(), this.#material);
     this.#mesh.castShadow = true;
@@ -47,7 +49,7 @@ export class Body {
    */
   set(pose, offset) {
     const turns = this.#rig.worldPositions(pose.root, /** @type {Float32Array} */ (pose.rotations), this.positions);
-    this.#joints.set(0, this.positions, turns, offset);
+    this.#joints.set(this.positions, turns, offset);
     const sphere = /** @type {Sphere} */ (this.#mesh.boundingSphere);
     sphere.center.set(this.positions[0] + offset[0], this.positions[1] + offset[1], this.positions[2] + offset[2]);
   }
@@ -59,10 +61,10 @@ export class Body {
   set style(style) {
     if (style === this.#style) return;
     this.#style = style;
-    const { shape, attributes } = formsOf(this.#rig)[style];
+    const { shape, geometry: { index, attributes } } = this.#forms.of(style);
     const geometry = new BufferGeometry();
-    geometry.setIndex(attributes.index);
-    for (const name of /** @type {const} */ (['position', 'normal', 'skinIndex', 'skinWeight'])) geometry.setAttribute(name, attributes[name]);
+    geometry.setIndex(index);
+    for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
     geometry.setAttribute('color', new BufferAttribute(new Float32Array(shape.positions.length), 3));
     this.#mesh.geometry.dispose();
     this.#mesh.geometry = geometry;
@@ -108,7 +110,7 @@ export class Body {
   /** @param {Float32Array | undefined} values */
   #paint(values) {
     this.#isCompared = values !== undefined;
-    const { colourJoints, colourShares, shades } = formsOf(this.#rig)[this.style].shape;
+    const { colourJoints, colourShares, shades } = this.#forms.of(this.style).shape;
     const attribute = /** @type {BufferAttribute} */ (this.#mesh.geometry.getAttribute('color'));
     const out = /** @type {Float32Array} */ (attribute.array);
     const { r, g, b } = this.#colour;
@@ -138,7 +140,7 @@ export class Body {
     mesh.bind(this.#joints, new Matrix4());
     mesh.bindMode = 'detached';
     mesh.matrixAutoUpdate = mesh.matrixWorldAutoUpdate = false; // the joints place it
-    mesh.boundingSphere = this.#mesh?.boundingSphere ?? new Sphere(undefined, 1.6 * formsOf(this.#rig).anatomy.size);
+    mesh.boundingSphere = this.#mesh?.boundingSphere ?? new Sphere(undefined, 1.6 * this.#forms.anatomy.size);
     this.object.add(mesh);
     return mesh;
   }

@@ -41,8 +41,9 @@ export function addFoot(anatomy, shape, half, shade) {
   const { size } = anatomy;
   const { left, forward, down, reach, toesForward, toesDown } = anatomy.foot(half);
   const [ankle, toe] = [anatomy.role(`${half}_ankle`), anatomy.role(`${half}_toe`, `${half}_ankle`)];
+  const hasToe = toe !== ankle;
   const over = heightsOverSole(anatomy, half);
-  const ball = toe === ankle ? TOE_REACH * size : reach;
+  const ball = hasToe ? reach : TOE_REACH * size;
   const inwards = times(left, half === 'left' ? -1 : 1);
   const tall = Math.max(0.75, Math.min(1.3, over.ankle / (0.066 * size))); // so that the ankle is inside
   /** @type {(row: number[], joint: number, origin: Vector, axes: [Vector, Vector], over: number, stretch: number) => Ring} */
@@ -58,7 +59,6 @@ export function addFoot(anatomy, shape, half, shade) {
     const ahead = -0.066 + (0.216 * step) / 12;
     back.push(ring([ahead, ...along(FOOT, ahead)], ankle, anatomy.places[ankle], [forward, down], over.ankle, ahead < 0 ? size : stretch));
   }
-  const hasToe = toe !== ankle;
   const base = hasToe ? anatomy.places[toe] : plus(anatomy.places[ankle], times(forward, ball));
   const axes = /** @type {[Vector, Vector]} */ (hasToe ? [toesForward, toesDown] : [forward, down]);
   const front = TOES.map((row) => ring(row, toe, base, axes, hasToe ? over.toe : over.ankle, size));

@@ -7,31 +7,53 @@ import { stick } from './stick.js';
 /** @import { Shape } from './shape.js' */
 
 /** @typedef {'mannequin' | 'stick'} Style */
-/** @typedef {{ shape: Shape, attributes: ReturnType<typeof attributesOf> }} Form */
+/** @typedef {{ shape: Shape, geometry: BufferGeometry }} Form */
 
-/** @type {WeakMap<Rig, { anatomy: Anatomy, mannequin: Form, stick: Form }>} */
+/** @type {WeakMap<Rig, Forms>} */
 const FORMS = new WeakMap();
 
 /** The surfaces of a rig, which its bodies share. @param {Rig} rig */
 export function formsOf(rig) {
-  let forms = FORMS.get(rig);
-  if (!forms) {
-    const anatomy = new Anatomy(rig);
-    const form = (/** @type {Shape} */ shape) => ({ shape, attributes: attributesOf(shape) });
-    forms = { anatomy, mannequin: form(mannequin(anatomy)), stick: form(stick(anatomy)) };
-    FORMS.set(rig, forms);
-  }
+  const forms = FORMS.get(rig) ?? new Forms(rig);
+  FORMS.set(rig, forms);
   return forms;
 }
 
+/** Surfaces, each computed when it is first shown. */
+class Forms {
+  /** @type {Partial<Record<Style, Form>>} */
+  #known = {};
+
+  /** @param {Rig} rig */
+  constructor(rig) {
+    this.anatomy = new Anatomy(rig);
+  }
+
+  /**
+   * @param {Style} style
+   * @returns {Form}
+   */
+  of(style) {
+    return (this.#known[style] ??= formOf(style === 'stick' ? stick(this.anatomy) : mannequin(this.anatomy)));
+  }
+}
+
 /** @param {Shape} shape */
-function attributesOf(shape) {
+function formOf(shape) {
+  return { shape, geometry: geometryOf(shape) };
+}
+
+/**
+ * Returns a surface for the graphics card, with its normals and the joints that move it.
+ *
+ * @param {Shape} shape
+ */
+export function geometryOf(shape) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(Float32Array.from(shape.positions), 3));
+  geometry.setAttribute('skinIndex', new BufferAttribute(Uint16Array.from(shape.skinIndices), 4));
+  geometry.setAttribute('skinWeight', new BufferAttribute(Float32Array.from(shape.skinWeights), 4));
   geometry.setIndex(shape.indices);
   geometry.computeVertexNormals();
-  return {
-    position: geometry.getAttribute('position'), normal: geometry.getAttribute('normal'), index: geometry.getIndex(),
-    skinIndex: new BufferAttribute(Uint16Array.from(shape.skinIndices), 4), skinWeight: new BufferAttribute(Float32Array.from(shape.skinWeights), 4),
-  };
+  return geometry;
 }

@@ -100,13 +100,6 @@ export class Ground {
     this.#wall.position.set(-BEHIND * Math.sin(heading), 0, -BEHIND * Math.cos(heading));
     this.#wallLines.uniforms.right.value.set(Math.cos(heading), 0, -Math.sin(heading));
   }
-
-  dispose() {
-    for (const mesh of this.object.children) /** @type {Mesh} */ (mesh).geometry.dispose();
-    this.#lines.dispose();
-    this.#wallLines.dispose();
-    this.#shadow.dispose();
-  }
 }
 
 /** @param {boolean} isWall */

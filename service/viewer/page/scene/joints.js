@@ -2,33 +2,29 @@ import { DataTexture, FloatType, RGBAFormat, Skeleton } from '../vendor/three.js
 
 /** @import { Vector } from './vectors.js' */
 
-/** The joints' matrices of one or more bodies of a rig, in a texture for the vertex shader. */
+/** The joints' matrices of a body, in a texture for the vertex shader. */
 export class Joints extends Skeleton {
-  /**
-   * @param {Vector[]} places of the joints in the bind pose
-   * @param {number} [bodies]
-   */
-  constructor(places, bodies = 1) {
+  /** @param {Vector[]} places of the joints in the bind pose */
+  constructor(places) {
     super([]);
     this.places = Float32Array.from(places.flat());
-    const size = 4 * Math.ceil(Math.sqrt(4 * places.length * bodies) / 4); // a joint's four texels are in one row
+    const size = 4 * Math.ceil(Math.sqrt(4 * places.length) / 4); // a joint's four texels are in one row
     this.matrices = new Float32Array(4 * size * size);
     this.boneMatrices = this.matrices;
     this.boneTexture = new DataTexture(this.matrices, size, size, RGBAFormat, FloatType);
   }
 
   /**
-   * Writes the matrices that take each joint of a body from the bind pose to the world.
+   * Writes the matrices that take each joint from the bind pose to the world.
    *
-   * @param {number} body
    * @param {Float32Array} positions [J][3]
    * @param {ArrayLike<number>} turns [J][4]
    * @param {ArrayLike<number>} offset metres, [3]
    */
-  set(body, positions, turns, offset) {
+  set(positions, turns, offset) {
     const { places, matrices: out } = this;
     const [ox, oy, oz] = [offset[0], offset[1], offset[2]];
-    for (let at = 0, turn = 0, to = (body * 16 * places.length) / 3; at < places.length; at += 3, turn += 4, to += 16) {
+    for (let at = 0, turn = 0, to = 0; at < places.length; at += 3, turn += 4, to += 16) {
       const x = turns[turn], y = turns[turn + 1], z = turns[turn + 2], w = turns[turn + 3];
       const a = places[at], b = places[at + 1], c = places[at + 2];
       const xx = 1 - 2 * (y * y + z * z), xy = 2 * (x * y + w * z), xz = 2 * (x * z - w * y);

@@ -1,11 +1,12 @@
-import { Color, DirectionalLight, HemisphereLight, OrthographicCamera, PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer } from '../vendor/three.js';
-import { OrbitControls } from '../vendor/three.js';
+import {
+  Color, DirectionalLight, HemisphereLight, OrbitControls, OrthographicCamera, PCFShadowMap, PerspectiveCamera, Scene, WebGLRenderer,
+} from '../vendor/three.js';
 import { Ground } from './ground.js';
 
 /** @import { Object3D } from '../vendor/three.js' */
 
 /** Half the height that front, side and top show at first, in metres. */
-export const HALF_HEIGHT = 1.25;
+const HALF_HEIGHT = 1.25;
 
 const THEMES = {
   light: { back: '#eceef1', line: '#5d6673', shadow: 0.2, strength: 0.8, sky: '#ffffff', floor: '#b9bdc6', fill: 1.55, key: 1.9 },
@@ -27,7 +28,6 @@ export class Stage {
   #fill = new HemisphereLight();
   #key = new DirectionalLight();
   #rim = new DirectionalLight('#dfe8ff', 0.9); // from behind, so that a dark body has an edge
-  #observer = new ResizeObserver(() => this.size());
 
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
@@ -50,7 +50,7 @@ export class Stage {
     this.controls.update();
     this.aim(0, 0);
     this.theme(false);
-    this.#observer.observe(canvas);
+    new ResizeObserver(() => this.size()).observe(canvas);
     this.size();
   }
 
@@ -161,12 +161,5 @@ export class Stage {
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the canvas has no picture'))), 'image/png');
     });
-  }
-
-  dispose() {
-    this.#observer.disconnect();
-    this.controls.dispose();
-    this.#ground.dispose();
-    this.#renderer.dispose();
   }
 }

@@ -48,8 +48,9 @@ export function stancesOf(motion, contacts) {
       let ground = Infinity, flattest = first, least = Infinity;
       for (let frame = first; frame <= last; frame++) {
         const [low, high] = [toe, ankle].map((joint) => positions[3 * (frame * joints + joint) + 1]);
-        ground = Math.min(ground, high - over.ankle, toe === ankle ? Infinity : low - over.toe);
-        const slope = Math.abs(high - over.ankle - (toe === ankle ? high - over.ankle : low - over.toe));
+        const back = high - over.ankle, front = toe === ankle ? back : low - over.toe; // height of the sole
+        ground = Math.min(ground, back, front);
+        const slope = Math.abs(back - front);
         const later = Math.abs(frame - (first + last) / 2) * 1e-4; // prefers the middle of equally flat frames
         if (slope + later < least) [flattest, least] = [frame, slope + later];
       }

@@ -51,10 +51,6 @@ export class View {
     this.#reset();
   }
 
-  get name() {
-    return this.#name;
-  }
-
   /** @param {ViewName} name */
   set(name) {
     if (name === this.#name) return;
@@ -117,8 +113,8 @@ export class View {
       controls.target.add(moved);
       camera.position.add(moved);
       if (this.#name !== 'free') this.#turn(next, heading - this.#heading);
+      this.#heading = heading;
     }
-    if (this.#isFollowing || !this.#hasPlace) this.#heading = heading;
     this.#place.copy(next);
     this.#mustCentre = false;
     this.#hasPlace = true;
@@ -148,9 +144,8 @@ export class View {
   }
 
   #reset() {
-    const { controls, camera } = this.#stage;
+    const { controls, camera, perspective, orthographic } = this.#stage;
     controls.target.copy(this.#place);
-    const { perspective, orthographic } = this.#stage;
     this.#isTouched = false;
     if (this.#name === 'free') {
       const turn = this.#heading + 0.58 / (1 + 0.5 * this.#width); // more from the front, so that no body hides another

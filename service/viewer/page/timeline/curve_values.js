@@ -1,5 +1,7 @@
 /** How a joint turns and moves. */
 
+import { trackOf } from '../scene/tracks.js';
+
 /** @import { Motion } from '../vendor/motionsplice.js' */
 
 /**
@@ -24,7 +26,7 @@ const DEGREES = 180 / Math.PI;
 export function jointCurves(motion, name) {
   const joint = motion.rig.joints.indexOf(name);
   if (joint < 0) return undefined;
-  const { rotations, places } = tracks(motion, joint);
+  const rotations = turnsOf(motion, joint), places = trackOf(motion, joint);
   const count = motion.held.length;
   const curves = { angle: new Float32Array(count), turning: new Float32Array(count), speed: new Float32Array(count) };
   for (let frame = 0; frame < count; frame++) {
@@ -41,22 +43,20 @@ export function jointCurves(motion, name) {
 const IDENTITY = [0, 0, 0, 1];
 
 /**
- * Returns a joint's rotation in its parent's frame and its place in the world, at each frame.
+ * Returns a joint's rotation in its parent's frame at each frame [F][4].
  *
  * @param {Motion} motion
  * @param {number} joint
  */
-function tracks(motion, joint) {
+function turnsOf(motion, joint) {
   const count = motion.held.length;
-  const rotations = new Float32Array(4 * count), places = new Float32Array(3 * count);
-  const out = new Float32Array(3 * motion.rig.joints.length);
+  const rotations = new Float32Array(4 * count);
   for (let frame = 0; frame < count; frame++) {
     const pose = motion.pose(frame / motion.rate);
     if (!pose?.rotations) break;
     rotations.set(pose.rotations.subarray(4 * joint, 4 * joint + 4), 4 * frame);
-    places.set(pose.worldPositions(out).subarray(3 * joint, 3 * joint + 3), 3 * frame);
   }
-  return { rotations, places };
+  return rotations;
 }
 
 /**

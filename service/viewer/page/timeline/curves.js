@@ -1,17 +1,15 @@
+import { make } from '../panels/dom.js';
 import { jointCurves } from './curve_values.js';
-import { FONT, alongFrames, clip, line, note } from './paint.js';
-import { EDGE, GUTTER, NARROW, RULER, paintMoment, paintRuler, timeAxis } from './ruler.js';
+import { FONT, alongFrames, clip, dot, line, note } from './paint.js';
+import { Plot } from './plot.js';
+import { RULER, paintMoment, paintRuler } from './ruler.js';
 import { Scrub } from './scrub.js';
-import { Span } from './span.js';
-import { Surface, make } from './surface.js';
-import { onTheme, themeOf } from './theme.js';
 import { axis as valueAxis, multiples, plain, readable } from './ticks.js';
 
 /** @import { Player } from '../player.js' */
 /** @import { Side } from '../sides.js' */
 /** @import { JointCurves } from './curve_values.js' */
 /** @import { Box } from './paint.js' */
-/** @import { Theme } from './theme.js' */
 
 /** @typedef {{ label: string, colour: string, curves: JointCurves }} Shown */
 
@@ -26,7 +24,7 @@ const NARROW_GUTTER = 34;
 const DIGIT_SPACE = '\u2007'; // as wide as a digit, so that numbers stand still
 
 /** Curves of one joint over time, a line for each side. */
-export class Curves {
+export class Curves extends Plot {
   /** @type {Shown[]} */
   #shown = [];
   /** Computed curves by joint. @type {WeakMap<Side, Map<string, JointCurves | undefined>>} */
@@ -35,8 +33,6 @@ export class Curves {
   #axes = {};
   /** @type {HTMLElement[]} */
   #numbers = [];
-  /** @type {Theme} */
-  #theme;
   #time = 0;
   /** Seconds under the pointer. @type {number | undefined} */
   #pointed = undefined;
@@ -46,23 +42,17 @@ export class Curves {
    * @param {Player} player
    */
   constructor(element, player) {
-    this.element = element;
-    this.player = player;
-    this.span = Span.of(player);
+    const plots = make('div', { class: 'curves-plots' });
+    super(element, player, plots, NARROW_GUTTER);
+    this.plots = plots;
+    this.legend = make('div', { class: 'curves-legend' });
+    element.prepend(this.legend);
     element.classList.add('curves');
-    this.legend = make('div', 'curves-legend');
-    this.plots = make('div', 'curves-plots');
-    element.append(this.legend, this.plots);
-    this.#theme = themeOf(element);
-    this.back = new Surface(this.plots, (context, width, height) => this.#paintCurves(context, height));
-    this.front = new Surface(this.plots, (context, width, height) => this.#paintMoments(context, height));
     new Scrub(this.plots, player, () => this.axis, (time) => {
       this.#pointed = time;
       this.front.request();
       this.#write();
     });
-    this.span.on(() => this.redraw());
-    onTheme(() => this.redraw());
   }
 
   /**
@@ -81,12 +71,11 @@ export class Curves {
     const isEmpty = !this.#shown.length;
     this.plots.hidden = isEmpty;
     const reason = joint ? `Joint ${joint} not found` : 'Choose a joint to see its curves';
-    this.legend.replaceChildren(isEmpty ? make('span', 'curves-empty', reason) : make('span', 'curves-joint', joint));
+    this.legend.replaceChildren(isEmpty ? make('span', { class: 'curves-empty' }, reason) : make('span', { class: 'curves-joint' }, joint));
     this.#numbers = this.#shown.map(({ label, colour }) => {
-      const side = make('span', 'curves-side'), swatch = make('span', 'curves-swatch'), numbers = make('span', 'curves-numbers');
+      const swatch = make('span', { class: 'curves-swatch' }), numbers = make('span', { class: 'curves-numbers' });
       swatch.style.background = colour;
-      side.append(swatch, make('span', 'curves-name', label), numbers);
-      this.legend.append(side);
+      this.legend.append(make('span', { class: 'curves-side' }, swatch, make('span', { class: 'curves-name' }, label), numbers));
       return numbers;
     });
     this.redraw();
@@ -100,17 +89,6 @@ export class Curves {
     if (!this.#shown.length || !this.back.width) return;
     this.front.draw();
     this.#write();
-  }
-
-  /** Paints all again. */
-  redraw() {
-    this.back.request();
-    this.front.request();
-  }
-
-  get axis() {
-    const { width } = this.back;
-    return timeAxis(this.span, width < NARROW ? NARROW_GUTTER : GUTTER, width - EDGE);
   }
 
   /**
@@ -151,23 +129,18 @@ export class Curves {
     let top = RULER + GAP;
     for (const plot of PLOTS) {
       const place = (/** @type {number} */ frame) => x(frame / this.player.rate);
-      const box = { context, theme: this.#theme, left, right, top, height, x: place };
+      const box = { context, theme: this.theme, left, right, top, height, x: place };
       yield [plot, box, this.#axes[plot.key]];
       top += height + GAP;
     }
   }
 
-  /**
-   * @param {CanvasRenderingContext2D} context
-   * @param {number} bottom
-   */
-  #paintCurves(context, bottom) {
+  /** @override @param {CanvasRenderingContext2D} context @param {number} bottom */
+  paintBack(context, bottom) {
     if (!this.#shown.length) return;
-    this.#theme = themeOf(this.element);
     const { axis } = this;
-    const isNarrow = this.back.width < NARROW;
     clip(context, axis.left - 6, axis.right + 6, bottom);
-    paintRuler(context, this.#theme, axis, this.span, bottom);
+    paintRuler(context, this.theme, axis, this.span, bottom);
     context.restore();
     for (const [plot, box, { top, step }] of this.#boxes(context, bottom)) {
       this.#levels(box, top, step);
@@ -177,7 +150,7 @@ export class Curves {
         line(box, alongFrames(values, [0, values.length - 1], top), colour, 1.5); // the first side on top
       }
       context.restore();
-      if (isNarrow) note(box, `${plot.label} (${plot.unit})`, axis.left + 4, box.top + 9);
+      if (this.isNarrow) note(box, `${plot.label} (${plot.unit})`, axis.left + 4, box.top + 9);
       else this.#label(box, plot.label, plot.unit);
     }
   }
@@ -218,28 +191,16 @@ export class Curves {
     context.fillText(words[1] ? `from ${words[1]}, ${unit}` : unit, 8, top + height / 2 + 12);
   }
 
-  /**
-   * @param {CanvasRenderingContext2D} context
-   * @param {number} bottom
-   */
-  #paintMoments(context, bottom) {
+  /** @override @param {CanvasRenderingContext2D} context @param {number} bottom */
+  paintFront(context, bottom) {
     if (!this.#shown.length) return;
-    const { axis } = this, pointed = this.#pointed;
-    const text = (/** @type {number} */ time) => `${time.toFixed(2)} s  ${Math.round(time * this.player.rate)}`;
-    paintMoment(context, this.#theme, axis, this.#time, { bottom, text: text(this.#time), isHead: true });
-    if (pointed !== undefined) paintMoment(context, this.#theme, axis, pointed, { bottom, text: text(pointed), isHead: false });
-    const frame = Math.round((pointed ?? this.#time) * this.player.rate);
+    const { axis, player: { rate } } = this, pointed = this.#pointed;
+    paintMoment(context, this.theme, axis, this.#time, { bottom, rate, isHead: true });
+    if (pointed !== undefined) paintMoment(context, this.theme, axis, pointed, { bottom, rate, isHead: false });
+    const frame = Math.round((pointed ?? this.#time) * rate);
     for (const [plot, box, { top }] of this.#boxes(context, bottom)) {
       for (const { curves, colour } of [...this.#shown].reverse()) {
-        const value = curves[plot.key][Math.min(frame, curves.angle.length - 1)];
-        const x = box.x(frame);
-        if (x < axis.left || x > axis.right) continue;
-        context.beginPath();
-        context.arc(x, box.top + box.height * (1 - Math.min(1, value / top)), 3, 0, 2 * Math.PI);
-        context.fillStyle = colour;
-        context.strokeStyle = this.#theme.panel;
-        context.fill();
-        context.stroke();
+        dot(box, frame, curves[plot.key][Math.min(frame, curves.angle.length - 1)] / top, colour);
       }
     }
   }

@@ -1,5 +1,7 @@
 /** How alike the legs of two motions are, as the alignment measures it: see "When" in docs/method.md. */
 
+import { tracks } from '../scene/tracks.js';
+
 /** @import { Motion } from '../vendor/motionsplice.js' */
 
 const POINTS = 3; // root, left knee, right knee
@@ -27,14 +29,12 @@ const SIZE = 3 * POINTS;
  * @returns {Clouds}
  */
 export function legClouds(motion) {
-  const { rig, rate, held: { length: count } } = motion;
+  const { rig, rate } = motion;
+  const { count, positions } = tracks(motion);
+  const width = 3 * rig.joints.length;
   const joints = ['root', 'left_knee', 'right_knee'].map((role) => rig.joints.indexOf(/** @type {string} */ (rig.roles[role])));
   const values = new Float32Array(SIZE * count);
-  const out = new Float32Array(3 * rig.joints.length);
-  for (let frame = 0; frame < count; frame++) {
-    motion.pose(frame / rate)?.worldPositions(out);
-    write(values, SIZE * frame, joints, out);
-  }
+  for (let frame = 0; frame < count; frame++) write(values, SIZE * frame, joints, positions.subarray(width * frame, width * (frame + 1)));
   return { values, count, rate };
 }
 

@@ -1,12 +1,10 @@
+import { centimetres, make } from '../panels/dom.js';
 import { distanceGrid, legClouds } from './distance_grid.js';
 import { heat, heatPicture } from './heat.js';
 import { FONT, plate } from './paint.js';
 import { clockPieces } from './pieces.js';
-import { EDGE, GUTTER, NARROW, timeAxis } from './ruler.js';
+import { Plot } from './plot.js';
 import { Scrub } from './scrub.js';
-import { Surface, make } from './surface.js';
-import { Span } from './span.js';
-import { onTheme, themeOf } from './theme.js';
 import { largest, multiples, plain, timeSteps } from './ticks.js';
 
 /** @import { Player } from '../player.js' */
@@ -17,6 +15,8 @@ import { largest, multiples, plain, timeSteps } from './ticks.js';
  * A grid, as it is painted.
  *
  * @typedef {object} Shown
+ * @property {Side} locomotion alone, frame for frame as in the splice
+ * @property {Side} action as captured
  * @property {DistanceGrid} grid
  * @property {HTMLCanvasElement} picture
  * @property {number} top metres that are lightest
@@ -32,7 +32,7 @@ const SCALE = 10; // width of the scale of colours, on the left
 const HALO = 3.5;
 
 /** The distance grid: how far the legs are apart, each frame of a locomotion against each of an action, and the splice's path. */
-export class Grid {
+export class Grid extends Plot {
   /** @type {Shown | undefined} */
   #shown = undefined;
   #time = 0;
@@ -44,38 +44,36 @@ export class Grid {
    * @param {Player} player
    */
   constructor(element, player) {
-    this.element = element;
-    this.player = player;
-    this.span = Span.of(player);
+    const plot = make('div', { class: 'grid-plot' });
+    super(element, player, plot, NARROW_GUTTER);
+    this.caption = make('div', { class: 'grid-caption' });
+    element.prepend(this.caption);
     element.classList.add('grid');
-    this.caption = make('div', 'grid-caption');
-    this.plot = make('div', 'grid-plot');
-    element.append(this.caption, this.plot);
-    this.theme = themeOf(element);
-    this.back = new Surface(this.plot, (context) => this.#paintMap(context));
-    this.front = new Surface(this.plot, (context) => this.#paintMoment(context));
-    new Scrub(this.plot, player, () => this.#across, (time, event) => {
+    new Scrub(plot, player, () => this.axis, (time, event) => {
       const action = this.#up.time(event.offsetY);
-      const isOn = time !== undefined && this.#shown && action >= 0 && action <= this.#shown.up && event.offsetX <= this.#across.right;
+      const isOn = time !== undefined && this.#shown && action >= 0 && action <= this.#shown.up && event.offsetX <= this.axis.right;
       this.#pointed = isOn ? [time, action] : undefined;
       this.front.request();
       this.#write();
     });
-    this.span.on(() => this.redraw());
-    onTheme(() => this.redraw());
   }
 
   /**
+   * Shows a splice's grid. As long as its clips stay, only the path through them is another.
+   *
    * @param {Side} locomotion alone, frame for frame as in the splice
    * @param {Side} action as captured
    * @param {Float32Array} actionTimes seconds into the action at each frame of the splice; NaN without one
    */
   show(locomotion, action, actionTimes) {
-    const grid = distanceGrid(legClouds(locomotion.motion), legClouds(action.motion));
-    const top = largest(grid.values) || 1;
-    this.#shown = {
-      grid, top, picture: heatPicture(grid, top), across: locomotion.motion.duration, up: action.motion.duration, times: actionTimes,
-    };
+    if (locomotion === this.#shown?.locomotion && action === this.#shown.action) this.#shown.times = actionTimes;
+    else {
+      const grid = distanceGrid(legClouds(locomotion.motion), legClouds(action.motion));
+      const top = largest(grid.values) || 1;
+      this.#shown = {
+        locomotion, action, grid, top, picture: heatPicture(grid, top), across: locomotion.motion.duration, up: action.motion.duration, times: actionTimes,
+      };
+    }
     this.redraw();
     this.#write();
   }
@@ -87,17 +85,6 @@ export class Grid {
     if (!this.#shown || !this.back.width) return;
     this.front.draw();
     this.#write();
-  }
-
-  /** Paints all again. */
-  redraw() {
-    this.back.request();
-    this.front.request();
-  }
-
-  get #across() {
-    const { width } = this.back;
-    return timeAxis(this.span, width < NARROW ? NARROW_GUTTER : GUTTER, width - EDGE);
   }
 
   get #up() {
@@ -115,10 +102,10 @@ export class Grid {
     const words = ['Distance between the legs of the locomotion and the action'];
     if (place) {
       const [across, up] = place;
-      words.push(`locomotion ${across.toFixed(2)} s`, `action ${up.toFixed(2)} s`, `${(100 * this.#distance(across, up)).toFixed(1)} cm`);
+      words.push(`locomotion ${across.toFixed(2)} s`, `action ${up.toFixed(2)} s`, centimetres(this.#distance(across, up)));
     }
     words.forEach((text, at) => {
-      const item = this.caption.children[at] ?? this.caption.appendChild(make('span', at ? 'curves-numbers' : 'grid-title'));
+      const item = this.caption.children[at] ?? this.caption.appendChild(make('span', { class: at ? 'curves-numbers' : 'grid-title' }));
       if (item.textContent !== text) item.textContent = text;
     });
     while (this.caption.children.length > words.length) this.caption.lastElementChild?.remove();
@@ -145,11 +132,10 @@ export class Grid {
     return values[row * columns + column];
   }
 
-  /** @param {CanvasRenderingContext2D} context */
-  #paintMap(context) {
+  /** @override @param {CanvasRenderingContext2D} context */
+  paintBack(context) {
     if (!this.#shown) return;
-    this.theme = themeOf(this.element);
-    const { left, right, x } = this.#across, { bottom, y } = this.#up;
+    const { left, right, x } = this.axis, { bottom, y } = this.#up;
     const { picture, times, across } = this.#shown;
     this.#ticks(context);
     context.save();
@@ -174,7 +160,7 @@ export class Grid {
 
   /** @param {CanvasRenderingContext2D} context */
   #ticks(context) {
-    const { left, right, x } = this.#across, { bottom, y, pixels } = this.#up;
+    const { left, right, x } = this.axis, { bottom, y, pixels } = this.#up;
     const { up } = /** @type {Shown} */ (this.#shown);
     context.font = FONT;
     context.fillStyle = this.theme.faint;
@@ -212,10 +198,10 @@ export class Grid {
     }
   }
 
-  /** @param {CanvasRenderingContext2D} context */
-  #paintMoment(context) {
+  /** @override @param {CanvasRenderingContext2D} context */
+  paintFront(context) {
     if (!this.#shown) return;
-    const { left, right, x } = this.#across, { bottom, y } = this.#up;
+    const { left, right, x } = this.axis, { bottom, y } = this.#up;
     const place = this.#place();
     const isVisible = x(this.#time) >= left - 1 && x(this.#time) <= right + 1;
     context.lineWidth = 1.5;
@@ -235,8 +221,7 @@ export class Grid {
     stroke(context, [[px, ABOVE], [px, bottom]]);
     stroke(context, [[left, py], [right, py]]);
     context.setLineDash([]);
-    const text = `${(100 * this.#distance(...this.#pointed)).toFixed(1)} cm`;
-    plate(context, this.theme, text, px, py < 30 ? py + 18 : py - 16, { left, right });
+    plate(context, this.theme, centimetres(this.#distance(...this.#pointed)), px, py < 30 ? py + 18 : py - 16, { left, right });
   }
 }
 

@@ -93,6 +93,24 @@ function trace({ context, top, height, x }, points) {
 }
 
 /**
+ * Marks a point of a curve, unless it is missing or out of sight.
+ *
+ * @param {Box} box
+ * @param {number} frame
+ * @param {number} level
+ * @param {string} colour
+ */
+export function dot({ context, theme, left, right, top, height, x }, frame, level, colour) {
+  if (Number.isNaN(level) || x(frame) < left || x(frame) > right) return;
+  context.beginPath();
+  context.arc(x(frame), top + height * (1 - Math.min(1, level)), 3, 0, 2 * Math.PI);
+  context.fillStyle = colour;
+  context.strokeStyle = theme.panel;
+  context.fill();
+  context.stroke();
+}
+
+/**
  * Fills intervals of frames.
  *
  * @param {Box} box

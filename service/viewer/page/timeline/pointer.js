@@ -62,7 +62,7 @@ export class Pointer {
       if (isNear) return toFrom < toEnd ? (time) => this.#repeat(time, to) : (time) => this.#repeat(from, time);
       if (start > from && start < to && to - from < this.player.duration) return (time) => this.#shift(from, to, time - start);
     }
-    return (time) => this.player.seek(this.#whole(time));
+    return (time) => this.player.seek(this.player.whole(time));
   }
 
   /** @param {PointerEvent} event */
@@ -70,7 +70,7 @@ export class Pointer {
     const time = this.#time(event);
     if (this.#drag) this.#drag(time, event.clientX);
     else {
-      this.#point(event.pointerType === 'touch' || event.offsetX < this.timeline.axis.left - 4 ? undefined : this.#whole(time));
+      this.#point(event.pointerType === 'touch' || event.offsetX < this.timeline.axis.left - 4 ? undefined : this.player.whole(time));
       this.timeline.slider.style.cursor = this.#isOnLane(event) ? 'ew-resize' : '';
     }
   }
@@ -127,11 +127,6 @@ export class Pointer {
   #time(event) {
     const box = this.timeline.slider.getBoundingClientRect();
     return Math.max(0, Math.min(this.player.duration, this.timeline.axis.time(event.clientX - box.left)));
-  }
-
-  /** @param {number} time */
-  #whole(time) {
-    return Math.min(this.player.duration, Math.round(time * this.player.rate) / this.player.rate);
   }
 
   /** @param {PointerEvent} event */

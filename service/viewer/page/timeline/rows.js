@@ -1,3 +1,4 @@
+import { centimetres } from '../panels/dom.js';
 import { alongFrames, area, bars, dotted, level, line, note } from './paint.js';
 import { clockPieces, isWithin, pace, pieces, ramps } from './pieces.js';
 import { axis, largest } from './ticks.js';
@@ -179,7 +180,7 @@ function mismatchRow(values, times) {
     },
     text(frame) {
       if (frame >= values.length) return '';
-      return isMissing(values[frame]) && !isMissing(times[frame]) ? 'seam' : centimetres(values[frame]);
+      return isMissing(values[frame]) && !isMissing(times[frame]) ? 'seam' : distance(values[frame]);
     },
     words: (frame) => (isMissing(values[frame]) ? '' : `leg mismatch ${centimetres(values[frame])}`),
     level: (frame) => (100 * values[frame]) / top,
@@ -206,13 +207,13 @@ function differenceRow(values, label, colour) {
       }
       level(box, `${top} cm`);
     },
-    text: (frame) => centimetres(values[frame]),
+    text: (frame) => distance(values[frame]),
     words: (frame) => (isMissing(values[frame]) ? '' : `${label} ${centimetres(values[frame])}`),
     level: (frame) => (100 * values[frame]) / top,
   };
 }
 
 /** @param {number | undefined} metres */
-function centimetres(metres) {
-  return metres === undefined || isMissing(metres) ? 'none' : `${(100 * metres).toFixed(1)} cm`;
+function distance(metres) {
+  return metres === undefined || isMissing(metres) ? 'none' : centimetres(metres);
 }

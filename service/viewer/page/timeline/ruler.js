@@ -123,15 +123,15 @@ export function paintVisible(context, theme, axis, span, top) {
 }
 
 /**
- * Paints a moment: a line through all strips, and on the ruler a plate with its time.
+ * Paints a moment: a line through all strips, and on the ruler a plate with its time and its frame.
  *
  * @param {CanvasRenderingContext2D} context
  * @param {Theme} theme
  * @param {Axis} axis
  * @param {number} time
- * @param {{ bottom: number, text: string, isHead: boolean }} how `isHead` for the playhead, else for the pointer
+ * @param {{ bottom: number, rate: number, isHead: boolean }} how `isHead` for the playhead, else for the pointer
  */
-export function paintMoment(context, theme, axis, time, { bottom, text, isHead }) {
+export function paintMoment(context, theme, axis, time, { bottom, rate, isHead }) {
   const x = axis.x(time);
   if (x < axis.left - 1 || x > axis.right + 1) return;
   context.strokeStyle = isHead ? theme.accent : theme.faint;
@@ -141,7 +141,7 @@ export function paintMoment(context, theme, axis, time, { bottom, text, isHead }
   context.stroke();
   context.lineWidth = 1;
   const how = isHead ? { fill: theme.accent, ink: theme.back } : { fill: theme.line, ink: theme.text };
-  plate(context, theme, text, x, 11, { left: axis.left - 4, right: axis.right + 4, ...how });
+  plate(context, theme, `${time.toFixed(2)} s  ${Math.round(time * rate)}`, x, 11, { left: axis.left - 4, right: axis.right + 4, ...how });
 }
 
 /**

@@ -15,10 +15,7 @@ export class Scrub {
    * @param {(time: number | undefined, event: PointerEvent) => void} pointed
    */
   constructor(element, player, axis, pointed) {
-    const timeOf = (/** @type {PointerEvent} */ event) => {
-      const seconds = Math.max(0, Math.min(player.duration, axis().time(event.clientX - element.getBoundingClientRect().left)));
-      return Math.min(player.duration, Math.round(seconds * player.rate) / player.rate);
-    };
+    const timeOf = (/** @type {PointerEvent} */ event) => player.whole(axis().time(event.clientX - element.getBoundingClientRect().left));
     element.addEventListener('pointerdown', (event) => {
       if (event.button !== 0) return;
       element.setPointerCapture(event.pointerId);

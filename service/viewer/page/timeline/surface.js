@@ -47,18 +47,3 @@ export class Surface {
     this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
   }
 }
-
-/**
- * Makes an element with a class and text.
- *
- * @template {keyof HTMLElementTagNameMap} Tag
- * @param {Tag} tag
- * @param {string} className
- * @param {string} [text]
- */
-export function make(tag, className, text = '') {
-  const element = document.createElement(tag);
-  element.className = className;
-  element.textContent = text;
-  return element;
-}

@@ -1,31 +1,27 @@
-import { FONT, clip } from './paint.js';
+import { make } from '../panels/dom.js';
+import { FONT, clip, dot } from './paint.js';
+import { Plot } from './plot.js';
 import { Pointer } from './pointer.js';
-import { EDGE, GUTTER, LANE, NARROW, RULER, paintMoment, paintRange, paintRuler, paintVisible, timeAxis } from './ruler.js';
+import { LANE, RULER, paintMoment, paintRange, paintRuler, paintVisible } from './ruler.js';
 import { rowsOf } from './rows.js';
-import { Span } from './span.js';
-import { Surface, make } from './surface.js';
-import { onTheme, themeOf } from './theme.js';
 
 /** @import { Player } from '../player.js' */
 /** @import { Row, TimelineData } from './rows.js' */
 /** @import { Box } from './paint.js' */
-/** @import { Theme } from './theme.js' */
 
 const GAP = 5; // CSS pixels between strips
 const NARROW_EDGE = 18; // with the letter of a foot
 const HEADING = 14; // above a strip without a gutter
-export const BAR = 9; // height of the bar of what is visible, below the strips
+const BAR = 9; // height of the bar of what is visible, below the strips
 
 /** Strips over time: phase, contacts, the action's clock, and distances. A click or a drag seeks. */
-export class Timeline {
+export class Timeline extends Plot {
   /** @type {TimelineData | undefined} */
   data = undefined;
   /** Seconds under the pointer; undefined if it is elsewhere. @type {number | undefined} */
   pointed = undefined;
   /** @type {Row[]} */
   #rows = [];
-  /** @type {Theme} */
-  #theme;
   #time = 0;
   #describedFrame = -1;
 
@@ -34,21 +30,11 @@ export class Timeline {
    * @param {Player} player
    */
   constructor(element, player) {
-    this.element = element;
-    this.player = player;
-    this.span = Span.of(player);
+    const slider = make('div', { class: 'timeline-strips', tabindex: 0, role: 'slider', 'aria-label': 'Time' });
+    super(element, player, slider, NARROW_EDGE);
+    this.slider = slider;
     element.classList.add('timeline');
-    this.slider = make('div', 'timeline-strips');
-    this.slider.tabIndex = 0;
-    this.slider.setAttribute('role', 'slider');
-    this.slider.setAttribute('aria-label', 'Time');
-    element.append(this.slider);
-    this.#theme = themeOf(element);
-    this.back = new Surface(this.slider, (context) => this.#paintStrips(context));
-    this.front = new Surface(this.slider, (context) => this.#paintMoments(context));
     new Pointer(this);
-    this.span.on(() => this.redraw());
-    onTheme(() => this.redraw());
     new ResizeObserver(() => requestAnimationFrame(() => this.#fit())).observe(element); // later, for it changes the size
     player.state.on((changed) => {
       if (changed.has('from') || changed.has('to')) this.back.request();
@@ -66,6 +52,15 @@ export class Timeline {
     this.#describe(true);
   }
 
+  /**
+   * Shows more of the same motion.
+   *
+   * @param {Partial<TimelineData>} data
+   */
+  add(data) {
+    if (this.data) this.show({ ...this.data, ...data });
+  }
+
   /** @param {number} time */
   at(time) {
     if (time === this.#time) return;
@@ -75,29 +70,14 @@ export class Timeline {
     this.#describe(false);
   }
 
-  /** Paints all again, as when a stylesheet has changed the colours. */
-  redraw() {
-    this.back.request();
-    this.front.request();
-  }
-
-  /** Where times are. */
-  get axis() {
-    return timeAxis(this.span, this.#isNarrow ? NARROW_EDGE : GUTTER, this.back.width - EDGE);
-  }
-
   /** Height of all strips. */
   get bottom() {
     return this.#rows.reduce((sum, row) => sum + row.height + GAP + this.#heading(row), RULER + LANE + 2);
   }
 
-  get #isNarrow() {
-    return this.back.width < NARROW;
-  }
-
   /** @param {Row} row */
   #heading(row) {
-    return this.#isNarrow && row.level ? HEADING : 0;
+    return this.isNarrow && row.level ? HEADING : 0;
   }
 
   #fit() {
@@ -120,23 +100,20 @@ export class Timeline {
     let top = RULER + LANE + 2;
     for (const row of this.#rows) {
       top += this.#heading(row);
-      yield [row, { context, theme: this.#theme, left, right, top, height: row.height, x: (frame) => x(frame / this.player.rate) }];
+      yield [row, { context, theme: this.theme, left, right, top, height: row.height, x: (frame) => x(frame / this.player.rate) }];
       top += row.height + GAP;
     }
   }
 
-  /**
-   * @param {CanvasRenderingContext2D} context
-   */
-  #paintStrips(context) {
-    this.#theme = themeOf(this.element);
+  /** @override @param {CanvasRenderingContext2D} context */
+  paintBack(context) {
     const { axis, bottom } = this;
     clip(context, axis.left - 6, axis.right + 6, bottom);
-    paintRuler(context, this.#theme, axis, this.span, bottom);
+    paintRuler(context, this.theme, axis, this.span, bottom);
     context.restore();
     clip(context, axis.left, axis.right + 1, bottom);
     for (const [row, box] of this.#boxes(context)) {
-      context.strokeStyle = this.#theme.line;
+      context.strokeStyle = this.theme.line;
       context.beginPath();
       context.moveTo(axis.left, box.top + box.height + 0.5);
       context.lineTo(axis.right, box.top + box.height + 0.5);
@@ -144,53 +121,32 @@ export class Timeline {
       row.paint(box);
     }
     const { from, to } = this.player.state.values;
-    const range = /** @type {[number, number]} */ (this.player.range);
     context.restore();
     clip(context, axis.left - 6, axis.right + 6, bottom);
-    paintRange(context, this.#theme, axis, range, { isWhole: !from && !to, bottom });
+    paintRange(context, this.theme, axis, this.player.range, { isWhole: !from && !to, bottom });
     context.restore();
-    paintVisible(context, this.#theme, axis, this.span, bottom);
+    paintVisible(context, this.theme, axis, this.span, bottom);
     context.font = FONT;
-    context.fillStyle = this.#theme.faint;
+    context.fillStyle = this.theme.faint;
     for (const [row, { left, top, height }] of this.#boxes(context)) {
-      if (!this.#isNarrow) context.fillText(row.label, 8, top + height / 2 + 4);
+      if (!this.isNarrow) context.fillText(row.label, 8, top + height / 2 + 4);
       else if (row.level) context.fillText(row.label, left, top - 4);
       else context.fillText(row.label[0], 5, top + height / 2 + 4);
     }
   }
 
-  /**
-   * @param {CanvasRenderingContext2D} context
-   */
-  #paintMoments(context) {
+  /** @override @param {CanvasRenderingContext2D} context */
+  paintFront(context) {
     if (!this.data) return;
-    const { axis, bottom, pointed } = this;
-    const shown = pointed ?? this.#time;
-    const name = (/** @type {number} */ time) => `${time.toFixed(2)} s  ${Math.round(time * this.player.rate)}`;
+    const { axis, bottom, pointed, player: { rate } } = this;
     const isApart = pointed !== undefined && Math.abs(axis.x(pointed) - axis.x(this.#time)) >= 1;
-    paintMoment(context, this.#theme, axis, this.#time, { bottom, text: name(this.#time), isHead: true });
-    if (isApart) paintMoment(context, this.#theme, axis, pointed, { bottom, text: name(pointed), isHead: false });
-    const frame = this.frameOf(shown);
+    paintMoment(context, this.theme, axis, this.#time, { bottom, rate, isHead: true });
+    if (isApart) paintMoment(context, this.theme, axis, pointed, { bottom, rate, isHead: false });
+    const frame = this.frameOf(pointed ?? this.#time);
     for (const [row, box] of this.#boxes(context)) {
-      this.#dot(row, box, frame);
+      if (row.level) dot(box, frame, row.level(frame), this.theme.text);
       this.#value(row, box, frame, isApart);
     }
-  }
-
-  /**
-   * @param {Row} row
-   * @param {Box} box
-   * @param {number} frame
-   */
-  #dot(row, { context, left, right, top, height, x }, frame) {
-    const level = row.level?.(frame) ?? NaN;
-    if (Number.isNaN(level) || x(frame) < left || x(frame) > right) return;
-    context.beginPath();
-    context.arc(x(frame), top + height * (1 - Math.min(1, level)), 3, 0, 2 * Math.PI);
-    context.fillStyle = this.#theme.text;
-    context.strokeStyle = this.#theme.panel;
-    context.fill();
-    context.stroke();
   }
 
   /**
@@ -200,11 +156,11 @@ export class Timeline {
    * @param {boolean} isPointed whether it is the value under the pointer
    */
   #value(row, { context, left, top, height }, frame, isPointed) {
-    const isNarrow = this.#isNarrow;
+    const isNarrow = this.isNarrow;
     if (isNarrow && !row.level) return;
     context.font = FONT;
     context.textAlign = isNarrow ? 'left' : 'right';
-    context.fillStyle = isPointed ? this.#theme.accent : this.#theme.text;
+    context.fillStyle = isPointed ? this.theme.accent : this.theme.text;
     context.fillText(row.text(frame), isNarrow ? left + 72 : left - 10, isNarrow ? top - 4 : top + height / 2 + 4);
     context.textAlign = 'left';
   }

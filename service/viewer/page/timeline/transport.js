@@ -1,12 +1,12 @@
+import { make } from '../panels/dom.js';
 import { icon } from './icons.js';
 import { parseMoment } from './moment.js';
-import { make } from './surface.js';
 
 /** @import { Player } from '../player.js' */
 /** @import { State } from '../state.js' */
 /** @import { Icon } from './icons.js' */
 
-const SPEEDS = ['0.1', '2', '0.05']; // least, most, step
+const SPEEDS = { min: 0.1, max: 2, step: 0.05 };
 
 /** Buttons and fields of playback. */
 export class Transport {
@@ -24,10 +24,9 @@ export class Transport {
     this.state = state;
     element.classList.add('transport');
 
-    const buttons = make('div', 'transport-group transport-buttons');
     this.play = this.#button('play', 'Play', 'space', () => player.toggle());
     this.play.classList.add('transport-play');
-    buttons.append(
+    const buttons = make('div', { class: 'transport-group transport-buttons' },
       this.#button('first', 'First frame', 'Home', () => player.seek(0)),
       this.#button('back', 'One frame back', 'left arrow', () => player.step(-1)),
       this.play,
@@ -37,20 +36,19 @@ export class Transport {
 
     this.time = this.#field('Time', 'transport-time', (text) => parseMoment(text, player.rate));
     this.frame = this.#field('Frame', 'transport-frame', (text) => (/^\s*\d+\s*$/.test(text) ? Number(text) / player.rate : undefined));
-    this.last = make('span', 'transport-last');
-    const moment = make('div', 'transport-group');
-    moment.append(this.time, make('span', 'transport-unit', 's'), make('span', 'transport-word', 'frame'), this.frame, this.last);
+    this.last = make('span', { class: 'transport-last' });
+    const moment = make('div', { class: 'transport-group' },
+      this.time, make('span', { class: 'transport-unit' }, 's'), make('span', { class: 'transport-word' }, 'frame'), this.frame, this.last);
 
-    this.range = make('div', 'transport-group transport-range');
-    this.rangeText = make('span', 'transport-range-text');
-    this.range.append(make('span', 'transport-word', 'repeat'), this.rangeText,
+    this.rangeText = make('span', { class: 'transport-range-text' });
+    this.range = make('div', { class: 'transport-group transport-range' }, make('span', { class: 'transport-word' }, 'repeat'), this.rangeText,
       this.#button('clear', 'Repeat all', '', () => state.set({ from: 0, to: 0 })));
 
     this.slider = this.#slider();
     this.normal = this.#button('play', 'Normal speed', '', () => state.set({ speed: 1 }));
     this.normal.classList.add('transport-normal');
-    const speed = make('div', 'transport-group transport-speed');
-    speed.append(make('span', 'transport-word', 'speed'), this.slider, this.normal);
+    const speed = make('div', { class: 'transport-group transport-speed' },
+      make('span', { class: 'transport-word' }, 'speed'), this.slider, this.normal);
     element.append(buttons, moment, this.range, speed);
     state.on((changed) => {
       if (['playing', 'speed', 'from', 'to'].some((key) => changed.has(/** @type {any} */ (key)))) this.#update();
@@ -96,11 +94,8 @@ export class Transport {
    * @param {() => void} act
    */
   #button(shape, name, key, act) {
-    const button = make('button', 'transport-button');
-    button.type = 'button';
-    button.append(icon(shape));
-    button.setAttribute('aria-label', name);
-    button.title = key ? `${name} (${key})` : name;
+    const title = key ? `${name} (${key})` : name;
+    const button = make('button', { type: 'button', class: 'transport-button', 'aria-label': name, title }, icon(shape));
     button.addEventListener('click', act);
     return button;
   }
@@ -113,11 +108,7 @@ export class Transport {
    * @param {(text: string) => number | undefined} read returns seconds
    */
   #field(name, className, read) {
-    const field = make('input', `transport-field ${className}`);
-    field.type = 'text';
-    field.inputMode = 'decimal';
-    field.autocomplete = 'off';
-    field.setAttribute('aria-label', name);
+    const field = make('input', { type: 'text', class: `transport-field ${className}`, inputmode: 'decimal', autocomplete: 'off', 'aria-label': name });
     field.addEventListener('focus', () => field.select());
     const leave = () => {
       this.#shownTime = this.#shownFrame = '';
@@ -136,11 +127,7 @@ export class Transport {
   }
 
   #slider() {
-    const slider = make('input', 'transport-slider');
-    slider.type = 'range';
-    [slider.min, slider.max, slider.step] = SPEEDS;
-    slider.setAttribute('aria-label', 'Speed');
-    slider.title = 'Speed';
+    const slider = make('input', { type: 'range', class: 'transport-slider', ...SPEEDS, 'aria-label': 'Speed', title: 'Speed' });
     slider.addEventListener('input', () => this.state.set({ speed: Number(slider.value) }));
     return slider;
   }

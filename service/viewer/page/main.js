@@ -1,11 +1,13 @@
 import { Catalogue } from './catalogue.js';
+import { isRefused, messageOf } from './errors.js';
 import { takeDrops } from './figure/field.js';
 import { Own } from './figure/own.js';
 import { Aim } from './panels/aim.js';
 import { Columns } from './panels/columns.js';
 import { Connection } from './panels/connection.js';
 import { Controls } from './panels/controls.js';
-import { askForToken } from './panels/entry.js';
+import { byId } from './panels/dom.js';
+import { askForToken, withToken } from './panels/entry.js';
 import { Help } from './panels/help.js';
 import { Keys } from './panels/keys.js';
 import { Lists } from './panels/lists.js';
@@ -15,62 +17,42 @@ import { Player } from './player.js';
 import { Service } from './service.js';
 import { Sides } from './sides.js';
 import { State } from './state.js';
-import { RefusedError } from './vendor/motionsplice.js';
 import { Viewer } from './viewer.js';
 
 /** @import { Adding } from './adding/panel.js' */
 
 const WARMING = 1000; // ms until a service that was not ready is asked again
 
-/** @param {string} id */
-const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
-
-/**
- * Loads the catalogue; asks for the token if the service wants one.
- *
- * @param {Service} service
- * @returns {Promise<Catalogue>}
- */
-async function enter(service) {
-  try {
-    return await Catalogue.load(service);
-  } catch (error) {
-    if (!(error instanceof RefusedError) || error.type !== 'token') throw error;
-    await askForToken(service);
-    return enter(service);
-  }
-}
-
 const service = new Service();
 const state = new State(new URLSearchParams(location.search));
 const player = new Player(state);
-const catalogue = await enter(service).catch((error) => {
-  element('banner').className = 'gone';
-  element('banner').textContent = `${error.message}. Load the page again when the service runs.`;
+const catalogue = await withToken(service, () => Catalogue.load(service)).catch((error) => {
+  byId('banner').className = 'gone';
+  byId('banner').textContent = `${error.message}. Load the page again when the service runs.`;
   throw error;
 });
 if (!catalogue.clips.has(state.values.locomotion)) state.set({ locomotion: catalogue.baseline });
 if (!location.search) state.set({ action: [...catalogue.clips.values()].find(({ kind }) => kind === 'action')?.name ?? '' });
 
 const sides = new Sides(service, catalogue);
-const lists = new Lists(element('lists'), catalogue, state);
+const lists = new Lists(byId('lists'), catalogue, state);
 const own = new Own(service, state, sides);
-const controls = new Controls(element('controls'), catalogue, state, own);
-const title = new Title(element('bank'), catalogue, state);
-const help = new Help(/** @type {HTMLDialogElement} */ (element('help')));
-element('show-help').addEventListener('click', () => help.toggle());
+const controls = new Controls(byId('controls'), catalogue, state, own);
+const title = new Title(byId('bank'), catalogue, state);
+const help = new Help(/** @type {HTMLDialogElement} */ (byId('help')));
+byId('show-help').addEventListener('click', () => help.toggle());
 new Columns();
-new Aim(element('lists'), (key, name) => {
+new Aim(byId('lists'), (key, name) => {
   if (!state.values.crowd) sides.of({ ...state.values, [key]: name }).catch(() => {}); // a click tries again, and says why
 });
 
 const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
 own.refresh = () => void viewer.refresh();
 own.onfault = (/** @type {string} */ problem) => viewer.readout.fault(problem); // the controls may be folded away
-takeDrops(element('view'), own);
-const takeAway = new TakeAway(element('take-away'), service, state, sides, viewer.stage, player);
+takeDrops(byId('view'), own);
+const takeAway = new TakeAway(byId('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });
-const connection = new Connection(element('banner'), service, catalogue, reload);
+const connection = new Connection(byId('banner'), service, catalogue, reload);
 /** @type {Promise<Adding> | undefined} */
 let adding;
 void viewer.refresh().then(offerUploads); // after the first picture
@@ -78,7 +60,7 @@ for (const event of ['dragover', 'drop']) addEventListener(event, (one) => one.p
 
 async function beginAdding() {
   const { Adding } = await import('./adding/panel.js');
-  const places = { element: element('adding'), column: element('lists-column'), dialog: /** @type {HTMLDialogElement} */ (element('adding-dialog')) };
+  const places = { element: byId('adding'), column: byId('lists-column'), dialog: /** @type {HTMLDialogElement} */ (byId('adding-dialog')) };
   return new Adding(places, service, sides.catalogue, { reload: () => connection.look(), play });
 }
 
@@ -112,10 +94,10 @@ function play(kind, name) {
 /** @param {unknown} error */
 function failed(error) {
   if (connection.notice(error)) return;
-  if (error instanceof RefusedError && error.type === 'token') void askForToken(service).then(() => viewer.refresh());
-  else if (error instanceof RefusedError && error.type === 'not-ready') {
+  if (isRefused(error, 'token')) void askForToken(service).then(() => viewer.refresh());
+  else if (isRefused(error, 'not-ready')) {
     viewer.readout.fault('The service compiles its kernels: the first time, half a minute. Then the motion is shown.');
     setTimeout(() => void viewer.refresh(), WARMING);
   }
-  else viewer.readout.fault(error instanceof Error ? error.message : String(error));
+  else viewer.readout.fault(messageOf(error));
 }

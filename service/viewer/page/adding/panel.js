@@ -1,5 +1,4 @@
 import { button, make } from '../panels/dom.js';
-import { askForToken } from '../panels/entry.js';
 import { AddDialog } from './dialog.js';
 import { SUFFIXES } from './files.js';
 import { Queue } from './queue.js';
@@ -33,7 +32,6 @@ export class Adding {
     this.queue = new Queue(service, {
       onChange: () => this.#show(),
       onServed: (items) => void reload().then(() => this.#served(items)),
-      askForToken: () => askForToken(service),
     });
     this.input = make('input', { type: 'file', multiple: true, accept: SUFFIXES.join(), hidden: true, 'aria-label': 'Motion files' });
     this.input.addEventListener('change', () => {

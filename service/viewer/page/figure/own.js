@@ -1,3 +1,4 @@
+import { messageOf } from '../errors.js';
 import { RefusedError, take } from '../vendor/motionsplice.js';
 
 /** @import { Character } from './character.js' */
@@ -110,5 +111,5 @@ export class Own {
 /** @param {unknown} error */
 function reason(error) {
   if (error instanceof RefusedError) return error.message.replace(/^rig: (.)/, (_, letter) => letter.toUpperCase());
-  return error instanceof Error ? error.message : String(error);
+  return messageOf(error);
 }

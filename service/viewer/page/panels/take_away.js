@@ -1,3 +1,4 @@
+import { messageOf } from '../errors.js';
 import { SIDES, takeOf } from '../takes.js';
 import { SIDE_NAMES } from './compared.js';
 import { button, byId, make, newId } from './dom.js';
@@ -197,7 +198,7 @@ export class TakeAway {
     try {
       await work();
     } catch (error) {
-      this.#say(error instanceof Error ? error.message : String(error));
+      this.#say(messageOf(error));
     }
   }
 }

@@ -1,4 +1,4 @@
-import { button, make, newId } from '../panels/dom.js';
+import { button, labelled, make, optionsOf } from '../panels/dom.js';
 import { faultOf, NAME, nameFor, ordered, parts, SKELETON } from './files.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
@@ -98,16 +98,7 @@ function unique(rows) {
   rows.forEach(({ name }, index) => name?.setCustomValidity(names.indexOf(name.value) < index ? 'Another file has this name.' : ''));
 }
 
-/** @param {Record<string, string>} options */
-function select(options) {
-  return make('select', {}, ...Object.entries(options).map(([value, label]) => make('option', { value }, label)));
-}
-
-/**
- * @param {string} label
- * @param {HTMLElement} input
- */
-function labelled(label, input) {
-  input.id = newId();
-  return make('div', { class: 'field' }, make('label', { for: input.id, class: 'label' }, label), input);
+/** @param {Record<string, string>} choices */
+function select(choices) {
+  return make('select', {}, ...optionsOf(Object.entries(choices)));
 }

@@ -1,6 +1,6 @@
 import { characterField } from '../figure/field.js';
-import { SIDES } from '../takes.js';
-import { SIDE_NAMES, sidesField } from './compared.js';
+import { LONGEST, SIDES, SIDE_NAMES } from '../takes.js';
+import { sidesField } from './compared.js';
 import { hint, number, row, segments, select, shownIf, toggle } from './fields.js';
 import { Group } from './group.js';
 
@@ -8,7 +8,6 @@ import { Group } from './group.js';
 /** @import { Own } from '../figure/own.js' */
 /** @import { State } from '../state.js' */
 
-const LONGEST = 60; // seconds of a take
 const PERCENT = { unit: '%', step: 1, most: 100, limit: 100, scale: 100 };
 const MASKS = { upper_body: 'Upper body', arms: 'Both arms', left_arm: 'Left arm', right_arm: 'Right arm', head: 'Head' };
 const WHENS = {

@@ -1,4 +1,5 @@
-import { toggleSide, SIDE_NAMES } from './compared.js';
+import { SIDE_NAMES } from '../takes.js';
+import { toggleSide } from './compared.js';
 
 /** @import { Own } from '../figure/own.js' */
 /** @import { Player } from '../player.js' */

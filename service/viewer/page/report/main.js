@@ -2,6 +2,7 @@ import { Catalogue } from '../catalogue.js';
 import { isRefused, messageOf } from '../errors.js';
 import { button, byId, make } from '../panels/dom.js';
 import { withToken } from '../panels/entry.js';
+import { describeBank } from '../panels/title.js';
 import { Service } from '../service.js';
 import { PairTable } from './table.js';
 
@@ -15,8 +16,7 @@ void show();
 async function show() {
   try {
     const catalogue = await withToken(service, () => Catalogue.load(service));
-    byId('bank').textContent = `${catalogue.clips.size} clips, baseline ${catalogue.baseline}`;
-    byId('bank').title = `Bank ${catalogue.server.bank}`;
+    describeBank(byId('bank'), catalogue);
     const report = /** @type {Report} */ (await withToken(service, () => service.json('/v1/report')));
     const table = new PairTable(report, catalogue.clips);
     main.replaceChildren(

@@ -107,10 +107,10 @@ export class Lists {
     const { values } = this.state;
     const { clips } = this.catalogue;
     const clip = clips.get(values[this.current.offer.key]) ?? clips.get(values.action) ?? clips.get(values.locomotion);
-    const [name, ...lines] = clip ? summary(clip).split('\n') : [''];
-    const text = lines.join('\n');
-    if (this.details.dataset.text === name + text) return;
-    this.details.dataset.text = name + text;
+    const [name, ...lines] = clip ? summary(clip) : [''];
+    const text = [name, ...lines].join('\n');
+    if (this.details.dataset.text === text) return;
+    this.details.dataset.text = text;
     const paragraphs = lines.map((line) => make('p', { class: line.startsWith('⚠') ? 'warning' : '' }, line));
     this.details.replaceChildren(make('strong', {}, name), ...paragraphs);
   }

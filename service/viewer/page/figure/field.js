@@ -34,7 +34,7 @@ export function characterField(own) {
     const text = own.status || (character ? '' : PLACE);
     if (status.textContent !== text) status.textContent = text;
     status.hidden = !text;
-    status.classList.toggle('fault', own.isFault);
+    status.classList.toggle('warning', own.isFault);
   };
   own.onchange = sync;
   const element = make('div', { class: 'character', role: 'group', 'aria-label': 'Your character' },

@@ -57,7 +57,8 @@ export class Own {
       const notes = await this.#try(character);
       if (number !== this.#newest) return character.dispose();
       this.#use(character);
-      this.#say(notes.filter((note) => note.startsWith(LEFT_OUT)).map((note) => `Not shown: ${note.slice(LEFT_OUT.length)}, which it does not have.`)[0] ?? '');
+      const leftOut = notes.find((note) => note.startsWith(LEFT_OUT))?.slice(LEFT_OUT.length);
+      this.#say(leftOut ? `Not shown: ${leftOut}, which it does not have.` : '');
     } catch (error) {
       character?.dispose();
       if (number === this.#newest) this.#say(`${file.name}: ${reason(error)}`, true);

@@ -1,3 +1,4 @@
+import { matcher } from '../words.js';
 import { make } from './dom.js';
 import { Listing, summary } from './listing.js';
 import { RowMenu } from './row_menu.js';
@@ -98,8 +99,7 @@ export class Lists {
     const names = new Set(this.catalogue.search(this.search.value).map((clip) => clip.name));
     this.locomotions.filter(names);
     this.actions.filter(names);
-    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    this.hands.filter(new Set(this.hands.names.filter((name) => words.every((word) => name.toLowerCase().includes(word)))));
+    this.hands.filter(new Set(this.hands.names.filter(matcher(this.search.value))));
   }
 
   #sync() {

@@ -1,6 +1,6 @@
 import { Catalogue } from './catalogue.js';
 import { isRefused, messageOf } from './errors.js';
-import { takeCharacters } from './figure/field.js';
+import { takeDrops } from './figure/field.js';
 import { Own } from './figure/own.js';
 import { Aim } from './panels/aim.js';
 import { Columns } from './panels/columns.js';
@@ -49,7 +49,7 @@ new Aim(byId('lists'), (key, name) => {
 const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
 own.refresh = () => void viewer.refresh();
 own.onfault = (/** @type {string} */ problem) => viewer.readout.fault(problem); // the controls may be folded away
-takeCharacters(byId('view'), own);
+takeDrops(byId('view'), own);
 const takeAway = new TakeAway(byId('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });
 const connection = new Connection(byId('banner'), service, catalogue, reload);

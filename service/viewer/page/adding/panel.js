@@ -1,5 +1,5 @@
 import { button, make } from '../panels/dom.js';
-import { takeDrops } from '../panels/drops.js';
+import { takeFiles } from '../panels/drops.js';
 import { AddDialog } from './dialog.js';
 import { SKELETON, SUFFIXES } from './files.js';
 import { Queue } from './queue.js';
@@ -43,7 +43,7 @@ export class Adding {
     this.offer = make('div', { class: 'offer' }, button('Add clips', () => this.input.click(), { title: OPEN }), make('span', { class: 'hint' }, 'or drop files here'));
     this.instead = /** @type {HTMLElement} */ (element.querySelector('.hint')); // how to allow uploads
     element.prepend(this.list, this.offer, this.news, this.input);
-    takeDrops(column, (files) => this.#choose(files), () => this.isAllowed);
+    takeFiles(column, (files) => this.#choose(files), () => this.isAllowed);
     this.reload(catalogue);
   }
 

@@ -1,5 +1,5 @@
 import { button, make } from '../panels/dom.js';
-import { takeDrops } from '../panels/drops.js';
+import { takeFiles } from '../panels/drops.js';
 
 /** @import { Field } from '../panels/fields.js' */
 /** @import { Own } from './own.js' */
@@ -48,8 +48,8 @@ export function characterField(own) {
  * @param {HTMLElement} element
  * @param {Own} own
  */
-export function takeCharacters(element, own) {
-  takeDrops(element, (files) => {
+export function takeDrops(element, own) {
+  takeFiles(element, (files) => {
     const file = files.find(({ name }) => SUFFIX.test(name));
     if (file) void own.choose(file);
   });

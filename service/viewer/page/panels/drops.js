@@ -5,7 +5,7 @@
  * @param {(files: File[]) => void} onFiles
  * @param {() => boolean} [isAllowed] whether files are taken now
  */
-export function takeDrops(element, onFiles, isAllowed = () => true) {
+export function takeFiles(element, onFiles, isAllowed = () => true) {
   let depth = 0; // of entered elements
   /** @param {string} type @param {(event: DragEvent) => void} handle */
   const onDrag = (type, handle) => element.addEventListener(type, (event) => {

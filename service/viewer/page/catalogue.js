@@ -1,3 +1,5 @@
+import { matcher } from './words.js';
+
 /**
  * A clip of the bank, as `/v1/clips` lists it.
  *
@@ -55,10 +57,7 @@ export class Catalogue {
    * @param {string} text
    */
   search(text) {
-    const words = text.toLowerCase().split(/\s+/).filter(Boolean);
-    return [...this.clips.values()].filter((clip) => {
-      const own = [clip.name, ...clip.tags].join(' ').toLowerCase();
-      return words.every((word) => own.includes(word));
-    });
+    const matches = matcher(text);
+    return [...this.clips.values()].filter((clip) => matches([clip.name, ...clip.tags].join(' ')));
   }
 }

@@ -1,4 +1,5 @@
 import { Catalogue } from './catalogue.js';
+import { isRefused, messageOf } from './errors.js';
 import { takeDrops } from './figure/field.js';
 import { Own } from './figure/own.js';
 import { Aim } from './panels/aim.js';
@@ -6,7 +7,7 @@ import { Columns } from './panels/columns.js';
 import { Connection } from './panels/connection.js';
 import { Controls } from './panels/controls.js';
 import { byId } from './panels/dom.js';
-import { askForToken } from './panels/entry.js';
+import { askForToken, withToken } from './panels/entry.js';
 import { Help } from './panels/help.js';
 import { Keys } from './panels/keys.js';
 import { Lists } from './panels/lists.js';
@@ -16,33 +17,16 @@ import { Player } from './player.js';
 import { Service } from './service.js';
 import { Sides } from './sides.js';
 import { State } from './state.js';
-import { RefusedError } from './vendor/motionsplice.js';
 import { Viewer } from './viewer.js';
 
 /** @import { Adding } from './adding/panel.js' */
 
 const WARMING = 1000; // ms until a service that was not ready is asked again
 
-/**
- * Loads the catalogue; asks for the token if the service wants one.
- *
- * @param {Service} service
- * @returns {Promise<Catalogue>}
- */
-async function enter(service) {
-  try {
-    return await Catalogue.load(service);
-  } catch (error) {
-    if (!(error instanceof RefusedError) || error.type !== 'token') throw error;
-    await askForToken(service);
-    return enter(service);
-  }
-}
-
 const service = new Service();
 const state = new State(new URLSearchParams(location.search));
 const player = new Player(state);
-const catalogue = await enter(service).catch((error) => {
+const catalogue = await withToken(service, () => Catalogue.load(service)).catch((error) => {
   byId('banner').className = 'gone';
   byId('banner').textContent = `${error.message}. Load the page again when the service runs.`;
   throw error;
@@ -110,10 +94,10 @@ function play(kind, name) {
 /** @param {unknown} error */
 function failed(error) {
   if (connection.notice(error)) return;
-  if (error instanceof RefusedError && error.type === 'token') void askForToken(service).then(() => viewer.refresh());
-  else if (error instanceof RefusedError && error.type === 'not-ready') {
+  if (isRefused(error, 'token')) void askForToken(service).then(() => viewer.refresh());
+  else if (isRefused(error, 'not-ready')) {
     viewer.readout.fault('The service compiles its kernels: the first time, half a minute. Then the motion is shown.');
     setTimeout(() => void viewer.refresh(), WARMING);
   }
-  else viewer.readout.fault(error instanceof Error ? error.message : String(error));
+  else viewer.readout.fault(messageOf(error));
 }

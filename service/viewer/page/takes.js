@@ -16,7 +16,9 @@ export const SIDES = {
   truth: { label: 'Truth', colour: '#b064e0' },
 };
 
-const LONGEST = 60; // seconds of a take
+/** In the order in which they are shown. */
+export const SIDE_NAMES = /** @type {SideName[]} */ (Object.keys(SIDES));
+export const LONGEST = 60; // seconds of a take
 
 /**
  * Returns the take of a side; undefined if there is nothing to show.

@@ -1,4 +1,4 @@
-import { button, make, newId } from '../panels/dom.js';
+import { button, labelled, make, optionsOf } from '../panels/dom.js';
 import { faultOf, NAME, nameFor, ordered, parts, SKELETON } from './files.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
@@ -24,15 +24,15 @@ export class AddDialog {
    */
   open(files, catalogue, onAdd) {
     const limit = catalogue.server.limits.max_upload;
-    const all = ordered(files);
-    const rows = all.filter((file) => !faultOf(file, limit)).map((file) => this.#row(file, catalogue));
-    const refused = all.filter((file) => faultOf(file, limit));
+    const all = ordered(files).map((file) => ({ file, fault: faultOf(file, limit) }));
+    const rows = all.filter(({ fault }) => !fault).map(({ file }) => this.#row(file, catalogue));
+    const refused = all.filter(({ fault }) => fault);
     const motions = rows.filter((row) => row.kind);
     const form = make('form', { method: 'dialog' },
       make('h2', { id: 'adding-title' }, 'Add clips'),
       ...(motions.length > 1 ? [this.#forAll(motions)] : []),
-      make('div', { class: 'files' }, ...rows.map(({ element }) => element), ...refused.map((file) => make('div', { class: 'file' },
-        make('strong', { class: 'name' }, file.name), make('p', { class: 'warning' }, `⚠ ${faultOf(file, limit)}`)))),
+      make('div', { class: 'files' }, ...rows.map(({ element }) => element), ...refused.map(({ file, fault }) => make('div', { class: 'file' },
+        make('strong', { class: 'name' }, file.name), make('p', { class: 'warning' }, `⚠ ${fault}`)))),
       make('p', { class: 'hint' }, 'The service checks each file, aligns it to the bank, and serves the new bank to everyone.'),
       make('div', { class: 'buttons' }, button(rows.length ? 'Cancel' : 'Close', () => this.dialog.close()),
         ...(rows.length ? [make('button', { class: 'primary' }, motions.length > 1 ? `Add ${motions.length} clips` : 'Add')] : [])));
@@ -98,16 +98,7 @@ function unique(rows) {
   rows.forEach(({ name }, index) => name?.setCustomValidity(names.indexOf(name.value) < index ? 'Another file has this name.' : ''));
 }
 
-/** @param {Record<string, string>} options */
-function select(options) {
-  return make('select', {}, ...Object.entries(options).map(([value, label]) => make('option', { value }, label)));
-}
-
-/**
- * @param {string} label
- * @param {HTMLElement} input
- */
-function labelled(label, input) {
-  input.id = newId();
-  return make('div', { class: 'field' }, make('label', { for: input.id, class: 'label' }, label), input);
+/** @param {Record<string, string>} choices */
+function select(choices) {
+  return make('select', {}, ...optionsOf(Object.entries(choices)));
 }

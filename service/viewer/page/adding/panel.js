@@ -1,7 +1,7 @@
 import { button, make } from '../panels/dom.js';
-import { askForToken } from '../panels/entry.js';
+import { takeFiles } from '../panels/drops.js';
 import { AddDialog } from './dialog.js';
-import { SUFFIXES } from './files.js';
+import { SKELETON, SUFFIXES } from './files.js';
 import { Queue } from './queue.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
@@ -27,13 +27,11 @@ export class Adding {
    */
   constructor({ element, column, dialog }, service, catalogue, { reload, play }) {
     this.catalogue = catalogue;
-    this.element = element;
     this.play = play;
     this.dialog = new AddDialog(dialog);
     this.queue = new Queue(service, {
       onChange: () => this.#show(),
       onServed: (items) => void reload().then(() => this.#served(items)),
-      askForToken: () => askForToken(service),
     });
     this.input = make('input', { type: 'file', multiple: true, accept: SUFFIXES.join(), hidden: true, 'aria-label': 'Motion files' });
     this.input.addEventListener('change', () => {
@@ -42,17 +40,18 @@ export class Adding {
     });
     this.list = make('ul', { class: 'uploads', 'aria-label': 'Files on their way into the bank' });
     this.news = make('p', { class: 'unseen', role: 'status' });
-    this.offer = make('div', { class: 'offer' });
-    element.replaceChildren(this.list, this.offer, this.news, this.input);
-    this.#acceptDrops(column);
+    this.offer = make('div', { class: 'offer' }, button('Add clips', () => this.input.click(), { title: OPEN }), make('span', { class: 'hint' }, 'or drop files here'));
+    this.instead = /** @type {HTMLElement} */ (element.querySelector('.hint')); // how to allow uploads
+    element.prepend(this.list, this.offer, this.news, this.input);
+    takeFiles(column, (files) => this.#choose(files), () => this.isAllowed);
     this.reload(catalogue);
   }
 
   /** @param {Catalogue} catalogue */
   reload(catalogue) {
     this.catalogue = catalogue;
-    if (this.isAllowed) this.offer.replaceChildren(button('Add clips', () => this.input.click(), { title: OPEN }), make('span', { class: 'hint' }, 'or drop files here'));
-    else this.offer.replaceChildren(make('p', { class: 'hint' }, 'To add clips here, start the service with ', make('code', {}, '--clips FOLDER'), ' and a ', make('code', {}, '--token'), '.'));
+    this.offer.hidden = !this.isAllowed;
+    this.instead.hidden = this.isAllowed;
   }
 
   get isAllowed() {
@@ -91,33 +90,6 @@ export class Adding {
       if (shown.sync() && item.state === 'failed') this.news.textContent = `${item.name}: ${item.text}`;
     }
   }
-
-  /**
-   * The column takes files that are dropped on it. The stage takes others, so events end here.
-   *
-   * @param {HTMLElement} column
-   */
-  #acceptDrops(column) {
-    let depth = 0; // of entered elements
-    const mark = () => column.classList.toggle(this.isAllowed ? 'dropping' : 'refusing', depth > 0);
-    /** @param {(event: DragEvent) => void} handle */
-    const ofFiles = (handle) => (/** @type {DragEvent} */ event) => {
-      if (!event.dataTransfer?.types.includes('Files')) return;
-      event.preventDefault();
-      event.stopPropagation();
-      handle(event);
-    };
-    column.addEventListener('dragenter', ofFiles(() => { depth += 1; mark(); }));
-    column.addEventListener('dragleave', ofFiles(() => { depth = Math.max(0, depth - 1); mark(); }));
-    column.addEventListener('dragover', ofFiles(({ dataTransfer }) => {
-      if (dataTransfer) dataTransfer.dropEffect = this.isAllowed ? 'copy' : 'none';
-    }));
-    column.addEventListener('drop', ofFiles(({ dataTransfer }) => {
-      depth = 0;
-      mark();
-      if (this.isAllowed) this.#choose([...dataTransfer?.files ?? []]);
-    }));
-  }
 }
 
 /**
@@ -145,7 +117,7 @@ function line(item, queue, onPlay) {
       bar.hidden = isOver || state === 'queued';
       if (share === undefined) bar.removeAttribute('value');
       else bar.value = share;
-      play.hidden = state !== 'done' || item.text === 'Stored';
+      play.hidden = state !== 'done' || item.suffix === SKELETON;
       retry.hidden = state !== 'failed' || !item.isLost;
       remove.hidden = !isOver;
       const isNew = state !== before;

@@ -1,4 +1,6 @@
-import { ConnectionLostError, RefusedError } from '../vendor/motionsplice.js';
+import { isRefused, messageOf } from '../errors.js';
+import { askForToken } from '../panels/entry.js';
+import { ConnectionLostError } from '../vendor/motionsplice.js';
 import { SKELETON } from './files.js';
 import { follow, pause, send } from './sending.js';
 
@@ -31,13 +33,11 @@ export class Queue {
    * @param {object} calls
    * @param {() => void} calls.onChange an item has changed
    * @param {(items: Item[]) => void} calls.onServed the bank that is served has these items
-   * @param {() => Promise<void>} calls.askForToken
    */
-  constructor(service, { onChange, onServed, askForToken }) {
+  constructor(service, { onChange, onServed }) {
     this.service = service;
     this.onChange = onChange;
     this.onServed = onServed;
-    this.askForToken = askForToken;
   }
 
   /** @param {Wanted[]} wanted in the order in which they are sent */
@@ -67,8 +67,8 @@ export class Queue {
       try {
         await this.#sendOne(item);
       } catch (error) {
-        if (error instanceof RefusedError && error.type === 'token') {
-          await this.askForToken();
+        if (isRefused(error, 'token')) {
+          await askForToken(this.service);
           this.#set(item, 'queued', '');
         } else {
           item.isLost = error instanceof ConnectionLostError;
@@ -161,13 +161,8 @@ export class Queue {
 }
 
 /** @param {Job} job */
-export function textOf({ state, stage, done, total }) {
+function textOf({ state, stage, done, total }) {
   if (state !== 'running' || !stage) return 'Waiting for the offline job';
   const name = stage[0].toUpperCase() + stage.slice(1);
   return total ? `${name}, ${done} of ${total} clips` : name;
-}
-
-/** @param {unknown} error */
-function messageOf(error) {
-  return error instanceof Error ? error.message : String(error);
 }

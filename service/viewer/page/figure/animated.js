@@ -1,10 +1,9 @@
-import { writeGlb } from './glb.js';
+import { FLOAT, padded, writeGlb } from './glb.js';
 import { Matrix4, Quaternion, Vector3 } from '../vendor/three.js';
 
 /** @import { Nodes } from '../vendor/motionsplice.js' */
 /** @import { Document } from './glb.js' */
 
-const FLOAT = 5126;
 const TYPES = { 1: 'SCALAR', 3: 'VEC3', 4: 'VEC4' };
 
 /**
@@ -89,7 +88,7 @@ class Added {
   constructor(document, binary) {
     this.document = document;
     this.before = binary;
-    this.#length = binary.length + (-binary.length & 3);
+    this.#length = padded(binary.length);
     document.buffers = document.buffers?.length ? document.buffers : [{ byteLength: 0 }];
     document.bufferViews ??= [];
     document.accessors ??= [];
@@ -114,7 +113,7 @@ class Added {
   get binary() {
     const bytes = new Uint8Array(this.#length);
     bytes.set(this.before);
-    let at = this.before.length + (-this.before.length & 3);
+    let at = padded(this.before.length);
     for (const array of this.#arrays) {
       bytes.set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength), at);
       at += array.byteLength;

@@ -1,3 +1,4 @@
+import { messageOf } from '../errors.js';
 import { Mesh } from '../vendor/three.js';
 import { animated } from './animated.js';
 import { Figure, materialsOf } from './figure.js';
@@ -62,7 +63,7 @@ export class Character {
       prepare(scene);
       return new Character(name, base64(rig), scene, clone, { document, binary, nodes });
     } catch (error) {
-      throw new CharacterError(`The file cannot be read: ${error instanceof Error ? error.message : error}`);
+      throw new CharacterError(`The file cannot be read: ${messageOf(error)}`);
     } finally {
       for (const url of pictures) URL.revokeObjectURL(url);
     }

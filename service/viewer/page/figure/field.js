@@ -1,4 +1,5 @@
 import { button, make } from '../panels/dom.js';
+import { takeFiles } from '../panels/drops.js';
 
 /** @import { Field } from '../panels/fields.js' */
 /** @import { Own } from './own.js' */
@@ -33,7 +34,7 @@ export function characterField(own) {
     const text = own.status || (character ? '' : PLACE);
     if (status.textContent !== text) status.textContent = text;
     status.hidden = !text;
-    status.classList.toggle('fault', own.isFault);
+    status.classList.toggle('warning', own.isFault);
   };
   own.onchange = sync;
   const element = make('div', { class: 'character', role: 'group', 'aria-label': 'Your character' },
@@ -42,38 +43,14 @@ export function characterField(own) {
 }
 
 /**
- * Lets files of characters be dropped on an element. Other files are left to others.
+ * Lets files of characters be dropped on an element. Other files are left alone.
  *
  * @param {HTMLElement} element
  * @param {Own} own
  */
 export function takeDrops(element, own) {
-  let inside = 0; // elements under the pointer that have been entered
-  const mark = () => element.classList.toggle('dropping', inside > 0);
-  element.addEventListener('dragenter', (event) => {
-    inside += hasFiles(event) ? 1 : 0;
-    mark();
+  takeFiles(element, (files) => {
+    const file = files.find(({ name }) => SUFFIX.test(name));
+    if (file) void own.choose(file);
   });
-  element.addEventListener('dragleave', () => {
-    inside = Math.max(0, inside - 1);
-    mark();
-  });
-  element.addEventListener('dragover', (event) => {
-    if (hasFiles(event)) event.preventDefault();
-  });
-  element.addEventListener('drop', (event) => {
-    inside = 0;
-    mark();
-    if (!hasFiles(event)) return;
-    event.preventDefault(); // the browser would leave the page for the file
-    const file = [...event.dataTransfer?.files ?? []].find(({ name }) => SUFFIX.test(name));
-    if (!file) return;
-    event.stopPropagation();
-    void own.choose(file);
-  });
-}
-
-/** @param {DragEvent} event */
-function hasFiles(event) {
-  return event.dataTransfer?.types.includes('Files') ?? false;
 }

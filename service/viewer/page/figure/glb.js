@@ -1,5 +1,6 @@
 /** The container of a GLB file, which a VRM file is too. */
 
+export const FLOAT = 5126; // component type of an accessor
 const [MAGIC, JSON_CHUNK, BINARY_CHUNK] = [0x46546c67, 0x4e4f534a, 0x004e4942];
 const MOST = 256e6; // bytes: a browser's tab has to hold them several times
 
@@ -54,7 +55,7 @@ export function writeGlb(document, binary) {
   return bytes;
 }
 
-/** @param {number} length */
-function padded(length) {
+/** Returns a length rounded up to whole words of four bytes. @param {number} length */
+export function padded(length) {
   return length + (-length & 3);
 }

@@ -1,3 +1,4 @@
+import { messageOf } from '../errors.js';
 import { RefusedError, take } from '../vendor/motionsplice.js';
 
 /** @import { Character } from './character.js' */
@@ -56,7 +57,8 @@ export class Own {
       const notes = await this.#try(character);
       if (number !== this.#newest) return character.dispose();
       this.#use(character);
-      this.#say(notes.filter((note) => note.startsWith(LEFT_OUT)).map((note) => `Not shown: ${note.slice(LEFT_OUT.length)}, which it does not have.`)[0] ?? '');
+      const leftOut = notes.find((note) => note.startsWith(LEFT_OUT))?.slice(LEFT_OUT.length);
+      this.#say(leftOut ? `Not shown: ${leftOut}, which it does not have.` : '');
     } catch (error) {
       character?.dispose();
       if (number === this.#newest) this.#say(`${file.name}: ${reason(error)}`, true);
@@ -110,5 +112,5 @@ export class Own {
 /** @param {unknown} error */
 function reason(error) {
   if (error instanceof RefusedError) return error.message.replace(/^rig: (.)/, (_, letter) => letter.toUpperCase());
-  return error instanceof Error ? error.message : String(error);
+  return messageOf(error);
 }

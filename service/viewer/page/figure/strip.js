@@ -1,8 +1,8 @@
-import { CharacterError, writeGlb } from './glb.js';
+import { CharacterError, FLOAT, writeGlb } from './glb.js';
 
 /** @import { Document } from './glb.js' */
 
-const FLOAT = 5126, MATRIX = 64; // bytes of an inverse bind matrix
+const MATRIX = 64; // bytes of an inverse bind matrix
 const BODY = 13; // joints: a root, and three in each limb
 
 /**
@@ -71,10 +71,7 @@ function parentsOf(nodes) {
 function needed(nodes, parents, joints) {
   const above = new Set(joints);
   for (const joint of joints) {
-    for (let node = parents[joint], steps = 0; node >= 0 && !above.has(node); node = parents[node]) {
-      if (++steps > nodes.length) throw new Error('a cycle');
-      above.add(node);
-    }
+    for (let node = parents[joint]; node >= 0 && !above.has(node); node = parents[node]) above.add(node);
   }
   const isTip = (/** @type {number} */ node) => above.has(parents[node]) && !nodes[node].children?.length && nodes[node].mesh === undefined;
   return nodes.map((_, node) => node).filter((node) => above.has(node) || isTip(node));
@@ -172,8 +169,12 @@ class Matrices {
     return this.#copies.push(this.binary.subarray(from, from + MATRIX * count)) - 1;
   }
 
+  get #length() {
+    return Math.max(4, this.#copies.reduce((sum, { length }) => sum + length, 0));
+  }
+
   get bytes() {
-    const bytes = new Uint8Array(Math.max(4, this.#copies.reduce((sum, { length }) => sum + length, 0)));
+    const bytes = new Uint8Array(this.#length);
     let at = 0;
     for (const copy of this.#copies) {
       bytes.set(copy, at);
@@ -186,7 +187,7 @@ class Matrices {
     let at = 0;
     const views = this.#copies.map(({ length }) => ({ buffer: 0, byteOffset: (at += length) - length, byteLength: length }));
     return {
-      buffers: [{ byteLength: this.bytes.length }],
+      buffers: [{ byteLength: this.#length }],
       bufferViews: views,
       accessors: views.map(({ byteLength }, view) => ({ bufferView: view, componentType: FLOAT, type: 'MAT4', count: byteLength / MATRIX })),
     };

@@ -3,22 +3,18 @@ import { byId } from './dom.js';
 /** Opens and closes the columns, which cover a part of the page on narrow screens, and the plots below the timeline. */
 export class Columns {
   constructor() {
-    this.openers = [...document.querySelectorAll('.opener')].map((one) => /** @type {HTMLButtonElement} */ (one));
-    for (const opener of this.openers) {
-      const column = byId(opener.getAttribute('aria-controls') ?? '');
+    this.columns = [...document.querySelectorAll('.opener')].map(opened);
+    for (const { opener, element: column } of this.columns) {
       column.querySelector('.close button')?.addEventListener('click', () => this.#show(undefined));
-      opener.addEventListener('click', () => this.#show(column.classList.contains('open') ? undefined : opener));
+      opener.addEventListener('click', () => this.#show(column.classList.contains('open') ? undefined : column));
       column.addEventListener('keydown', (event) => {
         if (event.key !== 'Escape' || event.defaultPrevented || !column.classList.contains('open')) return;
         event.preventDefault();
         this.#show(undefined);
       });
     }
-    this.folds = [...document.querySelectorAll('#folds button')];
-    for (const fold of this.folds) {
-      const plot = byId(fold.getAttribute('aria-controls') ?? '');
-      fold.addEventListener('click', () => this.#unfold(plot.hidden ? plot : undefined));
-    }
+    this.plots = [...document.querySelectorAll('#folds button')].map(opened);
+    for (const { opener, element: plot } of this.plots) opener.addEventListener('click', () => this.#unfold(plot.hidden ? plot : undefined));
   }
 
   /**
@@ -27,26 +23,33 @@ export class Columns {
    * @param {HTMLElement | undefined} wanted
    */
   #unfold(wanted) {
-    for (const fold of this.folds) {
-      const plot = byId(fold.getAttribute('aria-controls') ?? '');
+    for (const { opener, element: plot } of this.plots) {
       plot.hidden = plot !== wanted;
-      fold.setAttribute('aria-expanded', String(plot === wanted));
+      opener.setAttribute('aria-expanded', String(plot === wanted));
     }
   }
 
   /**
-   * Opens the column of a button and closes the other, or closes both.
+   * Opens a column and closes the other, or closes both.
    *
-   * @param {HTMLButtonElement | undefined} wanted
+   * @param {HTMLElement | undefined} wanted
    */
   #show(wanted) {
-    for (const opener of this.openers) {
-      const column = byId(opener.getAttribute('aria-controls') ?? '');
+    for (const { opener, element: column } of this.columns) {
       const hadFocus = column.contains(document.activeElement);
-      column.classList.toggle('open', opener === wanted);
-      opener.setAttribute('aria-expanded', String(opener === wanted));
-      if (opener === wanted) column.querySelector('button')?.focus();
+      column.classList.toggle('open', column === wanted);
+      opener.setAttribute('aria-expanded', String(column === wanted));
+      if (column === wanted) column.querySelector('button')?.focus();
       else if (hadFocus) opener.focus();
     }
   }
+}
+
+/**
+ * Returns a button of the page with the element that it opens.
+ *
+ * @param {Element} button
+ */
+function opened(button) {
+  return { opener: /** @type {HTMLButtonElement} */ (button), element: byId(button.getAttribute('aria-controls') ?? '') };
 }

@@ -1,25 +1,34 @@
-import { SIDES, takeOf } from '../takes.js';
-import { make } from './dom.js';
+import { SIDES, SIDE_NAMES, takeOf } from '../takes.js';
+import { make, swatch } from './dom.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { State } from '../state.js' */
 /** @import { SideName } from '../takes.js' */
 /** @import { Field } from './fields.js' */
 
-export const SIDE_NAMES = /** @type {SideName[]} */ (Object.keys(SIDES));
-
 const MISSING = { splice: 'no action', naive: 'no action', locomotion: '', action: 'no action', truth: 'no clip' };
 
 /**
- * Shows a side, or hides it. The order of the sides stays.
+ * Shows a side, or hides it.
  *
  * @param {State} state
  * @param {SideName} side
  */
 export function toggleSide(state, side) {
-  const shown = new Set(state.values.show.split(','));
-  if (!shown.delete(side)) shown.add(side);
-  state.set({ show: SIDE_NAMES.filter((name) => shown.has(name)).join(',') });
+  const { show } = state.values;
+  state.set({ show: withSide(show, side, !show.split(',').includes(side)) });
+}
+
+/**
+ * Returns which sides are shown, with or without one, in their order.
+ *
+ * @param {string} show
+ * @param {SideName} side
+ * @param {boolean} isShown
+ */
+export function withSide(show, side, isShown) {
+  const shown = show.split(',');
+  return SIDE_NAMES.filter((name) => (name === side ? isShown : shown.includes(name))).join(',');
 }
 
 /**
@@ -33,12 +42,10 @@ export function sidesField(state, catalogue) {
   const rows = SIDE_NAMES.map((side, number) => {
     const input = make('input', { type: 'checkbox' });
     input.addEventListener('change', () => toggleSide(state, side));
-    const swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
-    swatch.style.background = SIDES[side].colour;
     const why = make('span', { class: 'why' });
     const key = make('kbd', { 'aria-hidden': 'true' }, String(number + 1));
     const label = make('span', {}, SIDES[side].label);
-    return { side, input, why, element: make('label', { class: 'toggle side' }, input, swatch, label, why, key) };
+    return { side, input, why, element: make('label', { class: 'toggle side' }, input, swatch(SIDES[side].colour), label, why, key) };
   });
   return {
     element: make('div', { class: 'sides', role: 'group', 'aria-label': 'Motions that are shown' }, ...rows.map((one) => one.element)),

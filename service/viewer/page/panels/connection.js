@@ -1,7 +1,8 @@
 import { Catalogue } from '../catalogue.js';
-import { ConnectionLostError, RefusedError } from '../vendor/motionsplice.js';
+import { isRefused } from '../errors.js';
+import { ConnectionLostError } from '../vendor/motionsplice.js';
 import { button, make } from './dom.js';
-import { askForToken } from './entry.js';
+import { withToken } from './entry.js';
 
 /** @import { Service } from '../service.js' */
 
@@ -38,7 +39,7 @@ export class Connection {
    * @param {unknown} error
    */
   notice(error) {
-    if (error instanceof RefusedError && error.type === 'unknown-bank') this.look();
+    if (isRefused(error, 'unknown-bank')) this.look();
     if (!(error instanceof ConnectionLostError)) return false;
     if (!this.#isGone) this.#lose();
     return true;
@@ -66,14 +67,12 @@ export class Connection {
     clearTimeout(this.#timer);
     if (document.hidden && !this.#isGone) return this.#wait(BETWEEN);
     try {
-      const { bank } = await this.service.json('/v1/server');
-      if (this.#isGone || bank !== this.bank) await this.#reload();
+      await withToken(this.service, async () => {
+        const { bank } = await this.service.json('/v1/server');
+        if (this.#isGone || bank !== this.bank) await this.#reload();
+      });
       this.#wait(BETWEEN);
     } catch (error) {
-      if (error instanceof RefusedError && error.type === 'token') {
-        await askForToken(this.service);
-        return this.look();
-      }
       if (this.#isGone) this.#wait(PAUSES[Math.min(++this.#tries, PAUSES.length - 1)]);
       else if (!this.notice(error)) this.#wait(BETWEEN);
     }

@@ -1,6 +1,7 @@
 import { characterField } from '../figure/field.js';
-import { SIDES } from '../takes.js';
-import { SIDE_NAMES, sidesField } from './compared.js';
+import { LONGEST, SIDES, SIDE_NAMES } from '../takes.js';
+import { BODIES, CROWDS, LAYOUTS, VIEWS } from './choices.js';
+import { sidesField } from './compared.js';
 import { hint, number, row, segments, select, shownIf, toggle } from './fields.js';
 import { Group } from './group.js';
 
@@ -8,7 +9,6 @@ import { Group } from './group.js';
 /** @import { Own } from '../figure/own.js' */
 /** @import { State } from '../state.js' */
 
-const LONGEST = 60; // seconds of a take
 const PERCENT = { unit: '%', step: 1, most: 100, limit: 100, scale: 100 };
 const MASKS = { upper_body: 'Upper body', arms: 'Both arms', left_arm: 'Left arm', right_arm: 'Right arm', head: 'Head' };
 const WHENS = {
@@ -70,7 +70,7 @@ export class Controls {
     const sides = Object.fromEntries(SIDE_NAMES.map((side) => [side, SIDES[side].label]));
     return new Group(state, 'Compare', ['show', 'layout', 'against', 'truth'], [
       sidesField(state, () => this.catalogue),
-      segments(state, 'layout', 'Layout', { beside: 'Beside', over: 'Over' }),
+      segments(state, 'layout', 'Layout', LAYOUTS),
       select(state, 'against', 'Distance to', { '': 'Not shown', ...sides }, 'Colours the joints by their distance to this motion'),
       select(state, 'truth', 'Truth clip', () => this.#clips('None')),
     ]);
@@ -117,7 +117,7 @@ export class Controls {
   #camera() {
     const { state } = this;
     return new Group(state, 'Camera', ['view', 'follow', 'camera'], [
-      segments(state, 'view', 'View', { free: 'Free', front: 'Front', side: 'Side', top: 'Top' }),
+      segments(state, 'view', 'View', VIEWS),
       toggle(state, 'follow', 'Follow the character'),
     ]);
   }
@@ -125,7 +125,7 @@ export class Controls {
   #show() {
     const { state } = this;
     return new Group(state, 'Show', ['body', 'trails', 'path', 'contacts', 'joint'], [
-      segments(state, 'body', 'Body', { mannequin: 'Mannequin', stick: 'Stick', own: 'Own' }),
+      segments(state, 'body', 'Body', BODIES),
       characterField(this.own),
       row(toggle(state, 'trails', 'Trails', 'Paths of feet and hands'), toggle(state, 'path', 'Path', 'Path of the root'),
         toggle(state, 'contacts', 'Contacts', 'Where the feet stand')),
@@ -136,9 +136,9 @@ export class Controls {
   #crowd() {
     const { state } = this;
     const most = this.catalogue.server.limits.max_characters ?? Infinity;
-    const steps = [1, 10, 100, 1000].filter((step) => step <= most);
+    const counts = CROWDS.filter((count) => count <= most);
     return new Group(state, 'Crowd', ['crowd'], [
-      segments(state, 'crowd', 'Characters', { 0: 'Off', ...Object.fromEntries(steps.map((step) => [step, step.toLocaleString('en')])) }),
+      segments(state, 'crowd', 'Characters', Object.fromEntries(counts.map((count) => [count, count ? count.toLocaleString('en') : 'Off']))),
       hint(state, ({ crowd }) => (crowd ? 'Live from the WebSocket. Choose a clip to end it.' : '')),
     ]);
   }

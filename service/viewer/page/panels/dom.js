@@ -47,6 +47,37 @@ export function newId() {
 }
 
 /**
+ * Returns an input behind its label.
+ *
+ * @param {string} label
+ * @param {HTMLElement} input
+ */
+export function labelled(label, input) {
+  input.id = newId();
+  return make('div', { class: 'field' }, make('label', { for: input.id, class: 'label' }, label), input);
+}
+
+/**
+ * Returns the options of a menu.
+ *
+ * @param {[string, string][]} choices value and label of each
+ */
+export function optionsOf(choices) {
+  return choices.map(([value, label]) => make('option', { value }, label));
+}
+
+/**
+ * Returns a small square of a colour, which a label beside it explains.
+ *
+ * @param {string} colour
+ */
+export function swatch(colour) {
+  const element = make('span', { class: 'swatch', 'aria-hidden': 'true' });
+  element.style.background = colour;
+  return element;
+}
+
+/**
  * Formats metres as centimetres.
  *
  * @param {number} metres

@@ -1,4 +1,4 @@
-import { RefusedError } from '../vendor/motionsplice.js';
+import { isRefused, messageOf } from '../errors.js';
 import { byId, make } from './dom.js';
 
 /** @import { Service } from '../service.js' */
@@ -16,6 +16,25 @@ export function askForToken(service) {
 
 /** @type {Promise<void> | undefined} */
 let asking;
+
+/**
+ * Runs requests, and asks for the token and runs them again while the service refuses them without it.
+ *
+ * @template Result
+ * @param {Service} service
+ * @param {() => Promise<Result>} requests
+ * @returns {Promise<Result>}
+ */
+export async function withToken(service, requests) {
+  for (;;) {
+    try {
+      return await requests();
+    } catch (error) {
+      if (!isRefused(error, 'token')) throw error;
+      await askForToken(service);
+    }
+  }
+}
 
 /** @param {Service} service */
 async function ask(service) {
@@ -66,8 +85,8 @@ async function faultOf(service, token) {
     return '';
   } catch (error) {
     service.token = before;
-    if (error instanceof RefusedError && error.type === 'token') return 'The service does not accept this token.';
-    return error instanceof Error ? error.message : String(error);
+    if (isRefused(error, 'token')) return 'The service does not accept this token.';
+    return messageOf(error);
   }
 }
 

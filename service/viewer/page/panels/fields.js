@@ -1,4 +1,4 @@
-import { make, newId } from './dom.js';
+import { labelled, make, newId, optionsOf } from './dom.js';
 
 /** @import { Key, State, Values } from '../state.js' */
 
@@ -40,8 +40,7 @@ export function segments(state, key, label, choices) {
  * @returns {Field}
  */
 export function select(state, key, label, choices, title) {
-  const id = newId();
-  const input = make('select', { id, title });
+  const input = make('select', { title });
   let shown = '';
   input.addEventListener('change', () => state.set({ [key]: input.value }));
   const sync = () => {
@@ -49,11 +48,11 @@ export function select(state, key, label, choices, title) {
     const value = String(state.values[key]);
     if (!offered.some(([one]) => one === value)) offered.push([value, `${value} (unknown)`]);
     const text = JSON.stringify(offered);
-    if (text !== shown) input.replaceChildren(...offered.map(([one, title]) => make('option', { value: one }, title)));
+    if (text !== shown) input.replaceChildren(...optionsOf(offered));
     shown = text;
     input.value = value;
   };
-  return { element: make('div', { class: 'field' }, make('label', { for: id, class: 'label' }, label), input), sync };
+  return { element: labelled(label, input), sync };
 }
 
 /**

@@ -1,5 +1,6 @@
 import { DEFAULTS } from '../state.js';
 import { button, make, newId } from './dom.js';
+import { hint } from './fields.js';
 
 /** @import { Field } from './fields.js' */
 /** @import { Key, State, Values } from '../state.js' */
@@ -19,9 +20,9 @@ export class Group {
     this.fields = fields;
     this.reason = reason;
     const id = newId();
-    this.why = make('p', { class: 'hint', hidden: true });
+    this.why = hint(state, reason);
     this.set = make('fieldset', { 'aria-label': title }, ...fields.map((field) => field.element));
-    const body = make('div', { class: 'body', id }, this.why, this.set);
+    const body = make('div', { class: 'body', id }, this.why.element, this.set);
     const fold = button(title, () => {
       body.hidden = !body.hidden;
       fold.ariaExpanded = String(!body.hidden);
@@ -36,11 +37,8 @@ export class Group {
 
   sync() {
     const { values } = this.state;
-    for (const field of this.fields) field.sync();
+    for (const field of [this.why, ...this.fields]) field.sync();
     this.reset.hidden = this.keys.every((key) => values[key] === DEFAULTS[key]);
-    const reason = this.reason(values);
-    this.why.hidden = !reason;
-    if (this.why.textContent !== reason) this.why.textContent = reason;
-    this.set.disabled = reason !== '';
+    this.set.disabled = this.reason(values) !== '';
   }
 }

@@ -1,4 +1,6 @@
-import { toggleSide, SIDE_NAMES } from './compared.js';
+import { SIDE_NAMES } from '../takes.js';
+import { BODIES, CROWDS, LAYOUTS, VIEWS } from './choices.js';
+import { toggleSide } from './compared.js';
 
 /** @import { Own } from '../figure/own.js' */
 /** @import { Player } from '../player.js' */
@@ -20,9 +22,6 @@ import { toggleSide, SIDE_NAMES } from './compared.js';
  * @property {(parts: Parts, key: string) => void} [run] without it, the page handles the key elsewhere, and the table only lists it
  */
 
-const CROWDS = [0, 1, 10, 100, 1000];
-const VIEWS = ['free', 'front', 'side', 'top'];
-
 /** @type {Binding[]} */
 export const BINDINGS = [
   bind('Play', ['Space'], 'Play or pause', ({ player }) => player.toggle()),
@@ -42,11 +41,11 @@ export const BINDINGS = [
   bind('Clips', ['ContextMenu', 'Shift+F10'], 'Menu of a clip: mix in, compare as truth'),
   bind('Compare', ['1', '2', '3', '4', '5'], 'Splice, naive, locomotion, action, truth',
     ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1])),
-  bind('Compare', ['b'], 'Beside or over each other', (parts) => next(parts, 'layout', ['beside', 'over'])),
-  bind('View', ['v'], 'Next view: free, front, side, top', (parts) => next(parts, 'view', VIEWS)),
+  bind('Compare', ['b'], 'Beside or over each other', (parts) => next(parts, 'layout', Object.keys(LAYOUTS))),
+  bind('View', ['v'], 'Next view: free, front, side, top', (parts) => next(parts, 'view', Object.keys(VIEWS))),
   bind('View', ['f'], 'Follow the character', (parts) => flip(parts, 'follow')),
   bind('View', ['m'], 'Mannequin, stick figure, or your character',
-    (parts) => next(parts, 'body', ['mannequin', 'stick', ...(parts.own.character ? ['own'] : [])])),
+    (parts) => next(parts, 'body', Object.keys(BODIES).filter((body) => body !== 'own' || parts.own.character))),
   bind('View', ['t'], 'Trails of feet and hands', (parts) => flip(parts, 'trails')),
   bind('View', ['p'], 'Path of the root', (parts) => flip(parts, 'path')),
   bind('View', ['c'], 'Contacts of the feet', (parts) => flip(parts, 'contacts')),
@@ -107,8 +106,8 @@ function ownsKey(target, key, byPointer) {
     const isRadio = /** @type {HTMLInputElement} */ (target).type === 'radio';
     return !byPointer && (key === 'Space' || (isRadio && key.includes('Arrow')));
   }
-  if (target.matches('input, select, textarea, [contenteditable]')) return true;
-  return target.matches('button, a, summary') && key === 'Space' && !byPointer;
+  if (target.matches('input, select, textarea')) return true;
+  return target.matches('button, a') && key === 'Space' && !byPointer;
 }
 
 /**

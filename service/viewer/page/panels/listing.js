@@ -184,7 +184,7 @@ export class Listing {
  * @param {Clip | undefined} clip
  */
 function option(name, clip) {
-  const row = make('div', { role: 'option', tabindex: -1, title: clip ? summary(clip) : name }, make('span', { class: 'name' }, name));
+  const row = make('div', { role: 'option', tabindex: -1, title: clip ? summary(clip).join('\n') : name }, make('span', { class: 'name' }, name));
   if (!clip) return row;
   row.append(
     make('span', { class: 'marks' }),
@@ -219,7 +219,7 @@ function mark(row, values) {
 }
 
 /**
- * Describes a clip in a few lines.
+ * Describes a clip in a few lines. The first is its name.
  *
  * @param {Clip} clip
  */
@@ -230,7 +230,7 @@ export function summary(clip) {
     `${clip.duration.toFixed(2)} s at ${Number(clip.rate.toFixed(2))} frames/s, ${clip.cycles.toFixed(1)} strides`,
     `Legs differ from the baseline's by ${centimetres(clip.mean_mismatch)} on average, ${centimetres(clip.worst_mismatch)} at worst`,
     clip.loop ? `Repeats by ${clip.loop} strides` : 'Does not repeat',
-  ].join('\n');
+  ];
 }
 
 /** @param {Event} event */

@@ -1,3 +1,4 @@
+import { matcher } from '../words.js';
 import { make } from './dom.js';
 import { Listing, summary } from './listing.js';
 import { RowMenu } from './row_menu.js';
@@ -98,8 +99,7 @@ export class Lists {
     const names = new Set(this.catalogue.search(this.search.value).map((clip) => clip.name));
     this.locomotions.filter(names);
     this.actions.filter(names);
-    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    this.hands.filter(new Set(this.hands.names.filter((name) => words.every((word) => name.toLowerCase().includes(word)))));
+    this.hands.filter(new Set(this.hands.names.filter(matcher(this.search.value))));
   }
 
   #sync() {
@@ -107,10 +107,10 @@ export class Lists {
     const { values } = this.state;
     const { clips } = this.catalogue;
     const clip = clips.get(values[this.current.offer.key]) ?? clips.get(values.action) ?? clips.get(values.locomotion);
-    const [name, ...lines] = clip ? summary(clip).split('\n') : [''];
-    const text = lines.join('\n');
-    if (this.details.dataset.text === name + text) return;
-    this.details.dataset.text = name + text;
+    const [name, ...lines] = clip ? summary(clip) : [''];
+    const text = [name, ...lines].join('\n');
+    if (this.details.dataset.text === text) return;
+    this.details.dataset.text = text;
     const paragraphs = lines.map((line) => make('p', { class: line.startsWith('⚠') ? 'warning' : '' }, line));
     this.details.replaceChildren(make('strong', {}, name), ...paragraphs);
   }

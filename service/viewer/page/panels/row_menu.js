@@ -1,3 +1,4 @@
+import { withSide } from './compared.js';
 import { button, make } from './dom.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
@@ -31,8 +32,8 @@ export class RowMenu {
         ? this.#item('No longer mix in', { second: '' })
         : this.#item('Mix in with the locomotion', { second: name }, name === values.locomotion),
       values.truth === name
-        ? this.#item('No longer compare as truth', { truth: '', show: without(values.show, 'truth') })
-        : this.#item('Compare as truth', { truth: name, show: `${without(values.show, 'truth')},truth` }),
+        ? this.#item('No longer compare as truth', { truth: '', show: withSide(values.show, 'truth', false) })
+        : this.#item('Compare as truth', { truth: name, show: withSide(values.show, 'truth', true) }),
       this.#item('Play as locomotion', { locomotion: name }, values.locomotion === name),
       this.#item('Play as action', { action: name }, values.action === name),
     );
@@ -76,12 +77,4 @@ export class RowMenu {
     else return;
     event.preventDefault();
   }
-}
-
-/**
- * @param {string} show
- * @param {string} side
- */
-function without(show, side) {
-  return show.split(',').filter((one) => one && one !== side).join(',');
 }

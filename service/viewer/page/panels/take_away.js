@@ -1,6 +1,6 @@
-import { SIDES, takeOf } from '../takes.js';
-import { SIDE_NAMES } from './compared.js';
-import { button, byId, make, newId } from './dom.js';
+import { messageOf } from '../errors.js';
+import { SIDES, SIDE_NAMES, takeOf } from '../takes.js';
+import { button, byId, labelled, make, optionsOf } from './dom.js';
 import { curlLine, fileName, pythonLines } from './recipes.js';
 import { Recorder } from './recorder.js';
 
@@ -25,7 +25,7 @@ export class TakeAway {
    * @param {Service} service
    * @param {State} state
    * @param {Sides} sides
-   * @param {{ picture(): Promise<Blob>, canvas?: HTMLCanvasElement }} stage
+   * @param {{ picture(): Promise<Blob>, canvas: HTMLCanvasElement }} stage
    * @param {Player} player
    */
   constructor(element, service, state, sides, stage, player) {
@@ -35,8 +35,7 @@ export class TakeAway {
     this.sides = sides;
     this.stage = stage;
     this.player = player;
-    const id = newId();
-    this.side = make('select', { id });
+    this.side = make('select');
     this.status = make('p', { role: 'status', class: 'status' });
     this.text = make('textarea', { readonly: true, rows: 6, 'aria-label': 'Text to copy', hidden: true, spellcheck: 'false' });
     this.own = button('GLB of your character', () => this.#saveCharacter());
@@ -44,7 +43,7 @@ export class TakeAway {
     this.video.hidden = !Recorder.isPossible;
     element.replaceChildren(
       make('h2', {}, 'Motion'),
-      make('div', { class: 'field' }, make('label', { for: id, class: 'label' }, 'Of'), this.side),
+      labelled('Of', this.side),
       make('div', { class: 'buttons' }, ...Object.entries(FORMATS).map(([format, label]) => button(label, () => this.#saveMotion(format))), this.own),
       make('h2', {}, 'Picture'),
       make('div', { class: 'buttons' }, button('PNG', () => this.savePicture()), this.video),
@@ -117,8 +116,7 @@ export class TakeAway {
       this.#recorder.stop();
       return;
     }
-    const canvas = this.stage.canvas ?? /** @type {HTMLCanvasElement} */ (document.querySelector('#stage'));
-    this.#recorder = new Recorder(canvas, this.player, this.state);
+    this.#recorder = new Recorder(this.stage.canvas, this.player, this.state);
     this.video.textContent = 'Stop recording';
     await this.#trying('Recording ...', async () => {
       const video = await this.#recorder?.record((share) => this.#say(`Recording ... ${Math.round(100 * share)} %`));
@@ -138,7 +136,7 @@ export class TakeAway {
     const before = this.side.value;
     const names = SIDE_NAMES.filter((name) => takeOf(name, this.state.values, this.sides.catalogue));
     if ([...this.side.options].map((one) => one.value).join() === names.join()) return;
-    this.side.replaceChildren(...names.map((name) => make('option', { value: name }, SIDES[name].label)));
+    this.side.replaceChildren(...optionsOf(names.map((name) => [name, SIDES[name].label])));
     if (names.some((name) => name === before) && before !== 'locomotion') this.side.value = before;
   }
 
@@ -197,7 +195,7 @@ export class TakeAway {
     try {
       await work();
     } catch (error) {
-      this.#say(error instanceof Error ? error.message : String(error));
+      this.#say(messageOf(error));
     }
   }
 }

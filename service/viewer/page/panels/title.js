@@ -3,6 +3,17 @@ import { byId } from './dom.js';
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { State } from '../state.js' */
 
+/**
+ * Shows what the bank has.
+ *
+ * @param {HTMLElement} element
+ * @param {Catalogue} catalogue
+ */
+export function describeBank(element, { clips, baseline, server }) {
+  element.textContent = `${clips.size} clips, baseline ${baseline}`;
+  element.title = `Bank ${server.bank}\nmotionsplice ${server.version}`;
+}
+
 /** Names the bank in the page's head, and the current clips in the tab's title. */
 export class Title {
   /**
@@ -18,10 +29,9 @@ export class Title {
   }
 
   /** @param {Catalogue} catalogue */
-  reload({ clips, baseline, server }) {
-    this.element.textContent = `${clips.size} clips, baseline ${baseline}`;
-    this.element.title = `Bank ${server.bank}\nmotionsplice ${server.version}`;
-    byId('show-report').hidden = !server.report;
+  reload(catalogue) {
+    describeBank(this.element, catalogue);
+    byId('show-report').hidden = !catalogue.server.report;
     this.#name();
   }
 

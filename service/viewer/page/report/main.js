@@ -1,8 +1,9 @@
 import { Catalogue } from '../catalogue.js';
+import { isRefused, messageOf } from '../errors.js';
 import { button, byId, make } from '../panels/dom.js';
-import { askForToken } from '../panels/entry.js';
+import { withToken } from '../panels/entry.js';
+import { describeBank } from '../panels/title.js';
 import { Service } from '../service.js';
-import { RefusedError } from '../vendor/motionsplice.js';
 import { PairTable } from './table.js';
 
 /** @import { Report, Target } from './pairs.js' */
@@ -14,10 +15,9 @@ void show();
 /** Shows the report, or why there is none. */
 async function show() {
   try {
-    const catalogue = await Catalogue.load(service);
-    byId('bank').textContent = `${catalogue.clips.size} clips, baseline ${catalogue.baseline}`;
-    byId('bank').title = `Bank ${catalogue.server.bank}`;
-    const report = /** @type {Report} */ (await service.json('/v1/report'));
+    const catalogue = await withToken(service, () => Catalogue.load(service));
+    describeBank(byId('bank'), catalogue);
+    const report = /** @type {Report} */ (await withToken(service, () => service.json('/v1/report')));
     const table = new PairTable(report, catalogue.clips);
     main.replaceChildren(
       make('h2', { class: 'title' }, 'How close splices are to the true motion'),
@@ -27,12 +27,8 @@ async function show() {
         + 'Point at a column\'s name to see what it measures.'),
     );
   } catch (error) {
-    if (error instanceof RefusedError && error.type === 'token') {
-      await askForToken(service);
-      return show();
-    }
-    if (error instanceof RefusedError && error.type === 'report') main.replaceChildren(...missing(error.message));
-    else main.replaceChildren(make('p', { class: 'warning' }, error instanceof Error ? error.message : String(error)), button('Try again', show));
+    if (isRefused(error, 'report')) main.replaceChildren(...missing(error.message));
+    else main.replaceChildren(make('p', { class: 'warning' }, messageOf(error)), button('Try again', show));
   }
 }
 

@@ -1,5 +1,7 @@
 /** What the page computes from the report: its columns, their order, and the links to the viewer. */
 
+import { matcher } from '../words.js';
+
 /**
  * @typedef {object} Method
  * @property {string} method
@@ -97,11 +99,8 @@ export function sorted(pairs, key, isDown) {
  * @param {string} text
  */
 export function filtered(pairs, text) {
-  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
-  return pairs.filter(({ locomotion, action, truth, example }) => {
-    const own = [locomotion, action, truth, example].join(' ').toLowerCase();
-    return words.every((word) => own.includes(word));
-  });
+  const matches = matcher(text);
+  return pairs.filter(({ locomotion, action, truth, example }) => matches([locomotion, action, truth, example].join(' ')));
 }
 
 /**

@@ -1,4 +1,4 @@
-import { button, make, newId } from '../panels/dom.js';
+import { button, make, newId, swatch } from '../panels/dom.js';
 import { SIDES } from '../takes.js';
 import { COLUMNS, filtered, grade, linkTo, meanOf, sorted } from './pairs.js';
 import { painter, strip } from './strip.js';
@@ -17,7 +17,7 @@ export class PairTable {
 
   /**
    * @param {Report} report
-   * @param {{ has(name: string): boolean, keys(): Iterable<string> }} clips of the bank that is served
+   * @param {{ has(name: string): boolean }} clips of the bank that is served
    */
   constructor(report, clips) {
     this.pairs = report.pairs;
@@ -61,12 +61,7 @@ export class PairTable {
   }
 
   #legend() {
-    const signs = /** @type {const} */ (['naive', 'splice']).map((side) => {
-      const swatch = make('span', { class: 'swatch', 'aria-hidden': 'true' });
-      swatch.style.background = SIDES[side].colour;
-      return make('span', {}, swatch, SIDES[side].label);
-    });
-    return make('p', { class: 'legend' }, ...signs);
+    return make('p', { class: 'legend' }, ...[SIDES.naive, SIDES.splice].map(({ label, colour }) => make('span', {}, swatch(colour), label)));
   }
 
   /**

@@ -1,5 +1,6 @@
 import { contactsOf, differencesOf, mismatchesOf } from './facts.js';
 import { byId } from './panels/dom.js';
+import { VIEWS } from './panels/choices.js';
 import { Readout } from './readout.js';
 import { Show } from './show.js';
 import { Stage } from './scene/stage.js';
@@ -190,7 +191,7 @@ export class Viewer {
   /** @param {Set<Key>} changed */
   #look(changed) {
     const { view, follow } = this.state.values;
-    if (changed.has('view') && ['free', 'front', 'side', 'top'].includes(view)) this.view.set(/** @type {ViewName} */ (view));
+    if (changed.has('view') && Object.hasOwn(VIEWS, view)) this.view.set(/** @type {ViewName} */ (view));
     if (changed.has('follow')) this.view.follow(follow);
     if (changed.has('camera') && !this.state.values.camera) this.view.home();
   }

@@ -1,3 +1,4 @@
+import { messageOf } from '../errors.js';
 import { connect } from '../vendor/motionsplice.js';
 import { member, repertoireOf } from './cast.js';
 
@@ -47,7 +48,7 @@ export class Company {
     try {
       while (this.#wanted && this.#wanted !== this.members.length) await this.#step();
     } catch (error) {
-      if (this.#wanted) this.onproblem(error instanceof Error ? error.message : String(error));
+      if (this.#wanted) this.onproblem(messageOf(error));
     } finally {
       this.#isBusy = false;
     }

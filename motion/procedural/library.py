@@ -100,8 +100,8 @@ def moving(
         lean=path.lean(time),
         time=time,
     )
-    world = lower.world | _upper_body(lower.world["Hips"], rhythm, *upper(carriage, rhythm))
-    return Clip(name, SKELETON, rate, lower.root, _local(world))
+    world = lower.world | upper_body(lower.world["Hips"], rhythm, *upper(carriage, rhythm))
+    return Clip(name, SKELETON, rate, lower.root, local_of(world))
 
 
 def standing(
@@ -116,9 +116,9 @@ def standing(
     hips = euler(heading + 0.3 * aside, still, still)
     legs = [f"{side}{part}" for side in ("Left", "Right") for part in ("UpLeg", "Leg", "Foot", "ToeBase")]
     carriage = catalogue.LOCOMOTIONS["walk"].carriage(still)
-    world = dict.fromkeys(["Hips", *legs], hips) | _upper_body(hips, rhythm, *upper(carriage, rhythm))
+    world = dict.fromkeys(["Hips", *legs], hips) | upper_body(hips, rhythm, *upper(carriage, rhythm))
     height = 0.03 + THIGH + SHANK + ANKLE_HEIGHT
-    return Clip(name, SKELETON, rate, np.tile([0.0, height, 0.0], (len(time), 1)), _local(world))
+    return Clip(name, SKELETON, rate, np.tile([0.0, height, 0.0], (len(time), 1)), local_of(world))
 
 
 _SAMPLE_SEEDS = {name: seed for seed, name in enumerate(_NUMBERS, start=1)}
@@ -135,10 +135,12 @@ def truth(locomotion: str, action: str) -> Clip:
     return make(locomotion, action, seed=_SAMPLE_SEEDS[locomotion])
 
 
-def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Arm]) -> dict[str, Floats]:
+def upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Arm]) -> dict[str, Floats]:
     """Returns the world rotations [F, 4] of the upper body's joints by name."""
     shoulders = euler(rhythm.shoulders + chest.yaw, chest.pitch, chest.roll)
-    gaze = euler(rhythm.gaze + 0.15 * chest.yaw, 0.3 * chest.pitch + 0.02, 0.25 * chest.roll)
+    gaze = euler(
+        rhythm.gaze + 0.15 * chest.yaw + chest.glance, 0.3 * chest.pitch + 0.02 + chest.nod, 0.25 * chest.roll
+    )
     world = {
         "Spine": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.45)),
         "Spine1": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.75)),
@@ -155,6 +157,6 @@ def _upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Ar
     return world
 
 
-def _local(world: dict[str, Floats]) -> Floats:
+def local_of(world: dict[str, Floats]) -> Floats:
     """Converts world rotations [F, 4] by joint name to rotations [F, J, 4] in the parents' frames."""
     return local_rotations(SKELETON, np.stack([world[name] for name in SKELETON.names], axis=1))

@@ -67,11 +67,16 @@ class Rhythm:
 
 @dataclass(frozen=True)
 class Trunk:
-    """The chest's yaw relative to the shoulders' heading, its pitch and its roll, each [F], radians."""
+    """The chest's yaw relative to the shoulders' heading, its pitch and its roll, each [F], radians.
+
+    glance, nod: how far the head turns to the left, and down, on purpose.
+    """
 
     yaw: Floats
     pitch: Floats
     roll: Floats
+    glance: float | Floats = 0.0
+    nod: float | Floats = 0.0
 
 
 @dataclass(frozen=True)

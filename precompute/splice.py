@@ -15,12 +15,14 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError, SkeletonError
 from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.parts import TRUNK, part_of_joint
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP, WORKING_RATE
 from motionsplice.precompute.alignment.timewarp import TimeWarp, align_pair
 from motionsplice.precompute.body.posture import Torso, measure_torso
+from motionsplice.runtime.format.standing import Standing
 
 Posture = Literal["relative", "absolute", "off"]
 
@@ -85,6 +87,52 @@ def splice_exact(
         turn = quaternion.multiply(offsets_u, quaternion.conjugate(offsets_l))
         result = transfer_posture(result, torso_l, turn, roles)
     return WholeClipSplice(result, action_frames, warp)
+
+
+def splice_standing(
+    locomotion: Clip, action: Clip, roles: Roles, standing: Standing, *, start: float = 0.0
+) -> Clip:
+    """Lays an action without a gait on a locomotion, at the action's own speed (docs/method.md).
+
+    Each joint adds the action's departure from its stance to the locomotion's own rotation, so at a stance nothing of
+    the locomotion changes. A part's usage weight takes it from there to the action's own rotation.
+
+    Args:
+        locomotion: The clip that gives the root, the lower body and the carriage of the torso.
+        action: The standing action. It has the locomotion's skeleton.
+        roles: Which joint of the skeleton is which.
+        standing: How the action departs from its stance, at its own frames (`Bank.standing`).
+        start: Seconds into the action at which it begins.
+
+    Returns:
+        A clip of the locomotion's length and rate. After the action's last frame it holds this frame.
+
+    Raises:
+        SkeletonError: The clips have different joints.
+        ClipError: The hips of a frame show no facing direction.
+    """
+    check_same_rig(locomotion, action)
+    frames = (start + np.arange(locomotion.frame_count) / locomotion.rate) * action.rate
+    before, after, t = quaternion.neighbours(action.frame_count, frames)
+    posed = action.sampled(np.minimum(frames, action.frame_count - 1.0))[1]
+    usage = standing.usage[before] + t[:, None] * (standing.usage[after] - standing.usage[before])
+    rotations, parts = locomotion.rotations.copy(), part_of_joint(locomotion.skeleton, roles)
+    for joint in locomotion.skeleton.subtree(roles.pelvis):
+        if joint != roles.pelvis and standing.parts >> parts[joint] & 1:
+            departure = quaternion.multiply(quaternion.conjugate(standing.stance[joint]), posed[:, joint])
+            added = quaternion.multiply(locomotion.rotations[:, joint], departure)
+            rotations[:, joint] = _nearer(added, posed[:, joint], usage[:, parts[joint]])
+    result = replace(locomotion, name=f"{locomotion.name}+{action.name}", rotations=rotations)
+    if not standing.parts & TRUNK:
+        return result
+    turns = quaternion.slerp(standing.turns[before], standing.turns[after], t)
+    return transfer_posture(result, measure_torso(locomotion, roles), turns, roles)
+
+
+def _nearer(a: Floats, b: Floats, share: Floats) -> Floats:
+    """Returns rotations [F, 4] a `share` [F] of the way from a to b along the shorter arc, as a normalised mean."""
+    near = np.where(np.sum(a * b, axis=-1) >= 0.0, share, -share)[:, None]
+    return quaternion.normalise((1.0 - share[:, None]) * a + near * b)
 
 
 def splice_naive(locomotion: Clip, action: Clip, roles: Roles) -> Clip:

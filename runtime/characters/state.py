@@ -10,6 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
+from motionsplice.motion.parts import MASKS as MASKS
+from motionsplice.motion.parts import PARTS as PARTS
+from motionsplice.motion.parts import TRUNK as TRUNK
+from motionsplice.motion.parts import UPPER_BODY as UPPER_BODY
+from motionsplice.motion.parts import Mask as Mask
 from motionsplice.runtime.kernels.arrays import MEMORY_COLUMNS
 
 MOST_MIXED = 4  # locomotions in a group
@@ -51,27 +56,16 @@ BARE = -1  # the clip's own hands
 OWN = 0  # kind of an action slot: the locomotion's own upper body; other kinds are NAIVE and SPLICE
 NEVER, NOW, IN_PHASE, ON_LEFT, ON_RIGHT, ON_FOOT = range(6)
 LINEAR, SMOOTH, EASE_IN, EASE_OUT = range(4)
-TRUNK, LEFT_ARM, RIGHT_ARM, HEAD_AND_NECK = 1, 2, 4, 8  # parts of an upper body
-PARTS = 4
-UPPER_BODY = 15
 LEFT_DOWN, LEFT_UP, RIGHT_DOWN, RIGHT_UP, STRIDE, LOCOMOTION_ENDED, ACTION_BEGAN, ACTION_ENDED = (
     1 << bit for bit in range(8)
 )
 
 When = Literal["now", "phase", "left_foot", "right_foot", "foot"]
 Curve = Literal["linear", "smooth", "ease_in", "ease_out"]
-Mask = Literal["upper_body", "left_arm", "right_arm", "arms", "head"]
 WHENS: Mapping[str, int] = {
     "now": NOW, "phase": IN_PHASE, "left_foot": ON_LEFT, "right_foot": ON_RIGHT, "foot": ON_FOOT,
 }  # fmt: skip
 CURVES: Mapping[str, int] = {"linear": LINEAR, "smooth": SMOOTH, "ease_in": EASE_IN, "ease_out": EASE_OUT}
-MASKS: Mapping[str, int] = {
-    "upper_body": UPPER_BODY,
-    "left_arm": LEFT_ARM,
-    "right_arm": RIGHT_ARM,
-    "arms": LEFT_ARM | RIGHT_ARM,
-    "head": HEAD_AND_NECK,
-}
 EVENT_NAMES: Mapping[int, str] = {
     LEFT_DOWN: "left_down",
     LEFT_UP: "left_up",

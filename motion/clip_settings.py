@@ -3,6 +3,7 @@
 [walk_box]
 kind = "action"          # or "locomotion", the default
 neutral = "walk"         # the clip that its posture is relative to
+mask = "right_arm"       # the parts that an action without a gait poses; measured if left out
 tags = ["carry"]
 skip_frames = 1          # leading frames that are not motion, such as a T-pose
 unit = "cm"
@@ -28,6 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from motionsplice.motion.errors import SettingsError, did_you_mean
+from motionsplice.motion.parts import MASKS
 from motionsplice.motion.roles import GivenRole, read_roles_file
 
 FILE_NAME = "clips.toml"
@@ -36,6 +38,7 @@ AXES = ("x", "y", "z", "-x", "-y", "-z")  # those that may be up
 VALUES = {
     "kind": '"locomotion" or "action"',
     "neutral": "the name of a clip, in quotes",
+    "mask": ", ".join(f'"{name}"' for name in MASKS),
     "tags": 'a list of strings, such as ["carry"]',
     "skip_frames": "a whole number, 0 or more",
     "unit": 'a string, such as "cm"',
@@ -54,6 +57,7 @@ class ClipSettings:
         kind: "locomotion" or "action".
         neutral: The name of the clip that this clip's posture is relative to; None for the locomotion nearest
             in gait.
+        mask: The parts that an action without a gait poses alone, one of `MASKS`; None to measure them.
         tags: Any words, which the bank stores with the clip.
         skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
         unit: The file's unit of length, as `read_clip` takes it; None to take it from the file or guess it.
@@ -65,6 +69,7 @@ class ClipSettings:
 
     kind: str = "locomotion"
     neutral: str | None = None
+    mask: str | None = None
     tags: tuple[str, ...] = ()
     skip_frames: int = 0
     unit: str | None = None
@@ -129,6 +134,7 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
         for key, valid in {
             "kind": settings.kind in KINDS,
             "neutral": isinstance(settings.neutral, str | None),
+            "mask": settings.mask is None or (isinstance(settings.mask, str) and settings.mask in MASKS),
             "tags": isinstance(tags, list) and all(isinstance(tag, str) for tag in settings.tags),
             "skip_frames": type(settings.skip_frames) is int and settings.skip_frames >= 0,
             "unit": isinstance(settings.unit, str | None),

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BankError, UnknownClipError, did_you_mean
 from motionsplice.motion.roles import Roles
@@ -27,6 +28,7 @@ from motionsplice.runtime.format.manifest import (
     Manifest,
 )
 from motionsplice.runtime.format.rows import Layout, TorsoRows
+from motionsplice.runtime.format.standing import Standing
 
 TABLE_FOLDER = "tables"
 
@@ -241,6 +243,25 @@ class Bank:
             UnknownClipError: The bank has no such clip.
         """
         return self.layout.torso(self.tables["lower"][self._rows(name, seam)])
+
+    def standing(self, name: str, *, seam: bool = False) -> Standing | None:
+        """Returns how a standing action departs from its stance at each frame; None for any other clip.
+
+        With `seam`, at the frames of its seam too.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
+        entry, rows = self.clip(name), self._rows(name, seam)
+        if not entry.stands:
+            return None
+        upper, bind = self.tables["upper"][rows], np.tile(quaternion.IDENTITY, (self.skeleton.joint_count, 1))
+        return Standing(
+            stance=self.layout.stance(self.tables["stances"][entry.stance], bind),
+            turns=self.torso(name, seam=seam).offsets,
+            usage=self.layout.usage(upper),
+            parts=entry.parts,
+        )
 
     def phase(self, name: str) -> NDArray[np.float64]:
         """Returns the phase [F] of each frame of a clip, in cycles of the baseline.

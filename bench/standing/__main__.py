@@ -93,10 +93,12 @@ def errors_of(
     for locomotion in LOCOMOTIONS:
         for action, performer in performers.items():
             truth = standing_truth(locomotion, action, performer, locomotion_seed=_seed(locomotion, seed), seed=seed)
-            clips = bank.motion(locomotion), bank.motion(action)
+            clips, standing = (bank.motion(locomotion), bank.motion(action)), bank.standing(action)
+            assert standing is not None
             results: dict[str, Clip] = {
                 "replaced": evaluator.clip(Splice(locomotion, action, method="naive")),
                 "additive": add(*clips, bank.roles),
+                "offline": splice_standing(*clips, bank.roles, standing),
                 "bank": evaluator.clip(Splice(locomotion, action)),
             }
             frames = round(SECONDS * truth.rate) + 1

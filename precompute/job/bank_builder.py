@@ -16,12 +16,15 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion.parts import UPPER_BODY
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.hands.rows import LaidHands
+from motionsplice.precompute.job.standing import standing_of
 from motionsplice.precompute.preparation.prepared import PreparedClip, has_gait
+from motionsplice.precompute.preparation.standing import Measured
 from motionsplice.precompute.preparation.torso_offset import shoulder_motion, torso_offsets
 from motionsplice.runtime.bank import TABLE_FOLDER
 from motionsplice.runtime.format.manifest import (
@@ -58,25 +61,28 @@ def write_bank(
     clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(skeleton, roles)
     laid = sorted(hands, key=lambda one: (one.name, one.body))
     laid_rows = sum(len(one.rows) for one in laid)
-    folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips)
+    standing = standing_of(clips, skeleton, roles)
+    usages = {name: one.standing.usage for name, one in standing.items()}
+    folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips, standing)
     folder.mkdir(parents=True, exist_ok=True)
     rows, numbers = sum(len(one.phase) for one in clips), {one.name: number for number, one in enumerate(clips)}
     parts: dict[str, tuple[int, Iterable[NDArray[Any]]]] = {
-        "lower": (rows, _rows("lower", layout, clips, offsets)),
-        "upper": (rows, _rows("upper", layout, clips, offsets)),
+        "lower": (rows, _rows("lower", layout, clips, offsets, {})),
+        "upper": (rows, _rows("upper", layout, clips, offsets, usages)),
         "phase_of_frame": (rows, (one.phase for one in clips)),
         "frame_of_phase": (CELLS_PER_FRAME * rows, (frame_of_phase(one.phase) for one in clips)),
         "paths": (rows, (one.path for one in clips)),
         "contacts": (rows, (one.contacts for one in clips)),
         "postures": (len(clips), (one.posture[None] for one in clips)),
         "neutral": (len(clips), (np.array([numbers[one.neutral]]) for one in clips)),
+        "stances": (len(standing), _stances(layout, standing)),
         "hands": (laid_rows, [np.zeros((0, layout.hands.columns)), *(one.rows for one in laid)]),
         "hand_frames": (laid_rows, [np.zeros((0, 2)), *(one.frames for one in laid)]),
     }
     digests = {name: write_table(folder, TABLES[name][0], *parts[name]) for name in TABLES}
     stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
     before = _tables_in_use(path / MANIFEST)
-    digest = write_manifest(path, skeleton, roles, stride, _entries(clips, offsets), digests, _hands_entries(laid))
+    digest = write_manifest(path, skeleton, roles, stride, _entries(clips, offsets, standing), digests, _hands_entries(laid))
     for file in folder.glob("*.npy"):
         if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
             file.unlink()
@@ -143,21 +149,36 @@ def write_table(folder: Path, kind: type, length: int, parts: Iterable[NDArray[A
 
 
 def _rows(
-    half: str, layout: Layout, clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]
+    half: str,
+    layout: Layout,
+    clips: Sequence[PreparedClip],
+    offsets: Mapping[str, Floats],
+    usages: Mapping[str, Floats],
 ) -> Iterator[NDArray[np.float32]]:
-    """Yields each clip's rows of a table, with its torso offsets."""
+    """Yields each clip's rows of a table, with its torso offsets and usage weights."""
     for clip in clips:
         rows = clip.fetch(half)
         if clip.name in offsets:
             rows = rows.copy()
             layout.set_torso_offsets(half, rows, offsets[clip.name])
+        if clip.name in usages:
+            layout.set_usage(rows, usages[clip.name])
         yield rows
 
 
-def _entries(clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]) -> list[ClipEntry]:
+def _stances(layout: Layout, standing: Mapping[str, Measured]) -> Iterator[NDArray[np.float32]]:
+    """Yields the rows of the table `stances`."""
+    yield np.zeros((0, layout.upper.columns), np.float32)
+    for one in standing.values():
+        yield layout.pack_stance(one.standing.stance)
+
+
+def _entries(
+    clips: Sequence[PreparedClip], offsets: Mapping[str, Floats], standing: Mapping[str, Measured]
+) -> list[ClipEntry]:
     entries, row = [], 0
     for one in clips:
-        rows, moved = len(one.phase), offsets.get(one.name)
+        rows, moved, stands = len(one.phase), offsets.get(one.name), standing.get(one.name)
         entries.append(
             ClipEntry(
                 name=one.name,
@@ -177,8 +198,11 @@ def _entries(clips: Sequence[PreparedClip], offsets: Mapping[str, Floats]) -> li
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
                 shoulder_motion=0.0 if moved is None else shoulder_motion(moved[: one.frame_count]),
-                warnings=one.warnings,
-                notes=one.notes,
+                stance=-1 if stands is None else list(standing).index(one.name),
+                parts=UPPER_BODY if stands is None else stands.standing.parts,
+                uses=() if stands is None else stands.uses,
+                warnings=one.warnings if stands is None else (*one.warnings, *stands.warnings),
+                notes=one.notes if stands is None else (*one.notes, stands.note),
                 source=one.source,
             )
         )
@@ -208,13 +232,13 @@ def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:
     return entries
 
 
-def _torso_offsets(clips: Sequence[PreparedClip]) -> dict[str, Floats]:
-    """Returns torso offsets [rows, 4] by clip name, of the clips that are not their own neutral."""
+def _torso_offsets(clips: Sequence[PreparedClip], standing: Mapping[str, Measured]) -> dict[str, Floats]:
+    """Returns torso offsets [rows, 4] by clip name, of standing actions and of clips that are not their own neutral."""
     strides = {one.name: one.stride for one in clips}
-    return {
+    return {name: one.standing.turns for name, one in standing.items()} | {
         one.name: torso_offsets(one.fetch("upright"), one.phase, one.rate, strides[one.neutral], one.period)
         for one in clips
-        if one.neutral != one.name
+        if one.neutral != one.name and one.name not in standing
     }
 
 

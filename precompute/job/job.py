@@ -38,6 +38,7 @@ from motionsplice.precompute.job.hand_work import (
 from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
 from motionsplice.precompute.job.outcome import Outcome, Progress
 from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
+from motionsplice.precompute.job.standing import fail_with_missing_limbs
 from motionsplice.precompute.job.sources import find_sources
 from motionsplice.precompute.job.workers import outcomes, workers
 from motionsplice.runtime.bank import Bank
@@ -186,6 +187,7 @@ class Job:
         Raises BaselineError if the baseline itself failed.
         """
         new = self._do("aligning", preparation, self._without_failed(self.clips))
+        fail_with_missing_limbs(self.clips, preparation.rig, self.failed)
         fail_without_neutral(self.clips, self.failed)
         if preparation.ring.name in self.failed:
             raise BaselineError(f"the baseline cannot be used: {self.failed[preparation.ring.name]}")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
 from motionsplice.precompute.job.clip_work import Clips
 from motionsplice.precompute.preparation.neutral import nearest_gait
-from motionsplice.precompute.preparation.prepared import PreparedClip
+from motionsplice.precompute.preparation.prepared import PreparedClip, has_gait
 
 
 def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
@@ -22,15 +22,25 @@ def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
 
 
 def with_neutrals(prepared: Sequence[PreparedClip], baseline: str) -> list[PreparedClip]:
-    """Returns each clip with its neutral.
+    """Returns each clip with its neutral, and whether it is a standing action.
 
     The neutral is the clip that its settings name. Without one, a locomotion is its own neutral, and an action's is the
-    locomotion nearest in gait, or the baseline if there are no locomotions.
+    locomotion nearest in gait, or the baseline if there are no locomotions. An action stands if it has no gait, or if
+    its named neutral has none. Its neutral is a clip without a gait, or itself: then its own frames at rest count.
     """
+    gaits = {one.name: has_gait(one.alignment) for one in prepared}
     locomotions = {one.name: one for one in prepared if one.kind == "locomotion"}
     candidates = locomotions or {one.name: one for one in prepared if one.name == baseline}
 
     def neutral_of(one: PreparedClip) -> str:
         return one.neutral or (one.name if one.kind == "locomotion" else nearest_gait(one, candidates))
 
-    return [replace(one, neutral=neutral_of(one)) for one in prepared]
+    def labelled(one: PreparedClip) -> PreparedClip:
+        if one.kind == "locomotion" or (gaits[one.name] and gaits.get(one.neutral, True)):
+            return replace(one, neutral=neutral_of(one))
+        if one.neutral and gaits[one.neutral]:
+            warning = f"stands, so {one.neutral!r}, which walks, cannot be its neutral; its own frames at rest are used"
+            return replace(one, neutral=one.name, stands=True, file_warnings=(*one.file_warnings, warning))
+        return replace(one, neutral=one.neutral or one.name, stands=True)
+
+    return [labelled(one) for one in prepared]

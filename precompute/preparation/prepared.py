@@ -37,7 +37,8 @@ class PreparedClip:
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
     name: the clip's rows in the tables `lower` and `upper`, or `upright`, its torso clouds [rows, P, 3] in metres.
-    kind: `locomotion` or `action`. neutral: name of the clip that its posture is relative to. notes: from reading and
+    kind: `locomotion` or `action`. neutral: name of the clip that its posture is relative to. stands: whether it is an
+    action without a gait, laid on locomotions as what it adds to a stance. mask: the parts that it then poses. notes: from reading and
     moving it. file_warnings: from reading its file. source: digest of that file.
     """
 
@@ -56,6 +57,8 @@ class PreparedClip:
     fetch: Callable[[str], NDArray[Any]]
     kind: str = "locomotion"
     neutral: str = ""
+    stands: bool = False
+    mask: str | None = None
     tags: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     file_warnings: tuple[str, ...] = ()
@@ -65,6 +68,10 @@ class PreparedClip:
     def warnings(self) -> tuple[str, ...]:
         """What the user should know before using the clip."""
         warnings = list(self.file_warnings)
+        if self.stands:
+            return tuple(warnings)
+        if self.mask is not None:
+            warnings.append("its mask is not used: it is no action without a gait")
         if self.alignment.swing < LEAST_SWING:
             warnings.append("does not look like locomotion: its legs hardly move")
         elif not has_gait(self.alignment):

@@ -49,24 +49,30 @@ class Stance:
 def rest_frames(clip: Clip, roles: Roles) -> NDArray[np.int64]:
     """Returns the frames at rest before and after the gesture [n]; none if the clip neither begins nor ends at rest.
 
-    If it begins and ends in different poses, only the rest whose wrists hang lower counts.
+    A clip begins at rest if it stays near its first pose for SHORTEST_REST, or if its last pose is the same and the arms
+    hang. If it begins and ends in different poses at rest, only the one whose wrists are lower counts.
     """
-    seen = [joint for joint in (roles.left_elbow, roles.right_elbow, roles.neck, roles.head) if joint >= 0]
-    paths = joint_paths(clip, (roles.pelvis, roles.left_wrist, roles.right_wrist, *seen))
+    arms = (roles.left_wrist, roles.left_elbow, roles.left_shoulder)
+    arms += (roles.right_wrist, roles.right_elbow, roles.right_shoulder)
+    paths = joint_paths(clip, (roles.pelvis, *arms, *(joint for joint in (roles.neck, roles.head) if joint >= 0)))
     turn = quaternion.about(UP, -_facing(clip, roles))[:, None]
     poses = quaternion.rotate(turn, paths[:, 1:] - paths[:, :1])
     still = STILL * roles.leg_length(clip.skeleton)
-    rests = []
-    for end in (poses, poses[::-1]):
-        away = np.linalg.norm(end - end[0], axis=-1).max(axis=1) > still
-        lasting = int(np.argmax(away)) if away.any() else len(end)
-        rests.append(lasting if lasting > SHORTEST_REST * clip.rate else 0)
-    first, last = rests
-    if first and last and np.linalg.norm(poses[0] - poses[-1], axis=-1).max() > 2.0 * still:
-        lower = poses[0, :2, 1].mean() <= poses[-1, :2, 1].mean()
+    same = np.linalg.norm(poses[0] - poses[-1], axis=-1).max() <= 2.0 * still
+    heights = poses[[0, -1], :6, 1].reshape(2, 2, 3)
+    shortest = 0.0 if same and (np.diff(heights) > 0.0).all() else SHORTEST_REST * clip.rate
+    first, last = (lasting if lasting > shortest else 0 for lasting in (_lasting(poses, still), _lasting(poses[::-1], still)))
+    if first and last and not same:
+        lower = heights[0, :, 0].mean() <= heights[1, :, 0].mean()
         first, last = (first, 0) if lower else (0, last)
     frames = np.arange(clip.frame_count)
     return frames[(frames < first) | (frames >= clip.frame_count - last)]
+
+
+def _lasting(poses: Floats, still: float) -> int:
+    """Returns for how many frames [F, n, 3] no joint is farther than `still` from where it is in the first."""
+    away = np.linalg.norm(poses - poses[0], axis=-1).max(axis=1) > still
+    return int(np.argmax(away)) if away.any() else len(poses)
 
 
 def departures(clip: Clip, stance: Stance, roles: Roles, rest: NDArray[np.int64]) -> Standing:

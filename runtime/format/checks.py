@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import BankError
+from motionsplice.motion.parts import UPPER_BODY
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import (
     CELLS,
@@ -19,6 +20,7 @@ from motionsplice.runtime.format.manifest import (
     LOWER,
     REBUILD,
     ROWS,
+    STANCES,
     TABLES,
     UPPER,
     C,
@@ -68,18 +70,20 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
     sizes = {C: len(clips), LOWER: layout.lower.columns, UPPER: layout.upper.columns, HANDS: layout.hands.columns}
     sizes[HAND_ROWS] = sum(rows_of[one.body] for one in manifest.hands)
     sizes[ROWS] = sum(clip.row_count for clip in clips)
+    sizes[STANCES] = sum(clip.stance >= 0 for clip in clips)
     sizes[CELLS] = sum(clip.cell_count for clip in clips)
     for name, (kind, shape) in TABLES.items():
         table, wanted = tables[name], tuple(sizes.get(str(axis), axis) for axis in shape)
         if table.dtype != kind or table.shape != wanted or not table.flags.c_contiguous:
             return f"table {name!r}: expected {np.dtype(kind)}{wanted}, found {table.dtype}{table.shape}"
-    row = cell = 0
+    row = cell = stance = 0
     for clip in clips:
-        follows = clip.first_row == row and clip.first_cell == cell
+        follows = clip.first_row == row and clip.first_cell == cell and clip.stance in (-1, stance)
+        follows &= 0 <= clip.parts <= UPPER_BODY
         sized = 2 <= clip.frame_count <= clip.row_count and clip.cell_count >= 2 and 0.0 < clip.rate < 1e6
         if not (follows and sized and 0 <= clip.loop < clip.last_phase - clip.first_phase < 1e9):
             return f"the entry of clip {clip.name!r} does not match the tables"
-        row, cell = row + clip.row_count, cell + clip.cell_count
+        row, cell, stance = row + clip.row_count, cell + clip.cell_count, max(stance, clip.stance + 1)
     return ""
 
 

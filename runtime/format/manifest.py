@@ -17,13 +17,13 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
 FORMAT = "motionsplice bank"
-VERSION = 5
+VERSION = 6
 MANIFEST = "manifest.msgpack"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
 REBUILD = "Build it again with `motionsplice precompute`"
 
 ROWS, LOWER, UPPER, C, CELLS = "rows", "lower columns", "upper columns", "clips", "cells"
-HAND_ROWS, HANDS = "rows of hands", "columns of hands"
+HAND_ROWS, HANDS, STANCES = "rows of hands", "columns of hands", "stances"
 TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "lower": (np.float32, (ROWS, LOWER)),
     "upper": (np.float32, (ROWS, UPPER)),
@@ -33,6 +33,7 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "contacts": (np.uint8, (ROWS,)),
     "postures": (np.float64, (C, 2, 3)),
     "neutral": (np.int32, (C,)),
+    "stances": (np.float32, (STANCES, UPPER)),
     "hands": (np.float32, (HAND_ROWS, HANDS)),
     "hand_frames": (np.float64, (HAND_ROWS, 2)),
 }
@@ -61,6 +62,9 @@ class ClipEntry:
         mean_mismatch: Mean distance of the alignment, metres.
         worst_mismatch: Largest distance of the alignment, metres.
         shoulder_motion: How far its torso moves beyond the gait of its neutral, radians.
+        stance: Row of its stance in the table `stances`; -1 if it is no standing action.
+        parts: Bits of the parts that a standing action drives (`motion.parts`).
+        uses: Names of the parts that a standing action uses.
         warnings: Problems found by the offline job.
         notes: Remarks of the offline job.
         source: Digest of the file.
@@ -83,9 +87,17 @@ class ClipEntry:
     mean_mismatch: float
     worst_mismatch: float
     shoulder_motion: float
+    stance: int
+    parts: int
+    uses: tuple[str, ...]
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
     source: str
+
+    @property
+    def stands(self) -> bool:
+        """Whether it is a standing action: without a gait, laid on a locomotion as what it adds to its stance."""
+        return self.stance >= 0
 
     @property
     def duration(self) -> float:

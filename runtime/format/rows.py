@@ -24,6 +24,7 @@ Float32s = NDArray[np.float32]
 
 ROOT, SIZE, CLOUD = 0, 3, 4  # first columns
 PELVIS, POSTURE_FRAME, TORSO_OFFSET, FIRST_JOINT = 0, 1, 2, 3  # lanes
+USAGE = 4  # floats of `upper` before the first plane, one for each part of an upper body
 LINE = 16  # floats in a cache line
 
 
@@ -123,6 +124,26 @@ class Layout:
     def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
         """Writes torso offsets [n, 4] into rows [n, columns] of a table."""
         self.halves[half].lanes(rows)[:, TORSO_OFFSET] = offsets
+
+    def set_usage(self, rows: Float32s, usage: Floats) -> None:
+        """Writes usage weights [n, PARTS] into rows [n, columns] of the table `upper`."""
+        rows[:, self.upper.first_plane - USAGE : self.upper.first_plane] = usage
+
+    def usage(self, rows: Float32s) -> Floats:
+        """Returns the usage weights [n, PARTS] in rows [n, columns] of the table `upper`."""
+        return rows[:, self.upper.first_plane - USAGE : self.upper.first_plane].astype(np.float64)
+
+    def pack_stance(self, rotations: Floats) -> Float32s:
+        """Returns the row [1, columns] of the table `stances` for a pose [J, 4]; only its rotations are not zero."""
+        none = TorsoRows(np.zeros((1, self.points, 3)), quaternion.IDENTITY[None], quaternion.IDENTITY[None])
+        return self.pack(np.zeros((1, 3)), rotations[None], none)["upper"]
+
+    def stance(self, row: Float32s, rotations: Floats) -> Floats:
+        """Returns `rotations` [J, 4] with those of the upper body from a row [columns] of the table `stances`."""
+        posed, lanes = rotations.copy(), self.upper.lanes(row[None])[0]
+        posed[list(self.upper.joints)] = lanes[FIRST_JOINT : FIRST_JOINT + len(self.upper.joints)]
+        posed[self.pelvis] = lanes[PELVIS]
+        return posed
 
     def pack_hands(self, rotations: Floats) -> Float32s:
         """Returns the rows [n, columns] of the table `hands` for rotations [n, J, 4]."""

@@ -18,15 +18,17 @@ from numpy.typing import NDArray
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.parts import UPPER_BODY
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.job.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
-from motionsplice.runtime.bank import TABLE_FOLDER, Bank
+from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
 from motionsplice.runtime.format.rows import Layout, TorsoRows
+from motionsplice.runtime.format.tables import TABLE_FOLDER
 
 FEWEST_JOINTS, MOST_JOINTS = 15, 300  # with fewer joints, some role has none
 MOST_DRAWN = 50_000  # rows
@@ -83,6 +85,8 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True)
     digests = {"neutral": write_table(folder, TABLES["neutral"][0], size.clips, [np.arange(size.clips)])}
+    stances = np.zeros((0, Layout.of(skeleton, roles).upper.columns))
+    digests["stances"] = write_table(folder, TABLES["stances"][0], 0, [stances])
     for name in TABLES.keys() - digests.keys():
         length = size.clips * len(motions[0].tables[name])
         digests[name] = write_table(folder, TABLES[name][0], length, (motion.tables[name] for motion in motions))
@@ -93,7 +97,7 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
         if size.hands
     ]
     baseline = BaselineEntry(entries[0].name, 0.0, STRIDE, 0.0, 32)
-    write_manifest(path, skeleton, roles, baseline, entries, digests, hands)
+    write_manifest(path, skeleton, roles, None, baseline, entries, digests, hands)
     return Bank.open(path)
 
 
@@ -182,6 +186,9 @@ def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:
         mean_mismatch=0.0,
         worst_mismatch=0.0,
         shoulder_motion=0.0,
+        stance=-1,
+        parts=UPPER_BODY,
+        uses=(),
         warnings=(),
         notes=(),
         source="generated",

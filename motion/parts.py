@@ -15,6 +15,7 @@ TRUNK, LEFT_ARM, RIGHT_ARM, HEAD_AND_NECK = 1, 2, 4, 8
 PARTS = 4
 UPPER_BODY = 15
 PART_NAMES = ("trunk", "left arm", "right arm", "head")  # in order of their bits
+TWIN_PARTS = (0, 2, 1, 3)  # the number of the part that is each part's mirror image
 
 Mask = Literal["upper_body", "left_arm", "right_arm", "arms", "head"]
 MASKS: Mapping[str, int] = {

@@ -12,12 +12,12 @@ from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.parts import TRUNK, part_of_joint
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.splice import transfer_posture
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.format.manifest import ClipEntry
 from motionsplice.runtime.kernels.posture import LEAST_GAP
 
 
@@ -92,11 +92,11 @@ def pose(
     hands: str | None = None,
 ) -> tuple[Floats, Floats]:
     """One character's root position [3] and local rotations [J, 4], from the bank's clips in their editable form."""
-    entry_l, entry_u, phases = bank.clip(locomotion), bank.clip(action), bank.tables["phase_of_frame"]
+    entry_l, entry_u = bank.clip(locomotion), bank.clip(action)
     pelvis, upper = bank.roles.pelvis, bank.skeleton.subtree(bank.roles.pelvis)
 
-    def phase_between(entry: ClipEntry, frame: float) -> float:
-        own = phases[entry.first_row : entry.first_row + entry.frame_count]
+    def phase_between(clip: str, frame: float) -> float:
+        own = bank.phase(clip)
         return float(np.interp(frame, np.arange(len(own)), own))
 
     frame_l = time * entry_l.rate
@@ -107,24 +107,27 @@ def pose(
     if method == "naive":
         seconds = start + time
         frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
+    elif entry_u.stands:
+        frame_u = own_frame(bank, action, start + time)
     else:
-        phase = phase_between(entry_l, frame_l)
-        phase += math.ceil(phase_between(entry_u, start * entry_u.rate) - entry_l.first_phase - 1e-3) + cycles
+        phase = phase_between(locomotion, frame_l)
+        phase += math.ceil(phase_between(action, start * entry_u.rate) - entry_l.first_phase - 1e-3) + cycles
         while phase > entry_u.last_phase and entry_u.loop > 0:
             phase -= entry_u.loop
-        own = phases[entry_u.first_row : entry_u.first_row + entry_u.row_count]
-        frame_u = float(np.interp(phase, own, np.arange(entry_u.row_count)))
-    pelvis_l = rotations[pelvis].copy()
+        frame_u = float(np.interp(phase, bank.phase(action, seam=True), np.arange(entry_u.row_count)))
+    pelvis_l, own = rotations[pelvis].copy(), rotations.copy()
     rotations[upper] = bank.motion(action, seam=True).sampled([frame_u])[1][0, upper]
     wear(bank, hands, action, frame_u, rotations)
     if method == "naive":
         return root, rotations
+    if entry_u.stands and posture == "relative":
+        return root, laid_on(bank, own, rotation_between(bank.torso(locomotion).frames, frame_l), action, frame_u, rotations)
     torso_l, torso_u = bank.torso(locomotion), bank.torso(action, seam=True)
     clouds = vectors_between(torso_l.clouds, frame_l), vectors_between(torso_u.clouds, frame_u)
     turned = quaternion.multiply(pelvis_l, best_rotation(*clouds))
-    postures, turn = bank.tables["postures"], quaternion.IDENTITY
+    turn = quaternion.IDENTITY
     if posture == "absolute":
-        turn = best_rotation(postures[bank.number(action)], postures[bank.number(locomotion)])
+        turn = best_rotation(bank.posture(action), bank.posture(locomotion))
     elif posture == "relative":
         theirs, own = rotation_between(torso_u.offsets, frame_u), rotation_between(torso_l.offsets, frame_l)
         turn = quaternion.multiply(theirs, quaternion.conjugate(own))
@@ -132,6 +135,39 @@ def pose(
     world_turn = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
     rotations[pelvis] = quaternion.multiply(world_turn, turned)
     return root, rotations
+
+
+def own_frame(bank: Bank, clip: str, seconds: float) -> float:
+    """A clip's frame after so many seconds at its own speed: it goes on by its loop, or holds its last frame."""
+    entry, phase = bank.clip(clip), bank.phase(clip, seam=True)
+    frame, last = seconds * entry.rate, entry.row_count - 1.0
+    if entry.loop > 0:
+        lasting = last - float(np.interp(phase[-1] - entry.loop, phase, np.arange(len(phase))))
+        while frame > last:
+            frame -= lasting
+    return min(frame, last)
+
+
+def laid_on(bank: Bank, own: Floats, frame_l: Floats, action: str, at: float, posed: Floats) -> Floats:
+    """Lays a standing action's rotations `posed` [J, 4], at its frame `at`, on a locomotion's `own` [J, 4].
+
+    frame_l: [4] the locomotion's posture frame.
+    """
+    standing, pelvis = bank.standing(action, seam=True), bank.roles.pelvis
+    assert standing is not None
+    usage, parts = vectors_between(standing.usage, at), part_of_joint(bank.skeleton, bank.roles)
+    rotations = own.copy()
+    for joint in bank.skeleton.subtree(pelvis)[1:]:
+        if standing.parts >> parts[joint] & 1:
+            departure = quaternion.multiply(quaternion.conjugate(standing.stance[joint]), posed[joint])
+            added, share = quaternion.multiply(own[joint], departure), usage[parts[joint]]
+            mean = (1.0 - share) * added + share * posed[joint] * (1.0 if added @ posed[joint] >= 0.0 else -1.0)
+            rotations[joint] = mean / np.linalg.norm(mean)
+    if standing.parts & TRUNK:
+        turn = quaternion.multiply(frame_l, rotation_between(standing.turns, at))
+        turn = quaternion.multiply(turn, quaternion.conjugate(frame_l))
+        rotations[pelvis] = quaternion.multiply(turn, own[pelvis])
+    return rotations
 
 
 def wear(bank: Bank, hands: str | None, body: str, frame: float, rotations: Floats) -> None:
@@ -169,10 +205,10 @@ def best_rotation(target: Floats, source: Floats) -> Floats:
 
 def followed(bank: Bank, splice: Clip, locomotion: str, action: str, time_constant: float) -> Clip:
     """Turns a splice with posture `off` to the action's posture, by a running mean of its own."""
-    torso, postures = measure_torso(splice, bank.roles), bank.tables["postures"]
-    mean, share = postures[bank.number(locomotion)].copy(), 1.0 - math.exp(-1.0 / (splice.rate * time_constant))
+    torso = measure_torso(splice, bank.roles)
+    mean, share = bank.posture(locomotion).copy(), 1.0 - math.exp(-1.0 / (splice.rate * time_constant))
     turns = []
     for shoulders in torso.upright[:, -2:]:
         mean += share * (shoulders - mean)
-        turns.append(horn_rotation(postures[bank.number(action)], mean))
+        turns.append(horn_rotation(bank.posture(action), mean))
     return transfer_posture(splice, torso, np.array(turns), bank.roles)

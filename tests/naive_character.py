@@ -13,7 +13,7 @@ from motionsplice.motion.roles import common_ancestor
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.requests import METHODS, POSTURES
-from tests.naive import best_rotation, rotation_between, vectors_between
+from tests.naive import best_rotation, laid_on, rotation_between, vectors_between
 
 UP = [0.0, 1.0, 0.0]
 
@@ -61,7 +61,7 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
             sources.append(rotations)
             pelves.append(own_pelvis)
             continue
-        name, at = bank.clips[int(layer[col.CLIP])].name, layer[col.FRAME]
+        name, at = bank.numbered[int(layer[col.CLIP])].name, layer[col.FRAME]
         if layer[col.KIND] == METHODS["naive"]:
             last = bank.clip(name).frame_count - 1.0
             at = at if at <= last else at % last
@@ -71,13 +71,17 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
         if layer[col.KIND] == METHODS["naive"]:
             pelves.append(sampled[pelvis])
             continue
+        if is_added(bank, layer):
+            sources[-1] = laid_on(bank, sources[0], frame, name, at, sampled)
+            pelves.append(sources[-1][pelvis])
+            continue
         torso = bank.torso(name, seam=True)
         turned = quaternion.multiply(own_pelvis, best_rotation(cloud, vectors_between(torso.clouds, at)))
         turn = quaternion.IDENTITY
         if layer[col.POSTURE] == POSTURES["relative"]:
             turn = quaternion.multiply(rotation_between(torso.offsets, at), quaternion.conjugate(offset))
         elif layer[col.POSTURE] == POSTURES["absolute"]:
-            turn = best_rotation(bank.tables["postures"][bank.number(name)], posture)
+            turn = best_rotation(bank.posture(name), posture)
         world_turn = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
         pelves.append(quaternion.multiply(world_turn, turned))
     chains = limbs(bank)
@@ -89,13 +93,13 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
             given = [weight[part] for weight in weights]
             if part and joint == chains[part][-1]:
                 for number, layer in enumerate(layers, 1):
-                    given[number] *= not is_apart(layer)
+                    given[number] *= not is_apart(bank, layer)
             if sum(given) > 1e-9:
                 rotations[joint] = mixed([source[joint] for source in sources], given)
     for part, chain in chains.items():
-        rest = 1.0 - sum(w[part] for w, layer in zip(weights[1:], layers, strict=True) if is_apart(layer))
+        rest = 1.0 - sum(w[part] for w, layer in zip(weights[1:], layers, strict=True) if is_apart(bank, layer))
         for number, layer in enumerate(layers, 1):
-            if is_apart(layer) and weights[number][part] > 0.0:
+            if is_apart(bank, layer) and weights[number][part] > 0.0:
                 wanted = quaternion.multiply(pelves[number], chained(sources[number], chain))
                 trunk = quaternion.multiply(rotations[pelvis], chained(rotations, chain[:-1]))
                 local = quaternion.multiply(quaternion.conjugate(trunk), wanted)
@@ -133,7 +137,7 @@ def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> N
 
 
 def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:
-    name, at = bank.clips[int(slot[col.CLIP])].name, slot[col.FRAME]
+    name, at = bank.numbered[int(slot[col.CLIP])].name, slot[col.FRAME]
     roots, rotations = bank.motion(name, seam=True).sampled([at])
     wear(bank, s, name, at, rotations[0])
     x, y, z, heading = vectors_between(bank.root_path(name, seam=True), at)
@@ -146,7 +150,7 @@ def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:
         vectors_between(torso.clouds, at),
         rotation_between(torso.frames, at),
         rotation_between(torso.offsets, at),
-        bank.tables["postures"][bank.number(name)],
+        bank.posture(name),
     )
 
 
@@ -174,8 +178,14 @@ def fade(slot: Floats) -> float:
     return float(forms[int(slot[col.CURVE])])
 
 
-def is_apart(layer: Floats) -> bool:
-    return bool(layer[col.KIND] == METHODS["splice"] and not int(layer[col.MASK]) & col.TRUNK)
+def is_apart(bank: Bank, layer: Floats) -> bool:
+    spliced = layer[col.KIND] == METHODS["splice"] and not is_added(bank, layer)
+    return bool(spliced and not int(layer[col.MASK]) & col.TRUNK)
+
+
+def is_added(bank: Bank, layer: Floats) -> bool:
+    stands = bank.numbered[int(layer[col.CLIP])].stands
+    return bool(layer[col.KIND] == METHODS["splice"] and layer[col.POSTURE] == POSTURES["relative"] and stands)
 
 
 def limbs(bank: Bank) -> dict[int, list[int]]:

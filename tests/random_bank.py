@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.mirror import Mirror
+from motionsplice.motion.parts import PARTS, UPPER_BODY
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
@@ -38,6 +40,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
     tables: dict[str, list[Floats]] = {name: [] for name in TABLES}
     tables["hands"].append(np.zeros((0, layout.hands.columns)))
     tables["hand_frames"].append(np.zeros((0, 2)))
+    tables["stances"].append(np.zeros((0, layout.upper.columns)))
     entries, row = [], 0
     hands, hand_row = [], 0
     for number in range(clips):
@@ -54,6 +57,10 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         tables["contacts"].append(np.floor(draw.uniform(0.0, 4.0, rows)))
         tables["postures"].append(draw.normal(size=(1, 2, 3)))
         tables["neutral"].append(np.array([number]))
+        stands = number % 3 == 2
+        layout.set_usage(np.asarray(tables["upper"][-1]), stands * draw.uniform(0.0, 1.0, (rows, PARTS)))
+        if stands:
+            tables["stances"].append(layout.pack_stance(_rotations(draw, 1, joints)[0]).astype(np.float64))
         if number % 2:
             tables["hands"].append(layout.pack_hands(_rotations(draw, rows, joints)).astype(np.float64))
             tables["hand_frames"].append(np.cumsum(draw.uniform(0.0, 2.0, (rows, 2)), axis=0))
@@ -62,16 +69,27 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         strides = int(phase[-1] - phase[0]) if seam and draw.random() < 0.7 else 0
         span = (float(phase[0]), float(phase[-1]), float(phase[frames - 1] - phase[0]))
         place = (row, frames, rows, 4 * row, 4 * rows)
-        entries.append(
-            ClipEntry(f"clip {number}", "action", (), RATE, *place, *span, strides, True, 0.0, 0.0, 0.0, (), (), "")
-        )
+        stance = (number // 3, int(draw.integers(1, UPPER_BODY + 1)), ("trunk",)) if stands else (-1, UPPER_BODY, ())
+        numbers = (True, 0.0, 0.0, 0.0, *stance)
+        entries.append(ClipEntry(f"clip {number}", "action", (), RATE, *place, *span, strides, *numbers, (), (), ""))
         row += rows
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
-    manifest = Manifest(b"", "", skeleton, roles, baseline, tuple(entries), tuple(hands), dict.fromkeys(TABLES, ""))
+    listed, digests = (tuple(entries), tuple(hands)), dict.fromkeys(TABLES, "")
+    manifest = Manifest(b"", "", skeleton, roles, _mirror(draw, layout, joints), baseline, *listed, digests)
     arrays: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(np.concatenate(tables[name]), kind) for name, (kind, _) in TABLES.items()
     }
     return Bank(Path(), manifest, arrays)
+
+
+def _mirror(draw: np.random.Generator, layout: Layout, joints: int) -> Mirror:
+    """Pairs joints of each half at random; about a quarter have no twin."""
+    twins = np.arange(joints)
+    for half in layout.halves.values():
+        mixed = draw.permutation(half.joints).tolist()
+        for one, other in zip(mixed[::2], mixed[1::2], strict=False):
+            twins[one], twins[other] = (other, one) if draw.random() < 0.75 else (-1, -1)
+    return Mirror(twins, Rotation.random(joints, random_state=draw).as_quat())
 
 
 def _rotations(draw: np.random.Generator, rows: int, joints: int) -> Floats:

@@ -39,7 +39,7 @@ class Action:
         posture: How the action's posture is kept, as in `Splice`.
         loop: Whether the action jumps back by whole strides at its end and goes on, instead of fading out.
         own_clock: Whether the action plays at its own speed instead of in step; or a pair of times of the clip, in
-            seconds, between which it does.
+            seconds, between which it does. None for a standing action's own speed, and in step for any other.
     """
 
     clip: str
@@ -54,7 +54,7 @@ class Action:
     method: Literal["splice", "naive"] = "splice"
     posture: Posture = "relative"
     loop: bool = True
-    own_clock: bool | tuple[float, float] = False
+    own_clock: bool | tuple[float, float] | None = None
 
 
 def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDArray[np.float64]:
@@ -63,10 +63,11 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
     Raises UnknownClipError, TimeRangeError or SettingsError.
     """
     clip = bank.number(action.clip)
-    entry = bank.clips[clip]
+    entry = bank.numbered[clip]
     if (fault := time_fault("start", action.start, entry)) is not None:
         raise fault
-    own = (0.0, np.inf) if action.own_clock is True else action.own_clock or (np.inf, np.inf)
+    asked = entry.stands if action.own_clock is None else action.own_clock
+    own = (0.0, np.inf) if asked is True else asked or (np.inf, np.inf)
     if not 0.0 <= own[0] <= own[1]:
         raise SettingsError(
             f"own_clock {own} is not a range of times", mend="Give start and end in seconds, the start first"

@@ -32,7 +32,7 @@ def turn_pelvis(
     for number in range(count):
         lane, slot, share = k + number, action_slot(c, number), mixing.shares[k + number, 0]
         kind = s[slot + col.KIND]
-        if kind == SPLICE:
+        if mixing.requests[lane]["method"] == SPLICE:
             keep_memory(s, slot, lane, mixing)
             bx, by = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
             bz, bw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
@@ -91,12 +91,12 @@ def turn_limbs(
     for part in range(1, col.PARTS):
         length, rest = limbs.lengths[part], 1.0  # the share of the pose so far
         for number in range(int(s[c + col.ACTIONS])):
-            rest -= mixing.shares[k + number, part] if is_apart(s, action_slot(c, number)) else 0.0
+            rest -= mixing.shares[k + number, part] if is_apart(s, action_slot(c, number), k + number, mixing) else 0.0
         rest = max(rest, 0.0)
         for number in range(int(s[c + col.ACTIONS])):
             lane, slot = k + number, action_slot(c, number)
             share = mixing.shares[lane, part]
-            if length > 0 and share > 0.0 and is_apart(s, slot):
+            if length > 0 and share > 0.0 and is_apart(s, slot, lane, mixing):
                 x, y, z, w = quaternion_at(rotations, character, pelvis)
                 for joint in range(length - 1):
                     qx, qy, qz, qw = quaternion_at(rotations, character, limbs.columns[part, joint])
@@ -132,9 +132,9 @@ def turn_limbs(
 
 
 @inlined
-def is_apart(s: Array, slot: int) -> bool:
-    """Whether an action owns limbs but not the trunk."""
-    return s[slot + col.KIND] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
+def is_apart(s: Array, slot: int, lane: int, mixing: Mixing) -> bool:
+    """Whether an action owns limbs but not the trunk, and is laid on the locomotion by its shoulders."""
+    return mixing.requests[lane]["method"] == SPLICE and int(s[slot + col.MASK]) & col.TRUNK == 0
 
 
 @inlined

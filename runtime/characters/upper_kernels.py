@@ -18,9 +18,11 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_upper
 from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, locate, repeated
+from motionsplice.runtime.kernels.mirror import correlate_mirrored, mirror_upper
 from motionsplice.runtime.kernels.phase import row_of
-from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RUNNING, correlate
+from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RELATIVE, RUNNING, correlate
 from motionsplice.runtime.kernels.rotations import sample
+from motionsplice.runtime.kernels.standing import lay_on
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
 
 
@@ -47,6 +49,8 @@ def mix_upper(
     if count == 0:
         sample_own(bank, s, c, lanes, mixing)
     elif is_plain(s, c):
+        if is_added(bank, s, action_slot(c, 0)):
+            keep_own(bank, s, c, lanes, mixing)
         sample_action(bank, s, c, 0, k, lanes, block, mixing)
         for part in range(col.PARTS):
             mixing.weights[col.PARTS + part] = 1.0
@@ -72,6 +76,25 @@ def is_plain(s: Array, c: int) -> bool:
 
 
 @inlined
+def is_added(bank: BankArrays, s: Array, slot: int) -> bool:
+    """Whether an action is added to the locomotion's own upper half: a standing action with posture `relative`."""
+    return (
+        s[slot + col.KIND] == SPLICE
+        and s[slot + col.POSTURE] == RELATIVE
+        and bank.clips[int(s[slot + col.CLIP]), arrays.STANCE] >= 0.0
+    )
+
+
+@inlined
+def keep_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing) -> None:
+    """Mixes the locomotions' own upper halves, and keeps them where standing actions are laid on them."""
+    sample_own(bank, s, c, lanes, mixing)
+    above, own = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH], np.uint64(4) * bank.rig[arrays.OWN_UPPER]
+    for number in range(np.uint64(4) * bank.rig[arrays.UPPER_WIDTH]):
+        lanes[own + number] = lanes[above + number]
+
+
+@inlined
 def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing) -> None:
     """Mixes the locomotions' own upper halves into lanes."""
     rig, count = bank.rig, int(s[c + col.LOCOMOTIONS])
@@ -83,6 +106,8 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
         if s[c + col.HANDS] > 0.0:
             wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
+        if bank.clips[clip, arrays.MIRRORED] > 0.0:
+            mirror_upper(bank, lanes, above)
         if count > 1:
             set_lane_weights(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
             add_lanes(lanes, above, width, mixing, number == 0)
@@ -112,8 +137,15 @@ def sample_action(
     sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
     if s[c + col.HANDS] > 0.0:
         wear_hands(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
+    mirrored = bank.clips[int(s[slot + col.CLIP]), arrays.MIRRORED] > 0.0
+    if mirrored:
+        mirror_upper(bank, lanes, above)
     block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     request, kind = mixing.requests[k], int(s[slot + col.KIND])
+    if is_added(bank, s, slot):
+        own = np.uint64(4) * rig[arrays.OWN_UPPER]
+        lay_on(bank, int(s[slot + col.CLIP]), row, np.float32(t), lanes, own, above)
+        kind = NAIVE  # its pelvis is known
     request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])
     request["action"], request["locomotion"] = int(s[slot + col.CLIP]), int(s[c + col.FIRST_LOCOMOTION + col.CLIP])
     if kind == SPLICE:
@@ -125,12 +157,17 @@ def sample_action(
         if s[c + col.LOCOMOTIONS] > 1.0:
             block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
             correlate(bank, mixing.row, block, k, lanes, above)
+            if mirrored:
+                correlate_mirrored(bank, mixing.row, False, True, block, k)
             if request["posture"] == ABSOLUTE:
                 mix_postures(bank, s, c, k, mixing)
         else:
             block[ROW_L * BLOCK + k] = block[ROW_L * BLOCK + first]
             block[SHARE_L * BLOCK + k] = block[SHARE_L * BLOCK + first]
             correlate(bank, bank.lower, block, k, lanes, above)
+            mirrored_l = bank.clips[request["locomotion"], arrays.MIRRORED] > 0.0
+            if mirrored or mirrored_l:
+                correlate_mirrored(bank, bank.lower, mirrored_l, mirrored, block, k)
     elif kind == NAIVE:
         for i in range(4):
             block[(SPLICED + i) * BLOCK + k] = 0.0
@@ -161,8 +198,14 @@ def mix_actions(
     new = True
     for part in range(col.PARTS):
         new &= mixing.weights[part] == 0.0
-    if not new:
+    kept = False
+    for number in range(count):
+        kept |= is_added(bank, s, action_slot(c, number))
+    if kept:
+        keep_own(bank, s, c, lanes, mixing)
+    elif not new:
         sample_own(bank, s, c, lanes, mixing)
+    if not new:
         set_part_weights(limbs, width, mixing, 0, False)
         add_lanes(lanes, above, width, mixing, True)
     for number in range(count):
@@ -170,7 +213,7 @@ def mix_actions(
         mixing.requests[k + number]["method"] = 0
         if s[slot + col.KIND] != col.OWN:
             sample_action(bank, s, c, number, k + number, lanes, block, mixing)
-            apart = is_apart(s, slot)
+            apart = is_apart(s, slot, k + number, mixing)
             if apart:
                 keep_limbs(bank, limbs, lanes, above, k + number, mixing)
                 mixing.limbs_turn[k] = 1

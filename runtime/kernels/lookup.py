@@ -11,7 +11,7 @@ from motionsplice.runtime.format.rows import LINE
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
 from motionsplice.runtime.kernels.rotations import ONE
-from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.prefetch import prefetch
 
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
@@ -32,27 +32,52 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
         row, t = locate(request["time"] * clips[clip_l, arrays.RATE], first_l, count_l)
         fetch_ahead(bank.lower, row)
         block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
-        if request["method"] == SPLICE:
+        if follows_phase(bank, request):
             block[PHASE * BLOCK + k] = phase_in_step(bank, clip_l, row, t, clip_u, request["start"], request["cycles"])
         else:
-            if request["method"] == NAIVE:
+            if request["method"] == SPLICE:
+                fetch_ahead(bank.upper, row)  # of the locomotion
+                frame = own_frame(bank, clip_u, request["start"] + request["time"])
+                row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
+            elif request["method"] == NAIVE:
                 count_u = clips[clip_u, arrays.FRAME_COUNT]
                 frame = repeated((request["start"] + request["time"]) * clips[clip_u, arrays.RATE], count_u - 1.0)
                 row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], count_u)
             fetch_ahead(bank.upper, row)
-            fetch_hands(bank, int(request["hands"]) - 1, clip_u if request["method"] == NAIVE else clip_l, row)
+            fetch_hands(bank, int(request["hands"]) - 1, clip_l if request["method"] == NONE else clip_u, row)
             block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     for k in range(count):
-        if requests[first + k]["method"] == SPLICE:
+        if follows_phase(bank, requests[first + k]):
             block[ROW_U * BLOCK + k] = frame_near(bank, requests[first + k]["action"], block[PHASE * BLOCK + k])
     for k in range(count):
-        if requests[first + k]["method"] == SPLICE:
+        if follows_phase(bank, requests[first + k]):
             clip_u = requests[first + k]["action"]
             frame = frame_at(bank, clip_u, block[PHASE * BLOCK + k], block[ROW_U * BLOCK + k])
             row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
             fetch_ahead(bank.upper, row)
             fetch_hands(bank, int(requests[first + k]["hands"]) - 1, clip_u, row)
             block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
+
+
+@inlined
+def follows_phase(bank: BankArrays, request: Array) -> bool:
+    """Whether a request's action follows the phase of its locomotion: spliced, and not a standing action."""
+    return request["method"] == SPLICE and bank.clips[request["action"], arrays.STANCE] < 0.0
+
+
+@inlined
+def own_frame(bank: BankArrays, clip: int, seconds: float) -> float:
+    """Returns the frame that a clip shows after so many seconds at its own speed.
+
+    At its end it goes on as its loop does; without a loop it holds its last frame.
+    """
+    frame, last = seconds * bank.clips[clip, arrays.RATE], bank.clips[clip, arrays.ROW_COUNT] - 1.0
+    loop = bank.clips[clip, arrays.LOOP]
+    if frame > last and loop > 0.0:
+        phase = bank.clips[clip, arrays.LAST_PHASE] - loop
+        lasting = last - frame_at(bank, clip, phase, frame_near(bank, clip, phase))
+        frame -= lasting * np.ceil((frame - last) / lasting)
+    return min(frame, last)
 
 
 @inlined
@@ -63,9 +88,10 @@ def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: i
     brought back by whole loops if the action has ended.
     """
     clips = bank.clips
-    phase, rate_u = between(bank.phases, row, t), clips[clip_u, arrays.RATE]
+    phase, rate_u = between(bank.phases, row, t) + clips[clip_l, arrays.PHASE_SHIFT], clips[clip_u, arrays.RATE]
     row, t = locate(start * rate_u, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
-    phase += np.ceil(between(bank.phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP) + cycles
+    begins = between(bank.phases, row, t) + clips[clip_u, arrays.PHASE_SHIFT]
+    phase += np.ceil(begins - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP) + cycles
     last, loop = clips[clip_u, arrays.LAST_PHASE], clips[clip_u, arrays.LOOP]
     if loop > 0.0 and phase > last:
         phase -= loop * np.ceil((phase - last) / loop)
@@ -85,6 +111,7 @@ def frame_near(bank: BankArrays, clip: int, phase: float) -> float:
 def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
     """Refines a frame near a phase to the exact frame, by two steps along the phase curve."""
     first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
+    phase -= bank.clips[clip, arrays.PHASE_SHIFT]
     for _ in range(2):
         row, _ = locate(near, first, count)
         here = bank.phases[row]
@@ -106,6 +133,13 @@ def between(table: Array, row: Index, t: float) -> float:
     """Interpolates a curve `t` of the way from a row to the next."""
     here = table[row]
     return here + t * (table[row + ONE] - here)
+
+
+@inlined
+def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
+    """Interpolates a column `t` of the way from a row to the next."""
+    here = table[row, column]
+    return here + t * (table[row + ONE, column] - here)
 
 
 @inlined

@@ -25,7 +25,8 @@ from motionsplice.runtime.kernels.arrays import (
     TURN,
     BankArrays,
 )
-from motionsplice.runtime.kernels.lookup import SPLICE
+from motionsplice.runtime.kernels.lookup import SPLICE, between_rows
+from motionsplice.runtime.kernels.mirror import point_between
 from motionsplice.runtime.kernels.rotations import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import load, spread, total
@@ -75,19 +76,12 @@ def mixed(table: Array, row: Index, column: Index, t: Real) -> Array:
 
 
 @inlined
-def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
-    """Interpolates a column `t` of the way from a row to the next."""
-    here = table[row, column]
-    return here + t * (table[row + ONE, column] - here)
-
-
-@inlined
 def turn_pelves(
     bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
 ) -> None:
     """Turns the pelvis of each splice of a block, in SPLICED: from the locomotion's rotation to the splice's."""
     horn(block)
-    hold_unclear_alignments(requests, memory, block, first, count)
+    hold_unclear_alignments(bank, requests, memory, block, first, count)
     multiply(block, SPLICED, ALIGNED, SPLICED, ONWARD)
     multiply(block, THEIRS, OWN, TURN, BACK)
     other_postures(bank, requests, memory, share, block, first, count)
@@ -97,11 +91,19 @@ def turn_pelves(
     normalise(block, SPLICED)
 
 
+@inlined
+def is_aligned(bank: BankArrays, request: Array) -> bool:
+    """Whether a request's action is laid on the locomotion by its shoulders: spliced, and not added to a stance."""
+    return request["method"] == SPLICE and not (
+        request["posture"] == RELATIVE and bank.clips[request["action"], arrays.STANCE] >= 0.0
+    )
+
+
 @kernel
-def hold_unclear_alignments(requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
+def hold_unclear_alignments(bank: BankArrays, requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
     """Replaces alignments that are not clearly the best by the last clear one in memory, or by the identity."""
     for k in range(count):
-        if requests[first + k]["method"] == SPLICE:
+        if is_aligned(bank, requests[first + k]):
             clear, remembered = block[GAP * BLOCK + k] >= LEAST_GAP, min(first + k, len(memory) - 1)
             for i in range(4):
                 at, last = (ALIGNED + i) * BLOCK + k, arrays.LAST_TURN + i
@@ -128,7 +130,9 @@ def other_postures(
                 if request["posture"] >= RUNNING:
                     remembered = min(first + k, len(memory) - 1)
                     if request["posture"] == RUNNING:
-                        follow_posture(bank, memory[remembered, arrays.MEAN_POSTURE :], share, given, block, k)
+                        mirrored = bank.clips[request["action"], arrays.MIRRORED] > 0.0
+                        mean = memory[remembered, arrays.MEAN_POSTURE :]
+                        follow_posture(bank, mean, share, given, mirrored, block, k)
                     given = memory[remembered, arrays.MEAN_POSTURE :]
                 correlate_postures(bank.clips[request["action"], arrays.POSTURE :], given, block, k)
     if turned > 0:
@@ -154,7 +158,9 @@ def correlate_postures(wanted: Array, given: Array, block: Array, k: int) -> Non
 
 
 @inlined
-def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, block: Array, k: int) -> None:
+def follow_posture(
+    bank: BankArrays, mean: Array, share: float, stored: Array, mirrored: bool, block: Array, k: int
+) -> None:
     """Updates a running mean of six numbers by the splice's shoulders in the posture frame."""
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     frame, spliced = FRAME * BLOCK + k, SPLICED * BLOCK + k
@@ -168,13 +174,9 @@ def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, b
         block[spliced + 2 * BLOCK],
         block[spliced + 3 * BLOCK],
     )
-    width = bank.rig[arrays.CLOUD_WIDTH]
-    column = np.uint64(CLOUD) + bank.rig[arrays.POINTS] - ONE - ONE  # the shoulders are the last two points
+    shoulders = bank.rig[arrays.POINTS] - ONE - ONE  # the last two points
     for point in range(2):
-        x = between_rows(bank.upper, row, column, t)
-        y = between_rows(bank.upper, row, column + width, t)
-        z = between_rows(bank.upper, row, column + width + width, t)
-        column += ONE
+        x, y, z = point_between(bank, bank.upper, row, t, shoulders + np.uint64(point), mirrored)
         for i, value in enumerate(rotated(turn[0], turn[1], turn[2], turn[3], x, y, z)):
             if math.isnan(mean[3 * point + i]):
                 mean[3 * point + i] = stored[3 * point + i]

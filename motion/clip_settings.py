@@ -72,7 +72,6 @@ class ClipSettings:
 
     kind: str = "locomotion"
     neutral: str | None = None
-    mask: str | None = None
     tags: tuple[str, ...] = ()
     skip_frames: int = 0
     unit: str | None = None
@@ -80,6 +79,7 @@ class ClipSettings:
     rate: float | None = None
     root: str | None = None
     mirror: bool = False
+    mask: str | None = None
     roles: Mapping[str, GivenRole] = field(default_factory=dict)
 
     @property

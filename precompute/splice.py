@@ -89,9 +89,7 @@ def splice_exact(
     return WholeClipSplice(result, action_frames, warp)
 
 
-def splice_standing(
-    locomotion: Clip, action: Clip, roles: Roles, standing: Standing, *, start: float = 0.0
-) -> Clip:
+def splice_standing(locomotion: Clip, action: Clip, roles: Roles, standing: Standing, *, start: float = 0.0) -> Clip:
     """Lays an action without a gait on a locomotion, at the action's own speed (docs/method.md).
 
     Each joint adds the action's departure from its stance to the locomotion's own rotation, so at a stance nothing of

@@ -36,7 +36,7 @@ def mirrored_entry(clip: ClipEntry) -> ClipEntry:
         first_phase=clip.first_phase + HALF_A_CYCLE,
         last_phase=clip.last_phase + HALF_A_CYCLE,
         parts=sum((clip.parts >> twin & 1) << part for part, twin in enumerate(TWIN_PARTS)),
-        uses=tuple(PART_NAMES[twin] for twin in TWIN_PARTS if PART_NAMES[twin] in clip.uses),
+        uses=tuple(name for name, twin in zip(PART_NAMES, TWIN_PARTS, strict=True) if PART_NAMES[twin] in clip.uses),
     )
 
 

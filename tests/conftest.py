@@ -8,6 +8,7 @@ from hypothesis import settings
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.procedural.stances import Performer, fair, standing_action
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 
@@ -51,6 +52,49 @@ def bank(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `clip_folder`; tests must not change it."""
     path = tmp_path_factory.mktemp("banks") / "bank"
     outcome = build_bank([clip_folder], path, baseline="walk", jobs=1)
+    assert not outcome.failed
+    return Bank.open(path)
+
+
+STANDING_CLIPS = {
+    "walk": CLIPS["walk"],
+    "run": CLIPS["run"],
+    "hail": standing_action("hail", Performer(), seed=1),
+    "jab": standing_action("jab", fair(2), seed=2),
+    "bow": standing_action("bow", fair(3), seed=3, rate=30.0),
+    "idle": standing_action("bow", Performer(), seed=4).frames(0, 60),
+    "holding": standing_action("reload", Performer(), seed=5).frames(120, 180),
+}
+STANDING_SETTINGS = """
+[hail]
+kind = "action"
+[jab]
+kind = "action"
+neutral = "idle"
+[bow]
+kind = "action"
+neutral = "walk"
+[holding]
+kind = "action"
+mask = "arms"
+"""
+
+
+@pytest.fixture(scope="session")
+def standing_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two locomotions, an idle, and four actions that were captured standing."""
+    folder = tmp_path_factory.mktemp("standing")
+    for name, clip in STANDING_CLIPS.items():
+        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
+    (folder / "clips.toml").write_text(STANDING_SETTINGS)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def standing_bank(standing_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """The bank of `standing_folder`; tests must not change it."""
+    path = tmp_path_factory.mktemp("banks") / "standing"
+    outcome = build_bank([standing_folder], path, baseline="walk", jobs=1)
     assert not outcome.failed
     return Bank.open(path)
 

@@ -121,7 +121,9 @@ def pose(
     if method == "naive":
         return root, rotations
     if entry_u.stands and posture == "relative":
-        return root, laid_on(bank, own, rotation_between(bank.torso(locomotion).frames, frame_l), action, frame_u, rotations)
+        return root, laid_on(
+            bank, own, rotation_between(bank.torso(locomotion).frames, frame_l), action, frame_u, rotations
+        )
     torso_l, torso_u = bank.torso(locomotion), bank.torso(action, seam=True)
     clouds = vectors_between(torso_l.clouds, frame_l), vectors_between(torso_u.clouds, frame_u)
     turned = quaternion.multiply(pelvis_l, best_rotation(*clouds))

@@ -57,7 +57,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         tables["contacts"].append(np.floor(draw.uniform(0.0, 4.0, rows)))
         tables["postures"].append(draw.normal(size=(1, 2, 3)))
         tables["neutral"].append(np.array([number]))
-        stands = number % 3 == 2
+        stands = number % 3 == 1
         layout.set_usage(np.asarray(tables["upper"][-1]), stands * draw.uniform(0.0, 1.0, (rows, PARTS)))
         if stands:
             tables["stances"].append(layout.pack_stance(_rotations(draw, 1, joints)[0]).astype(np.float64))
@@ -69,9 +69,11 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         strides = int(phase[-1] - phase[0]) if seam and draw.random() < 0.7 else 0
         span = (float(phase[0]), float(phase[-1]), float(phase[frames - 1] - phase[0]))
         place = (row, frames, rows, 4 * row, 4 * rows)
-        stance = (number // 3, int(draw.integers(1, UPPER_BODY + 1)), ("trunk",)) if stands else (-1, UPPER_BODY, ())
-        numbers = (True, 0.0, 0.0, 0.0, *stance)
-        entries.append(ClipEntry(f"clip {number}", "action", (), RATE, *place, *span, strides, *numbers, (), (), ""))
+        stance: tuple[int, int, tuple[str, ...]] = (-1, UPPER_BODY, ())
+        if stands:
+            stance = (number // 3, int(draw.integers(1, UPPER_BODY + 1)), ("trunk",))
+        label, found = (f"clip {number}", "action", (), RATE), (0.0, 0.0, 0.0)
+        entries.append(ClipEntry(*label, *place, *span, strides, not stands, *found, *stance, (), (), ""))
         row += rows
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
     listed, digests = (tuple(entries), tuple(hands)), dict.fromkeys(TABLES, "")

@@ -138,9 +138,7 @@ def truth(locomotion: str, action: str) -> Clip:
 def upper_body(hips: Floats, rhythm: Rhythm, chest: Trunk, arms: dict[float, Arm]) -> dict[str, Floats]:
     """Returns the world rotations [F, 4] of the upper body's joints by name."""
     shoulders = euler(rhythm.shoulders + chest.yaw, chest.pitch, chest.roll)
-    gaze = euler(
-        rhythm.gaze + 0.15 * chest.yaw + chest.glance, 0.3 * chest.pitch + 0.02 + chest.nod, 0.25 * chest.roll
-    )
+    gaze = euler(rhythm.gaze + 0.15 * chest.yaw + chest.glance, 0.3 * chest.pitch + 0.02 + chest.nod, 0.25 * chest.roll)
     world = {
         "Spine": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.45)),
         "Spine1": quaternion.slerp(hips, shoulders, np.full(len(hips), 0.75)),

@@ -114,7 +114,9 @@ def _reload(t: Floats, random: np.random.Generator) -> Gesture:
     strength, work = _rise(t, BEGIN, END), 0.05 * np.sin(2.0 * np.pi * random.uniform(0.9, 1.2) * (t - BEGIN))
     hold = np.stack([np.full_like(t, -0.1), np.full_like(t, -0.2), np.full_like(t, 0.3)], axis=-1)
     left = hold + np.stack([work, np.abs(work), 0.0 * t], axis=-1)
-    arms = {side: reaching_arm(side, at, (0.6, -1.0, -0.2), pronation=0.4) for side, at in ((LEFT, left), (RIGHT, hold))}
+    arms = {
+        side: reaching_arm(side, at, (0.6, -1.0, -0.2), pronation=0.4) for side, at in ((LEFT, left), (RIGHT, hold))
+    }
     return Gesture(strength, arms, 6.0 * strength, 8.0 * strength, 0.0 * t, 22.0 * strength)
 
 

@@ -25,6 +25,7 @@ STIFFNESS = 1.0  # of the phase curve, against changes of its slope
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
+FOREIGN_GAIT = 0.65  # of the cost at random phases: a clip with a higher cost does not look like locomotion
 OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
 MOST_CANDIDATES = 16  # strides that are compared with all others
 SHORTEST_CLIP = 0.3  # seconds: shorter clips have too few frames to align
@@ -65,6 +66,11 @@ class Alignment:
     @property
     def cycles(self) -> float:
         return float(self.phase[-1] - self.phase[0])
+
+    @property
+    def has_gait(self) -> bool:
+        """Whether the clip's legs move like the baseline's. If not, its phase is meaningless."""
+        return bool(self.swing >= LEAST_SWING and self.cost.mean() <= FOREIGN_GAIT * self.chance)
 
     @property
     def mean_mismatch(self) -> float:

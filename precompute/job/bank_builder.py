@@ -27,7 +27,7 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.hands.rows import LaidHands
 from motionsplice.precompute.job.standing import standing_of
-from motionsplice.precompute.preparation.prepared import PreparedClip, has_gait
+from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured
 from motionsplice.precompute.preparation.torso_offset import shoulder_motion, torso_offsets
 from motionsplice.runtime.format.manifest import (
@@ -209,7 +209,7 @@ def _entries(
                 last_phase=float(one.phase[-1]),
                 cycles=one.alignment.cycles,
                 loop=one.strides,
-                gait=has_gait(one.alignment),
+                gait=one.alignment.has_gait,
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
                 shoulder_motion=0.0 if moved is None else shoulder_motion(moved[: one.frame_count]),

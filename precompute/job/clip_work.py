@@ -175,8 +175,8 @@ class Preparation:
         ring, entries = self.ring, []
         for name, one in clips.items():
             settings = one.source.settings
-            entries.append((name, self.key(one), settings.kind, settings.neutral, settings.mask, settings.tags))
-            entries.append((name, one.file_digest))
+            labels = (settings.kind, settings.neutral, settings.mask, settings.tags)
+            entries.append((name, self.key(one), labels, one.file_digest))
         return key_of("bank", ring.name, ring.start, ring.end, ring.loop, entries, hands)
 
     def run(self, one: Identified) -> None:
@@ -193,8 +193,8 @@ class Preparation:
         if found is None:
             return None
         neutral = settings.neutral or ""
-        labels = {"kind": settings.kind, "neutral": neutral, "mask": settings.mask, "tags": settings.tags}
-        return replace(found, **labels, source=one.file_digest)
+        found = replace(found, kind=settings.kind, neutral=neutral, mask=settings.mask, tags=settings.tags)
+        return replace(found, source=one.file_digest)
 
     def _fetch(self, one: Identified, name: str) -> NDArray[Any]:
         """Returns a large array of a result, made again if the entry is damaged. Raises MotionError."""

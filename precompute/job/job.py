@@ -38,8 +38,8 @@ from motionsplice.precompute.job.hand_work import (
 from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
 from motionsplice.precompute.job.outcome import Outcome, Progress
 from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
-from motionsplice.precompute.job.standing import fail_with_missing_limbs
 from motionsplice.precompute.job.sources import find_sources
+from motionsplice.precompute.job.standing import fail_with_missing_limbs
 from motionsplice.precompute.job.workers import outcomes, workers
 from motionsplice.runtime.bank import Bank
 

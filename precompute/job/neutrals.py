@@ -8,7 +8,7 @@ from dataclasses import replace
 from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
 from motionsplice.precompute.job.clip_work import Clips
 from motionsplice.precompute.preparation.neutral import nearest_gait
-from motionsplice.precompute.preparation.prepared import PreparedClip, has_gait
+from motionsplice.precompute.preparation.prepared import PreparedClip
 
 
 def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
@@ -28,7 +28,7 @@ def with_neutrals(prepared: Sequence[PreparedClip], baseline: str) -> list[Prepa
     locomotion nearest in gait, or the baseline if there are no locomotions. An action stands if it has no gait, or if
     its named neutral has none. Its neutral is a clip without a gait, or itself: then its own frames at rest count.
     """
-    gaits = {one.name: has_gait(one.alignment) for one in prepared}
+    gaits = {one.name: one.alignment.has_gait for one in prepared}
     locomotions = {one.name: one for one in prepared if one.kind == "locomotion"}
     candidates = locomotions or {one.name: one for one in prepared if one.name == baseline}
 

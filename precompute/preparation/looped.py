@@ -1,4 +1,8 @@
-"""How a clip goes on after its end: a whole cycle with its own start, any other clip by a seam to an earlier stride."""
+"""How a clip goes on after its end.
+
+A whole cycle goes on with its own start, and so does a clip without a gait that ends as it begins. Any other clip goes
+on by a seam to an earlier stride.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.baseline import Alignment, Baseline, align
 from motionsplice.precompute.alignment.whole_cycle import find_period, played_on
-from motionsplice.precompute.preparation.seam import SEAM, Seamed, add_seam, bent_onto, settled
+from motionsplice.precompute.preparation.seam import SEAM, Seamed, add_seam, add_seam_to_start, bent_onto, settled
 
 UNEVEN = 0.1  # strides: how far a cycle may be from a whole number of strides
 
@@ -42,7 +46,10 @@ def loop(clip: Clip, roles: Roles, baseline: Baseline) -> Looped:
     if whole is not None:
         return whole
     alignment = align(clip, roles, baseline)
-    seamed = add_seam(clip, alignment.phase, roles)
+    seamed = None if alignment.has_gait else add_seam_to_start(clip, baseline.end - baseline.start, roles)
+    if seamed is None:
+        seamed = add_seam(clip, alignment.phase, roles)
+    alignment = replace(alignment, phase=seamed.phase[: clip.frame_count])
     return Looped(alignment, seamed, (seamed.clip, seamed.phase), 0)
 
 

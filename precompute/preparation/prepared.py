@@ -24,8 +24,6 @@ from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
-FOREIGN_GAIT = 0.65  # of the cost at random phases: a clip with a higher cost does not look like locomotion
-
 
 @dataclass(frozen=True, eq=False)
 class PreparedClip:
@@ -38,8 +36,8 @@ class PreparedClip:
     gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
     name: the clip's rows in the tables `lower` and `upper`, or `upright`, its torso clouds [rows, P, 3] in metres.
     kind: `locomotion` or `action`. neutral: name of the clip that its posture is relative to. stands: whether it is an
-    action without a gait, laid on locomotions as what it adds to a stance. mask: the parts that it then poses. notes: from reading and
-    moving it. file_warnings: from reading its file. source: digest of that file.
+    action without a gait, laid on locomotions as what it adds to a stance. mask: the parts that it then poses; None to
+    measure them. notes: from reading and moving it. file_warnings: from reading its file. source: digest of that file.
     """
 
     name: str
@@ -74,7 +72,7 @@ class PreparedClip:
             warnings.append("its mask is not used: it is no action without a gait")
         if self.alignment.swing < LEAST_SWING:
             warnings.append("does not look like locomotion: its legs hardly move")
-        elif not has_gait(self.alignment):
+        elif not self.alignment.has_gait:
             centimetres = f"{100.0 * self.alignment.mean_mismatch:.0f} cm"
             warnings.append(
                 f"does not look like locomotion: its legs are {centimetres} from the baseline's, "
@@ -83,11 +81,6 @@ class PreparedClip:
         if self.kind == "action" and self.strides == 0:
             warnings.append("cannot loop: no earlier stride is enough like its end, so as an action it plays once")
         return tuple(warnings)
-
-
-def has_gait(alignment: Alignment) -> bool:
-    """Returns whether a clip's legs move like the baseline's. If not, its phase is meaningless."""
-    return bool(alignment.swing >= LEAST_SWING and alignment.cost.mean() <= FOREIGN_GAIT * alignment.chance)
 
 
 def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeting: bool = True) -> PreparedClip:
@@ -117,7 +110,7 @@ def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeti
         alignment=alignment,
         phase=seamed.phase,
         posture=torso.upright[:count, -2:].mean(axis=0),
-        path=root_path(*looped.played, seamed.strides, skeleton_roles, has_gait(alignment))[rows],
+        path=root_path(*looped.played, seamed.strides, skeleton_roles, alignment.has_gait)[rows],
         contacts=foot_contacts(looped.played[0], skeleton_roles)[rows],
         gait=mean_gait(ours, alignment.phase, skeleton_roles),
         stride=MeanStride.of(torso.upright[:count], alignment.phase),

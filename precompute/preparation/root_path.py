@@ -25,7 +25,7 @@ def root_path(clip: Clip, phase: Floats, strides: int, roles: Roles, gait: bool)
     """Returns the path [rows, 4] of a clip with its seam: x, ground height and z in metres; heading in radians about Y.
 
     phase: [rows] cycles. strides: how far back the clip continues after its last row (0: it does not loop). gait:
-    whether its phase is meaningful (`has_gait`).
+    whether its phase is meaningful (`Alignment.has_gait`).
     """
     hips = joint_paths(clip, (roles.left_hip, roles.right_hip))
     root = np.column_stack([clip.root_positions, np.unwrap(heading(hips[:, 0] - hips[:, 1]))])

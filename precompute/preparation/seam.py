@@ -40,25 +40,51 @@ class Seamed:
 
 def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
     """Adds a seam to a clip at `phase` [F], in cycles. Root motion continues in the direction of the last frame."""
-    last, count = clip.frame_count - 1, max(2, round(SEAM * clip.rate))
+    last, count = clip.frame_count - 1, _seam_frames(clip)
     strides = np.arange(1, int(phase[-1] - phase[0]) + 1)
     counterparts = np.interp(phase[-1] - strides, phase, np.arange(last + 1))
     usable = (counterparts >= 1.0) & (counterparts <= last - count)
     strides, counterparts = strides[usable], counterparts[usable]
-    turns = quaternion.angle(clip.sampled(counterparts)[1][:, 1:], clip.rotations[last, 1:])
-    gaps = np.where(turns.max(axis=1, initial=0.0) <= WIDEST_TURN, np.sqrt(np.mean(turns**2, axis=1)), np.inf)
+    gaps = _gaps(clip, counterparts)
     if gaps.min(initial=np.inf) > WIDEST_GAP:
         return Seamed(clip, phase, 0)
     longest = np.flatnonzero(gaps <= ABOUT_AS_GOOD * gaps.min())[-1]
-    back, counterpart = int(strides[longest]), float(counterparts[longest])
-    after = counterpart + np.arange(1.0, count + 1.0)
+    return _seamed(clip, phase, float(counterparts[longest]), int(strides[longest]), roles)
+
+
+def add_seam_to_start(clip: Clip, stride: float, roles: Roles) -> Seamed | None:
+    """Adds a seam to a clip without a gait that leads back to its start; None if it ends in another pose.
+
+    Such a clip has no phase of its own, so its phase becomes even, with a whole number of strides of about `stride`
+    seconds in a repetition.
+    """
+    last, start = clip.frame_count - 1, np.array([1.0])
+    if last - _seam_frames(clip) < start[0] or _gaps(clip, start)[0] > WIDEST_GAP:
+        return None
+    strides = max(1, round((last - start[0]) / clip.rate / stride))
+    return _seamed(clip, strides * np.arange(last + 1.0) / (last - start[0]), start[0], strides, roles)
+
+
+def _gaps(clip: Clip, counterparts: Floats) -> Floats:
+    """Returns how far the pose at each counterpart [n] is from the last frame's, radians; infinite if too far."""
+    turns = quaternion.angle(clip.sampled(counterparts)[1][:, 1:], clip.rotations[-1, 1:])
+    return np.where(turns.max(axis=1, initial=0.0) <= WIDEST_TURN, np.sqrt(np.mean(turns**2, axis=1)), np.inf)
+
+
+def _seam_frames(clip: Clip) -> int:
+    return max(2, round(SEAM * clip.rate))
+
+
+def _seamed(clip: Clip, phase: Floats, counterpart: float, back: int, roles: Roles) -> Seamed:
+    """Adds the seam that leads from the last frame to its counterpart, `back` strides before it."""
+    after = counterpart + np.arange(1.0, _seam_frames(clip) + 1.0)
     positions, rotations = _carried_on(clip, counterpart, after, roles)
     longer = replace(
         clip,
         root_positions=np.concatenate([clip.root_positions, positions]),
         rotations=np.concatenate([clip.rotations, rotations]),
     )
-    return Seamed(longer, np.concatenate([phase, np.interp(after, np.arange(last + 1), phase) + back]), back)
+    return Seamed(longer, np.concatenate([phase, np.interp(after, np.arange(clip.frame_count), phase) + back]), back)
 
 
 def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> tuple[Floats, Floats]:

@@ -15,20 +15,21 @@ from scipy.ndimage import gaussian_filter1d
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import heading
-from motionsplice.motion.parts import PART_NAMES, PARTS, UPPER_BODY, chains_to_limbs, part_of_joint
+from motionsplice.motion.parts import PART_NAMES, PARTS, UPPER_BODY, chains_to_limbs
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles
+from motionsplice.motion.roles import SIDES, Roles
 from motionsplice.precompute.body.joint_paths import joint_paths, joint_transforms
 from motionsplice.runtime.format.standing import Standing
 
 UP = np.array([0.0, 1.0, 0.0])
 STILL = 0.035  # leg lengths: at rest no joint is farther than this from where it is in the clip's first or last frame
-SHORTEST_REST = 0.1  # seconds
+SHORTEST_REST = 0.2  # seconds
 TURNS = 1.0  # radians: hips that turn farther from the way they face at rest turn the whole person
 TURNING = 0.5  # seconds over which such a turn is smoothed
 LEAST, MOST = 0.035, 0.35  # leg lengths from the stance: a limb that departs less is not used, one beyond is all used
 SMOOTHING = 0.05  # seconds
-NOTICEABLE, TURNED = 0.5, 0.17  # usage of an arm, and radians of a joint of trunk or head, that count as used
+ARM = ("wrist", "elbow", "shoulder")
+NOTICEABLE, TURNED = 0.5, 0.17  # usage of an arm, and radians of trunk or head, that count as used
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,19 +50,21 @@ class Stance:
 def rest_frames(clip: Clip, roles: Roles) -> NDArray[np.int64]:
     """Returns the frames at rest before and after the gesture [n]; none if the clip neither begins nor ends at rest.
 
-    A clip begins at rest if it stays near its first pose for SHORTEST_REST, or if its last pose is the same and the arms
-    hang. If it begins and ends in different poses at rest, only the one whose wrists are lower counts.
+    A clip begins at rest if it stays near its first pose for SHORTEST_REST, or if its arms hang in the same pose at
+    both ends. If it is at rest at both ends, in different poses, only the one whose wrists are lower counts.
     """
-    arms = (roles.left_wrist, roles.left_elbow, roles.left_shoulder)
-    arms += (roles.right_wrist, roles.right_elbow, roles.right_shoulder)
-    paths = joint_paths(clip, (roles.pelvis, *arms, *(joint for joint in (roles.neck, roles.head) if joint >= 0)))
+    left, right = ((getattr(roles, f"{side}_{joint}") for joint in ARM) for side in SIDES)
+    head = (joint for joint in (roles.neck, roles.head) if joint >= 0)
+    paths = joint_paths(clip, (roles.pelvis, *left, *right, *head))
     turn = quaternion.about(UP, -_facing(clip, roles))[:, None]
     poses = quaternion.rotate(turn, paths[:, 1:] - paths[:, :1])
     still = STILL * roles.leg_length(clip.skeleton)
     same = np.linalg.norm(poses[0] - poses[-1], axis=-1).max() <= 2.0 * still
     heights = poses[[0, -1], :6, 1].reshape(2, 2, 3)
     shortest = 0.0 if same and (np.diff(heights) > 0.0).all() else SHORTEST_REST * clip.rate
-    first, last = (lasting if lasting > shortest else 0 for lasting in (_lasting(poses, still), _lasting(poses[::-1], still)))
+    first, last = (
+        lasting if lasting > shortest else 0 for lasting in (_lasting(poses, still), _lasting(poses[::-1], still))
+    )
     if first and last and not same:
         lower = heights[0, :, 0].mean() <= heights[1, :, 0].mean()
         first, last = (first, 0) if lower else (0, last)
@@ -89,14 +92,11 @@ def parts_used(clip: Clip, standing: Standing, roles: Roles) -> tuple[str, ...]:
     """Returns the names of the parts that depart noticeably from the stance."""
     turns = quaternion.angle(clip.rotations, standing.stance)
     turns[:, roles.pelvis] = quaternion.angle(standing.turns, quaternion.IDENTITY)
-    upper, parts = clip.skeleton.subtree(roles.pelvis), part_of_joint(clip.skeleton, roles)
-    used = []
-    for part, name in enumerate(PART_NAMES):
-        joints = [joint for joint in upper if parts[joint] == part]
-        turned = max((turns[:, joint].max() for joint in joints), default=0.0)
-        if standing.usage[:, part].max() >= NOTICEABLE or (name in ("trunk", "head") and turned >= TURNED):
-            used.append(name)
-    return tuple(used)
+    turned = np.zeros(PARTS)
+    turned[0] = turns[:, sorted({roles.pelvis, *roles.spine})].sum(axis=1).max()
+    turned[-1] = turns[:, [joint for joint in (roles.neck, roles.head) if joint >= 0]].sum(axis=1).max(initial=0.0)
+    used = (standing.usage.max(axis=0) >= NOTICEABLE) | (turned >= TURNED)
+    return tuple(name for name, one in zip(PART_NAMES, used, strict=True) if one)
 
 
 def _facing(clip: Clip, roles: Roles) -> Floats:

@@ -27,7 +27,7 @@ class Measured:
     @property
     def note(self) -> str:
         """What the clip is, as a sentence."""
-        return f"stands, so it plays at its own speed; it uses {' and '.join(self.uses) or 'nothing'}"
+        return f"stands, so it plays at its own speed; it uses {', '.join(self.uses) or 'nothing'}"
 
 
 def measure_standing(clip: Clip, frame_count: int, idle: Clip | None, mask: str | None, roles: Roles) -> Measured:

@@ -1,4 +1,4 @@
-"""What a bank holds of a standing action: an action without a gait, laid on a locomotion as what it adds to a stance."""
+"""What a bank holds of a standing action, which has no gait: how it departs from its stance."""
 
 from __future__ import annotations
 

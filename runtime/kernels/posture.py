@@ -100,7 +100,9 @@ def is_aligned(bank: BankArrays, request: Array) -> bool:
 
 
 @kernel
-def hold_unclear_alignments(bank: BankArrays, requests: Array, memory: Array, block: Array, first: int, count: int) -> None:
+def hold_unclear_alignments(
+    bank: BankArrays, requests: Array, memory: Array, block: Array, first: int, count: int
+) -> None:
     """Replaces alignments that are not clearly the best by the last clear one in memory, or by the identity."""
     for k in range(count):
         if is_aligned(bank, requests[first + k]):

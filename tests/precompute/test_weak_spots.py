@@ -18,7 +18,6 @@ from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.baseline import LEAST_SWING, align, find_baseline
 from motionsplice.precompute.job.job import build_bank
-from motionsplice.precompute.preparation.prepared import has_gait
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
@@ -85,7 +84,7 @@ def legs_of(swing: float, sway: float) -> Clip:
 def test_a_walk_with_equal_halves_is_locomotion_and_standing_is_not() -> None:
     symmetric = legs_of(0.4, 0.0)
     for ring in (RING, find_baseline(symmetric, ROLES)):
-        assert has_gait(align(symmetric, ROLES, ring))
+        assert align(symmetric, ROLES, ring).has_gait
         for standing in (legs_of(0.0, 0.0), legs_of(0.0, 0.05), legs_of(0.05, 0.03)):
             assert align(standing, ROLES, ring).swing < LEAST_SWING
 

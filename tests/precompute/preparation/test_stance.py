@@ -102,7 +102,9 @@ def test_the_parts_that_an_action_uses_are_named(name: str, uses: tuple[str, ...
 
 def test_where_a_person_stands_and_faces_does_not_matter() -> None:
     clip = standing_action("jab", fair(1), seed=1)
-    moved = replace(turned(clip, np.full(clip.frame_count, 2.0)), root_positions=clip.root_positions + [3.0, 0.0, 1.0])
+    moved = replace(
+        turned(clip, np.full(clip.frame_count, 2.0)), root_positions=clip.root_positions + np.array([3.0, 0.0, 1.0])
+    )
     for one, other in zip(*((m.turns, m.usage, m.stance[1:]) for m in map(measured, (clip, moved))), strict=True):
         np.testing.assert_allclose(one, other, atol=1e-6)
 

@@ -161,6 +161,8 @@ class ClipInfo(BaseModel):
     mean_mismatch: float = Field(description="mean distance of root and knees from the baseline's")
     worst_mismatch: float = Field(description="largest distance of root and knees from the baseline's")
     shoulder_motion: float = Field(description="motion of the torso beyond the neutral's gait, radians")
+    stands: bool = Field(description="whether it is an action without a gait, which plays at its own speed")
+    uses: list[str] = Field(description="parts of the upper body that such an action uses")
     warnings: list[str]
     notes: list[str]
     source: str = Field(description="digest of its motion file")
@@ -182,6 +184,8 @@ class ClipInfo(BaseModel):
             mean_mismatch=clip.mean_mismatch,
             worst_mismatch=clip.worst_mismatch,
             shoulder_motion=clip.shoulder_motion,
+            stands=clip.stands,
+            uses=list(clip.uses),
             warnings=list(clip.warnings),
             notes=list(clip.notes),
             source=clip.source,

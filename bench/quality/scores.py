@@ -21,7 +21,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.body.posture import measure_torso, posture_angle
-from motionsplice.precompute.splice import sampled_offsets, splice_exact
+from motionsplice.precompute.splice import sampled_offsets, splice_exact, splice_standing
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Posture
@@ -133,7 +133,9 @@ def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) 
         frames = evaluator.action_frames(Splice(locomotion, action), evaluator.frame_times(locomotion))
         return Spliced(form, evaluator.clip(Splice(locomotion, action, posture=form.posture)), frames)
     assert form.posture != "running"
-    clips = bank.motion(locomotion), bank.motion(action)
+    clips, standing = (bank.motion(locomotion), bank.motion(action)), bank.standing(action)
+    if standing is not None and form.posture == "relative":
+        return Spliced(form, splice_standing(*clips, bank.roles, standing), None)
     offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
     exact = splice_exact(*clips, bank.roles, posture=form.posture, torso_offsets=offsets)
     return Spliced(form, exact.clip, exact.action_frames)

@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import ClipEntry
 
 NAMES = 6  # clips that a line about many of them names
 
@@ -78,7 +79,7 @@ def clips_table(bank: Bank) -> Table:
         action = clip.kind == "action"
         cells = [
             " ".join((escape(clip.name), *(f"[cyan]#{escape(tag)}[/cyan]" for tag in clip.tags))),
-            escape(bank.neutral(clip.name)) if action else "",
+            _neutral(bank, clip) if action else "",
             f"{clip.duration:.2f}",
             f"{clip.rate:.5g}",
             f"{clip.cycles:.2f}",
@@ -88,6 +89,11 @@ def clips_table(bank: Bank) -> Table:
         ]
         table.add_row(*cells if actions else (cells[0], *cells[2:-1]))
     return table
+
+
+def _neutral(bank: Bank, clip: ClipEntry) -> str:
+    neutral = bank.neutral(clip.name)
+    return "its own stance" if clip.stands and neutral == clip.name else escape(neutral)
 
 
 def hands_table(bank: Bank) -> Table:

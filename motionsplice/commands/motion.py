@@ -93,7 +93,7 @@ def splice_command(
     posture: Annotated[
         Posture,
         typer.Option(
-            help="relative: add what the action does beyond its gait; absolute: keep the action's mean posture, as in "
+            help="relative: add what the action does beyond its gait or its stance; absolute: keep the action's mean posture, as in "
             "the papers; running: like absolute, with a running mean; off: keep the locomotion's posture."
         ),
     ] = Posture.RELATIVE,
@@ -139,6 +139,11 @@ def spliced(
         )
     if hands is not None:
         raise SettingsError("the exact splice cannot lay hands", mend="Leave out --hands, or use --method splice")
+    standing, clip_l, clip_u = bank.standing(action), bank.motion(locomotion), bank.motion(action)
+    if standing is not None and posture is Posture.RELATIVE:
+        from motionsplice.precompute.splice import splice_standing
+
+        return splice_standing(clip_l, clip_u, bank.roles, standing, start=start)
     if start != 0.0:
         raise SettingsError("the exact splice chooses its own start", mend="Leave out --start")
     if posture not in WHOLE_CLIP_POSTURES:
@@ -146,7 +151,6 @@ def spliced(
         raise SettingsError(f"the exact splice has no posture {posture.value!r}", mend=f"Choose --posture {known}")
     from motionsplice.precompute.splice import splice_exact
 
-    clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
     offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
     return splice_exact(clip_l, clip_u, bank.roles, posture=WHOLE_CLIP_POSTURES[posture], torso_offsets=offsets).clip
 

@@ -175,7 +175,7 @@ def composed(first: NDArray[np.float64], then: NDArray[np.float64]) -> NDArray[n
     return first + np.column_stack((cos * left + sin * ahead, up, cos * ahead - sin * left, turn))
 
 
-def _action(action: str, own_clock: bool | list[float] = False, **values: Any) -> Action:
+def _action(action: str, own_clock: bool | list[float] | None = None, **values: Any) -> Action:
     """Returns the action of a command `act`, whose JSON has lists in place of tuples."""
-    clock = own_clock if isinstance(own_clock, bool) else (own_clock[0], own_clock[1])
+    clock = (own_clock[0], own_clock[1]) if isinstance(own_clock, list) else own_clock
     return Action(action, own_clock=clock, **values)

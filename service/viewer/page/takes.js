@@ -96,6 +96,6 @@ function act(side, values, rate) {
   const { when, start, blend, weight, mask, posture } = values;
   return {
     at: Math.round(values.at * rate), do: 'act', action: named(values.action, values.mirror), when, start, blend, blend_out: blend, weight, mask, posture,
-    method: side === 'naive' ? 'naive' : 'splice', loop: !values.once, own_clock: values.own,
+    method: side === 'naive' ? 'naive' : 'splice', loop: !values.once, ...(values.own && { own_clock: true }),
   };
 }

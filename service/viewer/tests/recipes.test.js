@@ -8,7 +8,7 @@ const take = {
   frames: 361,
   commands: [
     { at: 0, do: 'create', locomotion: { walk: 0.5, run: 0.5 }, loop: true },
-    { at: 30, do: 'act', action: 'wave', when: 'foot', start: 0, blend: 0.2, blend_out: 0.2, weight: 1, method: 'naive', loop: false, own_clock: false },
+    { at: 30, do: 'act', action: 'wave', when: 'foot', start: 0, blend: 0.2, blend_out: 0.2, weight: 1, method: 'naive', loop: false },
     { at: 0, do: 'wear', hands: 'count', blend: 0 },
   ],
 };

@@ -68,7 +68,7 @@ Path(${python(`${name}.bvh`)}).write_bytes(dump_bvh(clip))
 
 /** Defaults of Python's `Action`; the script omits them. @type {Record<string, unknown>} */
 const ACTION = {
-  when: 'now', start: 0, weight: 1, mask: 'upper_body', method: 'splice', posture: 'relative', loop: true, own_clock: false,
+  when: 'now', start: 0, weight: 1, mask: 'upper_body', method: 'splice', posture: 'relative', loop: true,
 };
 
 /** @param {Command} command */

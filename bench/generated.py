@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.parts import UPPER_BODY
+from motionsplice.motion.parts import PARTS, UPPER_BODY
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
@@ -40,8 +40,8 @@ STRIDE, SEAM, SHORTEST = 1.1, 0.2, 3.0  # seconds
 class Size:
     """The size of a generated bank: `clips` clips of `seconds` each at `rate` frames per second.
 
-    With `hands`, each clip also has a hands layer. Raises SettingsError if `joints` is outside FEWEST_JOINTS to
-    MOST_JOINTS, if there are no clips, or if clips are shorter than SHORTEST.
+    With `hands`, each clip also has a hands layer. With `standing`, each clip is a standing action. Raises SettingsError
+    if `joints` is outside FEWEST_JOINTS to MOST_JOINTS, if there are no clips, or if clips are shorter than SHORTEST.
     """
 
     joints: int = 31
@@ -49,6 +49,7 @@ class Size:
     seconds: float = 10.0
     rate: float = 30.0
     hands: bool = False
+    standing: bool = False
 
     def __post_init__(self) -> None:
         if not (FEWEST_JOINTS <= self.joints <= MOST_JOINTS and self.clips >= 1 and self.seconds >= SHORTEST):
@@ -85,8 +86,8 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True)
     digests = {"neutral": write_table(folder, TABLES["neutral"][0], size.clips, [np.arange(size.clips)])}
-    stances = np.zeros((0, Layout.of(skeleton, roles).upper.columns))
-    digests["stances"] = write_table(folder, TABLES["stances"][0], 0, [stances])
+    stances = [motion.tables["upper"][: size.standing] for motion in motions]  # the first rows
+    digests["stances"] = write_table(folder, TABLES["stances"][0], size.clips * size.standing, stances)
     for name in TABLES.keys() - digests.keys():
         length = size.clips * len(motions[0].tables[name])
         digests[name] = write_table(folder, TABLES[name][0], length, (motion.tables[name] for motion in motions))
@@ -154,6 +155,7 @@ def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Genera
     offsets = quaternion.about(axes[roles.pelvis], 0.1 * np.sin(2.0 * np.pi * phase))
     layout = Layout.of(skeleton, roles)
     rows = layout.pack(roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
+    layout.set_usage(rows["upper"], size.standing * (0.5 + 0.5 * np.sin(2.0 * np.pi * phase))[:, None] * np.ones(PARTS))
     path = np.column_stack([np.zeros((size.rows, 2)), roots[:, 2], np.zeros(size.rows)])
     feet = np.where(phase % 1.0 < 0.6, LEFT_FOOT, 0) | np.where((phase + 0.5) % 1.0 < 0.6, RIGHT_FOOT, 0)
     count = size.rows if size.hands else 0
@@ -186,7 +188,7 @@ def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:
         mean_mismatch=0.0,
         worst_mismatch=0.0,
         shoulder_motion=0.0,
-        stance=-1,
+        stance=number if size.standing else -1,
         parts=UPPER_BODY,
         uses=(),
         warnings=(),

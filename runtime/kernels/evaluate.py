@@ -117,24 +117,27 @@ def evaluate_part(
     for first in range(begin, end, BLOCK):
         count = min(BLOCK, end - first)
         look_up(bank, requests, first, count, block)
-        splices = 0
+        splices = added = 0
         for k in range(count):
-            method, aligned = requests[first + k]["method"], is_aligned(bank, requests[first + k])
-            sample_halves(bank, requests, block, k, lanes, above, first + k, roots, rotations)
-            if aligned:
+            method = requests[first + k]["method"]
+            adds = method == SPLICE and not is_aligned(bank, requests[first + k])
+            sample_halves(bank, requests, block, k, adds, lanes, above, first + k, roots, rotations)
+            if adds:
+                added += 1
+            elif method == SPLICE:
                 correlate(bank, bank.lower, block, k, lanes, above)
                 mirrored_l = bank.clips[requests[first + k]["locomotion"], arrays.MIRRORED] > 0.0
                 mirrored_u = bank.clips[requests[first + k]["action"], arrays.MIRRORED] > 0.0
                 if mirrored_l or mirrored_u:
                     correlate_mirrored(bank, bank.lower, mirrored_l, mirrored_u, block, k)
                 splices += 1
-            laid = method == NAIVE or (method == SPLICE and not aligned)
-            half = np.uint64(4 * PELVIS) + (above if laid else np.uint64(0))
+            half = np.uint64(4 * PELVIS) + (above if adds or method == NAIVE else np.uint64(0))
             copy_rotation(lanes, half, rotations, first + k, pelvis)
         if splices > 0:
             turn_pelves(bank, requests, memory, share, block, first, count)
             for k in range(count):
-                if is_aligned(bank, requests[first + k]):
+                request = requests[first + k]
+                if request["method"] == SPLICE and (added == 0 or is_aligned(bank, request)):
                     for i in range(4):
                         rotations[first + k, pelvis + np.uint64(i)] = block[(SPLICED + i) * BLOCK + k]
 
@@ -145,13 +148,17 @@ def sample_halves(
     requests: Array,
     block: Array,
     k: int,
+    adds: bool,
     lanes: Array,
     above: Index,
     character: int,
     roots: Array,
     rotations: Array,
 ) -> None:
-    """Samples both halves of a character: root and joints into its pose, all rotations into `lanes`."""
+    """Samples both halves of a character: root and joints into its pose, all rotations into `lanes`.
+
+    If the request `adds` its action to the locomotion, the upper half is that of the splice.
+    """
     lower, rig = bank.lower, bank.rig
     row, t, first = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
     for axis in range(np.uint64(ROOT), np.uint64(ROOT + 3)):
@@ -169,7 +176,7 @@ def sample_halves(
         lay_hands(bank, hands, upper_clip(request), row, t, np.float32(1.0), lanes, above)
     if bank.clips[upper_clip(request), arrays.MIRRORED] > 0.0:
         mirror_upper(bank, lanes, above)
-    if request["method"] == SPLICE and not is_aligned(bank, request):
+    if adds:
         own = np.uint64(4) * rig[arrays.OWN_UPPER]
         row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
         sample(bank.upper, row_l, first, rig[arrays.UPPER_WIDTH], t_l, lanes, own)

@@ -24,7 +24,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
 
     Each step is done for all characters before the next step, so that their waits for memory overlap.
     """
-    clips = bank.clips
+    clips, own_clocks = bank.clips, 0
     for k in range(count):
         request = requests[first + k]
         clip_l, clip_u = request["locomotion"], request["action"]
@@ -36,6 +36,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
             block[PHASE * BLOCK + k] = phase_in_step(bank, clip_l, row, t, clip_u, request["start"], request["cycles"])
         else:
             if request["method"] == SPLICE:
+                own_clocks += 1
                 fetch_ahead(bank.upper, row)  # of the locomotion
                 frame = own_frame(bank, clip_u, request["start"] + request["time"])
                 row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
@@ -47,10 +48,10 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
             fetch_hands(bank, int(request["hands"]) - 1, clip_l if request["method"] == NONE else clip_u, row)
             block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     for k in range(count):
-        if follows_phase(bank, requests[first + k]):
+        if requests[first + k]["method"] == SPLICE and (own_clocks == 0 or follows_phase(bank, requests[first + k])):
             block[ROW_U * BLOCK + k] = frame_near(bank, requests[first + k]["action"], block[PHASE * BLOCK + k])
     for k in range(count):
-        if follows_phase(bank, requests[first + k]):
+        if requests[first + k]["method"] == SPLICE and (own_clocks == 0 or follows_phase(bank, requests[first + k])):
             clip_u = requests[first + k]["action"]
             frame = frame_at(bank, clip_u, block[PHASE * BLOCK + k], block[ROW_U * BLOCK + k])
             row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])

@@ -105,13 +105,13 @@ def hold_unclear_alignments(
 ) -> None:
     """Replaces alignments that are not clearly the best by the last clear one in memory, or by the identity."""
     for k in range(count):
-        if is_aligned(bank, requests[first + k]):
+        if requests[first + k]["method"] == SPLICE:
             clear, remembered = block[GAP * BLOCK + k] >= LEAST_GAP, min(first + k, len(memory) - 1)
             for i in range(4):
                 at, last = (ALIGNED + i) * BLOCK + k, arrays.LAST_TURN + i
                 if not clear:
                     block[at] = memory[remembered, last] if remembered >= 0 else i // 3
-                elif remembered >= 0:
+                elif remembered >= 0 and is_aligned(bank, requests[first + k]):
                     memory[remembered, last] = block[at]
 
 

@@ -89,7 +89,7 @@ def test_a_damaged_stance_is_refused(tmp_path: Path) -> None:
         packed = msgpack.packb(body)
         outer = msgpack.unpackb(bank.manifest.data) | {"body": packed, "digest": content_digest(packed)}
         (bank.path / MANIFEST).write_bytes(msgpack.packb(outer))
-        with pytest.raises(BankError, match="'hail' does not match the tables|expected float32"):
+        with pytest.raises(BankError, match=r"'hail' does not match the tables|expected float32"):
             Bank.open(bank.path)
 
 

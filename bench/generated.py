@@ -40,8 +40,8 @@ STRIDE, SEAM, SHORTEST = 1.1, 0.2, 3.0  # seconds
 class Size:
     """The size of a generated bank: `clips` clips of `seconds` each at `rate` frames per second.
 
-    With `hands`, each clip also has a hands layer. With `standing`, each clip is a standing action. Raises SettingsError
-    if `joints` is outside FEWEST_JOINTS to MOST_JOINTS, if there are no clips, or if clips are shorter than SHORTEST.
+    With `hands`, each clip also has a hands layer. With `standing`, each clip is a standing action. Raises
+    SettingsError if `joints` is outside FEWEST_JOINTS to MOST_JOINTS, without clips, or for clips below SHORTEST.
     """
 
     joints: int = 31

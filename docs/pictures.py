@@ -19,12 +19,14 @@ from bench.retarget.rigs import on_rig
 from bench.speed import flatness
 from bench.speed.frames import batches
 from bench.speed.speed_charts import speed_chart
+from bench.standing.additive import add
 from bench.structure.layers import layers_picture, read_contracts
 from docs.screenshots import take_screenshots
 from motionsplice.commands.demo import demo_command
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.procedural.library import make, truth
+from motionsplice.motion.procedural.stances import fair, standing_action, standing_truth
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.by_roles import retarget
 from motionsplice.motion.retarget.stance import standing_pose
@@ -35,6 +37,8 @@ from motionsplice.pictures.sheets import contact_sheet
 from motionsplice.precompute.hands.merge import merge_hands
 from motionsplice.precompute.hands.settings import HandSettings
 from motionsplice.precompute.hands.splice import splice_hands
+from motionsplice.precompute.preparation.standing import measure_standing
+from motionsplice.precompute.splice import splice_naive, splice_standing
 from motionsplice.precompute.study.body_angles import View
 from motionsplice.precompute.study.correlation import study
 from motionsplice.runtime.character import Characters
@@ -56,6 +60,7 @@ def main() -> None:
     draw_study()
     draw_hands()
     draw_retargeting()
+    draw_standing()
     draw_speed()
     with tempfile.TemporaryDirectory() as folder:
         demo_command(Path(folder) / "demo")
@@ -113,6 +118,23 @@ def draw_mirror_images(evaluator: Evaluator) -> None:
     }
     rows = [(label, evaluator.clip(splice), evaluator.bank.roles) for label, splice in splices.items()]
     contact_sheet(rows, columns=8, start=1.0, end=4.0, view="front").save(IMAGES / "mirror.png")
+
+
+def draw_standing() -> None:
+    """A wave captured standing, on a run: replaced, added, spliced, each in front of the truth."""
+    performer, wave = fair(1), standing_action("hail", fair(1))
+    run, true_clip = make("run", seed=3), standing_truth("run", "hail", performer, locomotion_seed=3)
+    roles = find_roles(run.skeleton)
+    measured = measure_standing(wave, wave.frame_count, None, None, roles)
+    results = {
+        "replaced": splice_naive(run, wave, roles),
+        "additive": add(run, wave, roles),
+        "splice": splice_standing(run, wave, roles, measured.standing),
+    }
+    rows = [(label, clip, roles) for label, clip in results.items()]
+    sheet = contact_sheet(rows, columns=10, start=0.8, end=4.2, view="front", ghost=true_clip)
+    sheet.save(IMAGES / "standing.png")
+    reduce(IMAGES / "standing.png")
 
 
 def draw_quality(evaluator: Evaluator) -> None:

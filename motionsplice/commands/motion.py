@@ -93,8 +93,8 @@ def splice_command(
     posture: Annotated[
         Posture,
         typer.Option(
-            help="relative: add what the action does beyond its gait or its stance; absolute: keep the action's mean "
-            "posture, as in the papers; running: like absolute, with a running mean; off: keep the locomotion's posture."
+            help="relative: add what the action does beyond its gait or its stance; absolute: keep the action's "
+            "mean posture, as in the papers; running: like absolute, with a running mean; off: keep the locomotion's."
         ),
     ] = Posture.RELATIVE,
     start: Annotated[

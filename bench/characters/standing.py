@@ -37,12 +37,12 @@ def main(
         )
     findings = Findings(f"{COUNT} characters of {joints} joints: nanoseconds")
     for scene in (Scene(), Scene(sequential=True)):
-        works = [evaluation(one, request_sets(one.bank, COUNT, scene)) for one in (gaits, standing)]
-        compare(findings, f"splices, {scene.label}", *works, rounds)
-    works = [evaluation(one, request_sets(one.bank, COUNT, Scene())) for one in (gaits, standing)]
-    compare(findings, "splices, cold", *works, max(rounds // 3, 2), cold=True)
-    crowds = [frame_work(crowd(Stage(one), COUNT, 0, ())) for one in (gaits, standing)]
-    compare(findings, "characters", *crowds, rounds)
+        gait, stood = (evaluation(one, request_sets(one.bank, COUNT, scene)) for one in (gaits, standing))
+        compare(findings, f"splices, {scene.label}", gait, stood, rounds)
+    gait, stood = (evaluation(one, request_sets(one.bank, COUNT, Scene())) for one in (gaits, standing))
+    compare(findings, "splices, cold", gait, stood, max(rounds // 3, 2), cold=True)
+    gait, stood = (frame_work(crowd(Stage(one), COUNT, 0, ())) for one in (gaits, standing))
+    compare(findings, "characters", gait, stood, rounds)
     findings.show()
 
 

@@ -252,7 +252,7 @@ private:
     std::int64_t pelvis_ = 0, points_ = 0, cloud_width_ = 0;
     std::int64_t rows_ = 0, cells_ = 0, hand_rows_ = 0;
     detail::Half lower_half_, upper_half_, hands_half_;
-    std::vector<int> upper_lanes_;                // of the joints of hands_half_
+    std::vector<int> lanes_of_hands_;             // in the upper half
     detail::Images lower_images_, upper_images_;  // empty if the rig has no mirror image
     std::array<std::array<double, 3>, 3> cloud_image_{};
     detail::Table<float> lower_, upper_, frame_of_phase_, hand_table_;
@@ -315,9 +315,9 @@ private:
     RootMotion walk(int clip, double from, double to) const;
 
     const Bank* bank_;
-    // sampled rotations of one character: [4, width]; the spare ones are those that are being mirrored
+    // sampled rotations of one character: [4, width]; spare_lanes_ are a copy of those that are being mirrored
     std::vector<float> lower_lanes_, upper_lanes_, hand_lanes_, spare_lanes_;
-    std::vector<float> world_;                                   // [J, 7, LANES]
+    std::vector<float> world_;  // [J, 7, LANES]
 };
 
 // ------------------------------------------------------------------------------------------------------------- details
@@ -1178,7 +1178,7 @@ inline void Bank::lay_out(std::int64_t left_elbow, std::int64_t right_elbow) {
         if (number == pelvis_) continue;
         if (above[joint] && driven[joint]) {
             hands_half_.joints.push_back(static_cast<int>(joint));
-            upper_lanes_.push_back(static_cast<int>(detail::FIRST_JOINT + upper_half_.joints.size()));
+            lanes_of_hands_.push_back(static_cast<int>(detail::FIRST_JOINT + upper_half_.joints.size()));
         }
         (above[joint] ? upper_half_ : lower_half_).joints.push_back(static_cast<int>(joint));
     }
@@ -1515,11 +1515,10 @@ inline void Evaluator::sample(const Character& character, float* rotations, floa
     slerp(bank.upper_.data(), character.upper.row, upper, character.upper.share, upper_lanes_.data());
     if (character.hand_row >= 0) {
         slerp(bank.hand_table_.data(), character.hand_row, hands, character.upper.share, hand_lanes_.data());
+        const std::size_t from = hand_lanes_.size() / 4, to = upper_lanes_.size() / 4;
         for (std::size_t i = 0; i < hands.joints.size(); ++i) {
-            float rotation[4];
-            put(hand_lanes_, i, rotation);
-            const std::size_t lane = std::size_t(bank.upper_lanes_[i]), width = upper_lanes_.size() / 4;
-            for (std::size_t c = 0; c < 4; ++c) upper_lanes_[c * width + lane] = rotation[c];
+            const auto lane = static_cast<std::size_t>(bank.lanes_of_hands_[i]);
+            for (std::size_t c = 0; c < 4; ++c) upper_lanes_[c * to + lane] = hand_lanes_[c * from + i];
         }
     }
     if (character.upper_mirrored) mirror(bank.upper_images_, upper_lanes_);

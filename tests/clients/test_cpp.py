@@ -137,14 +137,16 @@ def test_a_clip_without_a_loop_stops_at_its_end(program: Path, tmp_path: Path) -
 
 
 def test_names_are_found_as_by_the_bank(bank: Bank, program: Path) -> None:
-    clips = [clip for clip in bank.numbered if not clip.name.startswith("run")]
-    unknown = ["~mirror", "mirror", "walk~mirror~mirror", "absent~mirror", "walk~", "absent"]
-    lines = cpp.run(program, bank.path, "".join(f"find {name}\n" for name in [*(one.name for one in clips), *unknown]))
-    for clip, line in zip(clips, lines, strict=False):
+    known, unknown = [clip.name for clip in bank.numbered], ["~mirror", "walk~mirror~mirror", "absent~mirror", "walk~"]
+    lines = cpp.run(program, bank.path, "".join(f"find {name}\n" for name in [*known, *unknown]))
+    assert lines[len(known) :] == ["-1"] * len(unknown)
+    for clip, line in zip(bank.numbered, lines[: len(known)], strict=True):
         number, first, last, name = line.split(maxsplit=3)
         assert (int(number), name) == (bank.number(clip.name), clip.name)
         np.testing.assert_allclose([float(first), float(last)], [clip.first_phase, clip.last_phase], rtol=1e-8)
-    assert lines[len(clips) :] == ["-1"] * len(unknown)
+    for name in unknown:
+        with pytest.raises(UnknownClipError):
+            bank.number(name)
 
 
 def test_a_rig_without_a_mirror_image_says_so(program: Path, tmp_path: Path) -> None:

@@ -48,7 +48,8 @@ def test_poses_agree_with_the_twin(standing_bank: Bank, data: st.DataObject) -> 
     locomotion, action = (data.draw(st.sampled_from(bank.numbered)) for _ in range(2))
     time, posture = data.draw(st.floats(0.0, locomotion.duration)), data.draw(st.sampled_from(["relative", "off"]))
     start = data.draw(st.floats(0.0, action.duration))
-    splice: Any = Splice(locomotion.name, action.name, start=start, posture=posture)
+    asked: Any = posture
+    splice = Splice(locomotion.name, action.name, start=start, posture=asked)
     found = Evaluator(bank).pose(splice, time)
     root, rotations = naive.pose(bank, locomotion.name, time, action.name, start, "splice", posture)
     np.testing.assert_allclose(found.root_positions[0], root, atol=1e-5)

@@ -53,7 +53,8 @@ class Requests:
         time: [n] float64, seconds into the locomotion.
         start: [n] float64, seconds into the action: its earliest frame. The first frame from there on that is in step
             with the locomotion's first frame is played with it. Method `naive` starts at exactly this time.
-        cycles: [n] int32, whole cycles to add to the action's phase. Only method `splice` uses it.
+        cycles: [n] int32, whole cycles to add to the action's phase; for an action captured standing, strides of the
+            locomotion's loop to add to its time. Only method `splice` uses it.
         method: [n] uint8, values of METHODS.
         posture: [n] uint8, values of POSTURES.
         hands: [n] uint16, 0 for the fingers of the clip that gives the upper body; else 1 + the number of hands

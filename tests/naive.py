@@ -108,7 +108,8 @@ def pose(
         seconds = start + time
         frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
     elif entry_u.stands:
-        frame_u = own_frame(bank, action, start + time)
+        stride = frames_in_loop(bank, locomotion) / entry_l.loop / entry_l.rate if entry_l.loop else 0.0
+        frame_u = own_frame(bank, action, max(start + time + cycles * stride, 0.0))
     else:
         phase = phase_between(locomotion, frame_l)
         phase += math.ceil(phase_between(action, start * entry_u.rate) - entry_l.first_phase - 1e-3) + cycles
@@ -141,13 +142,17 @@ def pose(
 
 def own_frame(bank: Bank, clip: str, seconds: float) -> float:
     """A clip's frame after so many seconds at its own speed: it goes on by its loop, or holds its last frame."""
-    entry, phase = bank.clip(clip), bank.phase(clip, seam=True)
+    entry = bank.clip(clip)
     frame, last = seconds * entry.rate, entry.row_count - 1.0
-    if entry.loop > 0:
-        lasting = last - float(np.interp(phase[-1] - entry.loop, phase, np.arange(len(phase))))
-        while frame > last:
-            frame -= lasting
+    while entry.loop > 0 and frame > last:
+        frame -= frames_in_loop(bank, clip)
     return min(frame, last)
+
+
+def frames_in_loop(bank: Bank, clip: str) -> float:
+    """How many frames a clip with a loop goes back at its last row."""
+    phase = bank.phase(clip, seam=True)
+    return len(phase) - 1.0 - float(np.interp(phase[-1] - bank.clip(clip).loop, phase, np.arange(len(phase))))
 
 
 def laid_on(bank: Bank, own: Floats, frame_l: Floats, action: str, at: float, posed: Floats) -> Floats:

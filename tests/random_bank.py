@@ -85,10 +85,11 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
 
 
 def _mirror(draw: np.random.Generator, layout: Layout, joints: int) -> Mirror:
-    """Pairs joints of each half at random; about a quarter have no twin."""
+    """Pairs joints of each half at random, those of hands with such; about a quarter have no twin."""
     twins = np.arange(joints)
-    for half in layout.halves.values():
-        mixed = draw.permutation(half.joints).tolist()
+    hands = set(layout.hands.joints)
+    for group in (layout.lower.joints, set(layout.upper.joints) - hands, hands):
+        mixed = draw.permutation(sorted(group)).tolist()
         for one, other in zip(mixed[::2], mixed[1::2], strict=False):
             twins[one], twins[other] = (other, one) if draw.random() < 0.75 else (-1, -1)
     return Mirror(twins, Rotation.random(joints, random_state=draw).as_quat())

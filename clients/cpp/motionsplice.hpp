@@ -246,6 +246,7 @@ private:
     double guess(int clip, double phase) const;
     double frame_at(int clip, double phase, double near) const;
     double own_frame(int clip, double seconds) const;
+    double frames_in_loop(int clip) const;
     std::array<double, 6> posture(int clip) const;
 
     std::string digest_;
@@ -1378,9 +1379,15 @@ inline double Bank::own_frame(int number, double seconds) const {
     const ClipEntry& entry = clip(number);
     const double frame = seconds * entry.rate, last = static_cast<double>(entry.row_count - 1);
     if (frame <= last || entry.loop == 0) return std::min(frame, last);
-    const double phase = entry.last_phase - static_cast<double>(entry.loop);
-    const double lasting = last - frame_at(number, phase, guess(number, phase));
+    const double lasting = frames_in_loop(number);
     return std::min(frame - lasting * std::ceil((frame - last) / lasting), last);
+}
+
+/// Returns how many frames a clip with a loop goes back at its last row.
+inline double Bank::frames_in_loop(int number) const {
+    const ClipEntry& entry = clip(number);
+    const double phase = entry.last_phase - static_cast<double>(entry.loop);
+    return static_cast<double>(entry.row_count - 1) - frame_at(number, phase, guess(number, phase));
 }
 
 /// Where one character of a block is in the tables.
@@ -1525,7 +1532,12 @@ inline void Evaluator::look_up(const Splice* splices, const double* times, int c
         character.lower_mirrored = below.mirrored, character.upper_mirrored = above.mirrored;
         const double last = static_cast<double>(above.frame_count - 1);
         if (character.method == Method::splice && above.stands()) {
-            const double frame = bank.own_frame(character.upper_clip, splice.start + times[k]);
+            double seconds = splice.start + times[k];
+            if (splice.cycles != 0 && below.loop > 0) {
+                const double stride = bank.frames_in_loop(splice.locomotion) / static_cast<double>(below.loop);
+                seconds = std::max(seconds + static_cast<double>(splice.cycles) * stride / below.rate, 0.0);
+            }
+            const double frame = bank.own_frame(character.upper_clip, seconds);
             character.upper = bank.between(character.upper_clip, frame, static_cast<double>(above.row_count - 1));
             character.own_clock = true, character.added = splice.posture == Posture::relative;
             if (character.added) character.method = Method::naive;

@@ -23,6 +23,7 @@ from motionsplice.runtime.kernels.lookup import (
     look_up,
     own_frame,
     phase_in_step,
+    seconds_played,
 )
 from motionsplice.runtime.kernels.mirror import correlate_mirrored, mirror_lower, mirror_upper
 from motionsplice.runtime.kernels.posture import RUNNING, correlate, is_aligned, turn_pelves
@@ -224,7 +225,7 @@ def action_frames(bank: BankArrays, requests: Array, frames: Array) -> None:
         at = request["time"] * clips[locomotion, arrays.RATE]
         row, t = locate(at, clips[locomotion, arrays.FIRST_ROW], clips[locomotion, arrays.FRAME_COUNT])
         if bank.clips[action, arrays.STANCE] >= 0.0:
-            frames[character] = own_frame(bank, action, request["start"] + request["time"])
+            frames[character] = own_frame(bank, action, seconds_played(bank, request))
         else:
             phase = phase_in_step(bank, locomotion, row, t, action, request["start"], request["cycles"])
             frames[character] = frame_at(bank, action, phase, frame_near(bank, action, phase))

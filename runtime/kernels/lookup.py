@@ -38,7 +38,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
             if request["method"] == SPLICE:
                 own_clocks += 1
                 fetch_ahead(bank.upper, row)  # of the locomotion
-                frame = own_frame(bank, clip_u, request["start"] + request["time"])
+                frame = own_frame(bank, clip_u, seconds_played(bank, request))
                 row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
             elif request["method"] == NAIVE:
                 count_u = clips[clip_u, arrays.FRAME_COUNT]
@@ -67,18 +67,33 @@ def follows_phase(bank: BankArrays, request: Array) -> bool:
 
 
 @inlined
+def seconds_played(bank: BankArrays, request: Array) -> float:
+    """Returns the time of an action that plays at its own speed: also while its locomotion has gone back `cycles`."""
+    seconds, clip = request["start"] + request["time"], request["locomotion"]
+    if request["cycles"] != 0 and bank.clips[clip, arrays.LOOP] > 0.0:
+        stride = frames_in_loop(bank, clip) / bank.clips[clip, arrays.LOOP] / bank.clips[clip, arrays.RATE]
+        seconds = max(seconds + request["cycles"] * stride, 0.0)
+    return seconds
+
+
+@inlined
 def own_frame(bank: BankArrays, clip: int, seconds: float) -> float:
     """Returns the frame that a clip shows after so many seconds at its own speed.
 
     At its end it goes on as its loop does; without a loop it holds its last frame.
     """
     frame, last = seconds * bank.clips[clip, arrays.RATE], bank.clips[clip, arrays.ROW_COUNT] - 1.0
-    loop = bank.clips[clip, arrays.LOOP]
-    if frame > last and loop > 0.0:
-        phase = bank.clips[clip, arrays.LAST_PHASE] - loop
-        lasting = last - frame_at(bank, clip, phase, frame_near(bank, clip, phase))
+    if frame > last and bank.clips[clip, arrays.LOOP] > 0.0:
+        lasting = frames_in_loop(bank, clip)
         frame -= lasting * np.ceil((frame - last) / lasting)
     return min(frame, last)
+
+
+@inlined
+def frames_in_loop(bank: BankArrays, clip: int) -> float:
+    """Returns how many frames a clip with a loop goes back at its last row."""
+    phase = bank.clips[clip, arrays.LAST_PHASE] - bank.clips[clip, arrays.LOOP]
+    return bank.clips[clip, arrays.ROW_COUNT] - 1.0 - frame_at(bank, clip, phase, frame_near(bank, clip, phase))
 
 
 @inlined

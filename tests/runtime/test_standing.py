@@ -20,7 +20,7 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.mirrored import MIRRORED
-from motionsplice.runtime.requests import POSTURES
+from motionsplice.runtime.requests import POSTURES, Requests
 from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 from tests import naive, naive_character
@@ -77,6 +77,24 @@ def test_a_standing_action_plays_at_its_own_speed_and_repeats_from_its_start(sta
     last, begun = entry.row_count - 1.0, entry.row_count - entry.frame_count + 1.0  # the seam leads to frame 1 and on
     expected = (entry.duration + times) * entry.rate
     np.testing.assert_allclose(frames, np.where(expected > last, expected - last + begun, expected), atol=1e-6)
+
+
+def test_a_standing_action_goes_on_when_its_locomotion_has_gone_back(standing_bank: Bank) -> None:
+    """`cycles` then grow by the strides of the loop, as for an action in step."""
+    walk, evaluator, requests = standing_bank.clip("walk"), Evaluator(standing_bank), Requests.empty(2)
+    poses = evaluator.poses(2)
+    requests.records[:] = evaluator.record(Splice("walk", "jab"))
+    requests.time[:] = 0.1
+    requests.cycles[0] = walk.loop
+    requests.start[1] = naive.frames_in_loop(standing_bank, "walk") / walk.rate
+    evaluator.evaluate(requests, poses)
+    np.testing.assert_allclose(poses.rotations[0], poses.rotations[1], atol=1e-5)
+    requests.cycles[:], requests.start[:] = [-100, 0], 0.0
+    requests.time[1] = 0.0
+    evaluator.evaluate(requests, poses)
+    arm = standing_bank.roles.right_shoulder  # the first frame is at rest, where the arm swings on
+    walking = standing_bank.motion("walk").rotations[[6, 0], arm]
+    assert quaternion.angle(poses.rotations[:, arm], walking).max() < np.radians(2.0)
 
 
 def test_what_an_action_does_not_use_moves_as_in_the_locomotion(standing_bank: Bank) -> None:

@@ -72,7 +72,7 @@ struct Splice {
     double start = 0.0;    ///< seconds into the action, which begins at the first frame from here on that is in step
     Method method = Method::splice;
     Posture posture = Posture::relative;  ///< `running` needs a Memory
-    std::int64_t cycles = 0;              ///< cycles to add to the action's phase: add those of each RootMotion
+    std::int64_t cycles = 0;              ///< cycles that the locomotion has gone back: add those of each RootMotion
 };
 
 /// What the evaluator remembers of one character from frame to frame. Posture `running` needs it. With other postures

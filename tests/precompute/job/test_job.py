@@ -228,6 +228,8 @@ def test_files_of_other_programs_alone_are_named_in_the_error(tmp_path: Path) ->
         ("[walk]\nrate = 0", "rate = 0.*Use a number above 0"),
         ("[walk]\nrate = true", "rate = True"),
         ("[walk]\nroot = 3", "root = 3"),
+        ("[walk]\nmask = 'legs'", 'mask = \'legs\'.*Use "upper_body", "left_arm"'),
+        ("[walk]\nmask = ['arms']", "mask = "),
         ("[walk]\nroles = 3", "roles = 3.*Use the name of a roles file"),
         ("[walk]\nroles = 'none.toml'", "clip 'walk', none.toml: the file cannot be read"),
         ("[box:run]", 'not TOML.*Write a name with a colon in quotes, as \\["moves:run"\\]'),

@@ -10,9 +10,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.parts import part_of_joint
+from motionsplice.motion.procedural.gestures import gesture_pair
+from motionsplice.precompute.hands.settings import HandsOnBody
+from motionsplice.precompute.job.job import build_bank
 from motionsplice.precompute.splice import splice_standing
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
@@ -24,6 +28,7 @@ from motionsplice.runtime.requests import POSTURES, Requests
 from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 from tests import naive, naive_character
+from tests.conftest import CLIPS
 from tests.playing import RATE, Setup, evaluated
 from tests.runtime.characters.test_characters import commanded
 
@@ -217,6 +222,42 @@ def test_starting_and_stopping_at_any_time_does_not_pop(one: Setup, frame: int, 
     sources = [bank.motion(name).rotations for name in ("walk", "jab")]
     fastest = max(quaternion.angle(one[1:], one[:-1]).max() for one in sources)
     assert turned.max() < 1.6 * fastest
+
+
+@pytest.fixture(scope="module")
+def gesture_stage(tmp_path_factory: pytest.TempPathFactory) -> Stage:
+    """A walk, a person who stands and gestures, and the hands of these gestures."""
+    pair = gesture_pair(5, kinds=["count", "point"], seconds=4.0, locomotion=None)
+    folder = tmp_path_factory.mktemp("gestures")
+    for name, clip in {"walk": CLIPS["walk"], "counting": pair.body, "counting_hands": pair.hands}.items():
+        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
+    (folder / "clips.toml").write_text("[counting]\nkind = 'action'\n")
+    hands = HandsOnBody("counting", "counting_hands")
+    assert not build_bank([folder], folder / "bank", baseline="walk", hands=[hands]).failed
+    return Stage(Evaluator(Bank.open(folder / "bank")))
+
+
+def test_hands_lie_on_a_standing_action(gesture_stage: Stage) -> None:
+    bank, characters = gesture_stage.bank, Characters(gesture_stage, RATE)
+    assert bank.clip("counting").stands
+    characters.add(2, "walk")
+    characters.act([0, 1], Action("counting", blend=0.1))
+    characters.wear([0], "counting_hands", blend=0.1)
+    fingers = [joint for joint in bank.layout.hands.joints if "Thumb" in bank.skeleton.names[joint]]
+    moved = 0.0
+    for frame in range(200):
+        before = characters.state.copy()
+        rotations = evaluated(characters)[1]
+        if frame % 20 == 3:
+            for row, state in enumerate(before):
+                assert quaternion.angle(rotations[row], naive_character.pose(bank, state)[1]).max() < 1e-3
+        moved = max(moved, quaternion.angle(rotations[0, fingers], rotations[1, fingers]).max())
+        characters.advance()
+    assert moved > 0.2
+    splice = Splice("walk", "counting", hands="counting_hands")
+    worn = gesture_stage.evaluator.pose(splice, 2.0).rotations[0]
+    twin = naive.pose(bank, "walk", 2.0, "counting", 0.0, "splice", "relative", hands="counting_hands")[1]
+    assert quaternion.angle(worn, twin).max() < 5e-5
 
 
 def test_positions_of_feet_and_root_are_the_locomotions(standing_bank: Bank) -> None:

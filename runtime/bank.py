@@ -287,15 +287,28 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such clip.
         """
+        stance, rows = self.stance(name), self._rows(name, seam)
+        if stance is None:
+            return None
+        usage = self.layout.usage(self.tables["upper"][rows])
+        if self._mirror_of(name):
+            usage = usage[:, list(TWIN_PARTS)]
+        return Standing(stance, self.torso(name, seam=seam).offsets, usage, self.clip(name).parts)
+
+    def stance(self, name: str) -> NDArray[np.float64] | None:
+        """Returns the stance of a standing action; None for any other clip.
+
+        It is local rotations [J, 4], xyzw: identities for the joints that are not of the upper body.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
         entry, mirror = self.clip(name), self._mirror_of(name)
         if not entry.stands:
             return None
         bind = np.tile(quaternion.IDENTITY, (self.skeleton.joint_count, 1))
         stance = self.layout.stance(self.tables["stances"][entry.stance], bind)
-        usage = self.layout.usage(self.tables["upper"][self._rows(name, seam)])
-        if mirror:
-            stance, usage = mirror.rotations(stance, self.skeleton.parents), usage[:, list(TWIN_PARTS)]
-        return Standing(stance, self.torso(name, seam=seam).offsets, usage, entry.parts)
+        return mirror.rotations(stance, self.skeleton.parents) if mirror else stance
 
     def phase(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
         """Returns the phase [F] of each frame of a clip, in cycles of the baseline; with `seam`, of its seam's too.

@@ -191,7 +191,7 @@ def _stances(layout: Layout, standing: Mapping[str, Measured]) -> Iterator[NDArr
 def _entries(
     clips: Sequence[PreparedClip], offsets: Mapping[str, Floats], standing: Mapping[str, Measured]
 ) -> list[ClipEntry]:
-    entries, row = [], 0
+    entries, row, stances = [], 0, {name: number for number, name in enumerate(standing)}
     for one in clips:
         rows, moved, stands = len(one.phase), offsets.get(one.name), standing.get(one.name)
         entries.append(
@@ -213,7 +213,7 @@ def _entries(
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
                 shoulder_motion=0.0 if moved is None else shoulder_motion(moved[: one.frame_count]),
-                stance=-1 if stands is None else list(standing).index(one.name),
+                stance=stances.get(one.name, -1),
                 parts=UPPER_BODY if stands is None else stands.standing.parts,
                 uses=() if stands is None else stands.uses,
                 warnings=one.warnings if stands is None else (*one.warnings, *stands.warnings),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -85,7 +85,7 @@ class RigArrays(NamedTuple):
 
 def bank_arrays(bank: Bank) -> BankArrays:
     """Returns a bank as flat arrays, without copying its large tables."""
-    layout, standing = bank.layout, [clip.name for clip in bank.numbered if clip.stands]
+    layout, standing = bank.layout, {clip.name: row for row, clip in enumerate(c for c in bank.numbered if c.stands)}
     clips = np.array(
         [
             (
@@ -96,7 +96,7 @@ def bank_arrays(bank: Bank) -> BankArrays:
                 clip.gait,
                 number >= len(bank.clips),
                 HALF_A_CYCLE * (number >= len(bank.clips)),
-                standing.index(clip.name) if clip.stands else -1,
+                standing.get(clip.name, -1),
                 clip.parts,
             )
             for number, clip in enumerate(bank.numbered)
@@ -125,13 +125,13 @@ def bank_arrays(bank: Bank) -> BankArrays:
     )
 
 
-def stance_rows(bank: Bank, standing: Sequence[str]) -> Array:
+def stance_rows(bank: Bank, standing: Iterable[str]) -> Array:
     """Returns the array `stances` of BankArrays, for the standing actions of these names."""
     layout, parts = bank.layout, np.zeros((1, bank.layout.upper.columns), np.float32)
     numbers = part_of_joint(bank.skeleton, bank.roles)[list(layout.upper.joints)]
     layout.upper.lanes(parts)[0, np.arange(FIRST_JOINT, FIRST_JOINT + len(numbers)), numbers] = 1.0
-    departures = (bank.standing(name) for name in standing)
-    return np.concatenate([*(layout.pack_stance(one.stance) for one in departures if one), parts])
+    stances = (bank.stance(name) for name in standing)
+    return np.concatenate([*(layout.pack_stance(one) for one in stances if one is not None), parts])
 
 
 def lane_mirror(bank: Bank) -> Array:

@@ -75,16 +75,16 @@ def clips_table(bank: Bank) -> Table:
     for column in ("seconds", "rate", "cycles", "mean", "worst", "shoulders")[: 5 + actions]:
         table.add_column(column, justify="right", no_wrap=True)
     for clip in bank.clips:
-        mean = f"{100 * clip.mean_mismatch:.1f}"
+        mean = "" if clip.stands else f"{100 * clip.mean_mismatch:.1f}"  # its phase has no meaning
         action = clip.kind == "action"
         cells = [
             " ".join((escape(clip.name), *(f"[cyan]#{escape(tag)}[/cyan]" for tag in clip.tags))),
             _neutral(bank, clip) if action else "",
             f"{clip.duration:.2f}",
             f"{clip.rate:.5g}",
-            f"{clip.cycles:.2f}",
+            "" if clip.stands else f"{clip.cycles:.2f}",
             f"[yellow]{mean}[/yellow]" if clip.warnings else mean,
-            f"{100 * clip.worst_mismatch:.1f}",
+            "" if clip.stands else f"{100 * clip.worst_mismatch:.1f}",
             f"{np.degrees(clip.shoulder_motion):.1f}" if action else "",
         ]
         table.add_row(*cells if actions else (cells[0], *cells[2:-1]))
@@ -93,7 +93,7 @@ def clips_table(bank: Bank) -> Table:
 
 def _neutral(bank: Bank, clip: ClipEntry) -> str:
     neutral = bank.neutral(clip.name)
-    return "its own stance" if clip.stands and neutral == clip.name else escape(neutral)
+    return "itself" if clip.stands and neutral == clip.name else escape(neutral)
 
 
 def hands_table(bank: Bank) -> Table:

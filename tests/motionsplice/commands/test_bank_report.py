@@ -12,7 +12,9 @@ from bench.retarget.kinds import KINDS
 from bench.retarget.rigs import on_rig
 from motionsplice.cli import app
 from motionsplice.commands.bank_report import print_grouped
+from motionsplice.motion import quaternion
 from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.runtime.bank import Bank
 
@@ -79,3 +81,23 @@ def test_names_are_cut_short(capsys: pytest.CaptureFixture[str]) -> None:
     ):
         print_grouped("dim", [(name, "a [note]") for name in named], [*moves, *walks, "one:run"])
         assert capsys.readouterr().out == f"{text}: a [note]\n"
+
+
+def test_standing_actions_have_their_stance_as_neutral_and_no_cycles(standing_bank: Bank) -> None:
+    output = printed("inspect", standing_bank.path)
+    (row,) = (line for line in output.splitlines() if "hail" in line and "│" in line)
+    cells = [cell.strip() for cell in row.split("│")[1:-1]]
+    assert cells[:7] == ["hail", "itself", "5.00", "60", "", "", ""]
+    assert "hail: stands, so it plays at its own speed; it uses right arm" in output
+
+
+@pytest.mark.parametrize("posture", ["relative", "absolute"])
+def test_a_standing_action_is_spliced_by_every_method(standing_bank: Bank, tmp_path: Path, posture: str) -> None:
+    splices = {}
+    for method in ("splice", "exact"):
+        names = ("--locomotion", "walk", "--action", "bow", "--method", method, "--posture", posture)
+        printed("splice", standing_bank.path, *names, "--out", tmp_path / f"{method}.bvh")
+        splices[method] = read_clip(tmp_path / f"{method}.bvh").clip
+    frames = min(clip.frame_count for clip in splices.values())
+    one, other = (clip.rotations[:frames] for clip in splices.values())
+    assert (quaternion.angle(one, other).max() < 1e-3) == (posture == "relative")

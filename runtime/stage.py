@@ -19,7 +19,7 @@ class Stage:
     Attributes:
         evaluator: The evaluator.
         bank: Its bank.
-        ground: Root paths and foot contacts of all rows of the bank.
+        ground: Root paths, foot contacts and feet of all rows of the bank.
         limbs: Joints of the parts of the upper body, for masks.
         mixing: Scratch memory for mixing.
     """

@@ -202,7 +202,7 @@ public:
 
 private:
     friend class Evaluator;
-    using Digests = std::array<std::string, 10>;
+    using Digests = std::array<std::string, 11>;
 
     bool read(const Files& files, const std::string& name, Error& error);
     std::string read_body(const detail::Bytes& manifest, Digests& digests);
@@ -230,7 +230,7 @@ private:
     std::int64_t pelvis_ = 0, points_ = 0, cloud_width_ = 0;
     std::int64_t rows_ = 0, cells_ = 0, hand_rows_ = 0;
     detail::Half lower_half_, upper_half_, hands_half_;
-    detail::Table<float> lower_, upper_, frame_of_phase_, hand_table_;
+    detail::Table<float> lower_, upper_, frame_of_phase_, feet_, hand_table_;
     detail::Table<double> phase_of_frame_, paths_, postures_, hand_frames_;
     detail::Table<std::uint8_t> contacts_;
     detail::Table<std::int32_t> neutral_;
@@ -304,16 +304,17 @@ constexpr double IN_STEP = 1e-3;                           // cycles by which an
 constexpr double LEAST_GAP = 1e-3;                         // of a clear rotation, see docs/bank.md
 constexpr std::int64_t MOST_ROWS = std::int64_t(1) << 40;  // sums and products of counts stay far from overflow
 constexpr std::size_t LARGEST_MANIFEST = std::size_t(64) << 20;  // bytes
-constexpr int VERSION = 5;
+constexpr int VERSION = 6;
 constexpr const char* FORMAT = "motionsplice bank";
 constexpr const char* REBUILD = "Build it again with `motionsplice precompute`";
 
 /// The tables in the order of docs/bank.md.
 enum TableNumber : std::size_t {
-    LOWER, UPPER, PHASE_OF_FRAME, FRAME_OF_PHASE, PATHS, CONTACTS, POSTURES, NEUTRAL, HANDS, HAND_FRAMES
+    LOWER, UPPER, PHASE_OF_FRAME, FRAME_OF_PHASE, PATHS, CONTACTS, FEET, POSTURES, NEUTRAL, HANDS, HAND_FRAMES
 };
-constexpr std::array<const char*, 10> TABLES = {"lower", "upper", "phase_of_frame", "frame_of_phase", "paths",
-                                                "contacts", "postures", "neutral", "hands", "hand_frames"};
+constexpr std::array<const char*, 11> TABLES = {"lower", "upper", "phase_of_frame", "frame_of_phase", "paths",
+                                                "contacts", "feet", "postures", "neutral", "hands",
+                                                "hand_frames"};
 
 inline std::int64_t whole(std::int64_t count, std::int64_t of) { return (count + of - 1) / of * of; }
 
@@ -1074,6 +1075,7 @@ inline std::string Bank::load(std::size_t table, const detail::Bytes& file) {
         case detail::FRAME_OF_PHASE: return load(file, {cells_}, frame_of_phase_);
         case detail::PATHS: return load(file, {rows_, 4}, paths_);
         case detail::CONTACTS: return load(file, {rows_}, contacts_);
+        case detail::FEET: return load(file, {rows_, 6}, feet_);
         case detail::POSTURES: return load(file, {clips, 2, 3}, postures_);
         case detail::NEUTRAL: return load(file, {clips}, neutral_);
         case detail::HAND_FRAMES: return load(file, {hand_rows_, 2}, hand_frames_);
@@ -1091,6 +1093,7 @@ inline std::string Bank::contents_fault(std::size_t table) const {
         case detail::UPPER: return detail::finite_fault(upper_);
         case detail::FRAME_OF_PHASE: return detail::finite_fault(frame_of_phase_);
         case detail::PATHS: return detail::finite_fault(paths_);
+        case detail::FEET: return detail::finite_fault(feet_);
         case detail::POSTURES: return detail::finite_fault(postures_);
         case detail::HANDS: return detail::finite_fault(hand_table_);
         case detail::HAND_FRAMES: return detail::finite_fault(hand_frames_);

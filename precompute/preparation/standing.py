@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import convolve1d
 
+from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -28,6 +29,15 @@ def feet_over_ground(clip: Clip, roles: Roles) -> Floats:
     """Returns the positions [F, 2, 2] of both feet over the ground, x and z in metres: of the toes if the rig has them,
     else of the ankles."""
     return joint_paths(clip, [joints[-1] for joints in roles.feet])[..., [0, 2]]
+
+
+def standing_feet(clip: Clip, path: Floats, support: Floats, roles: Roles) -> Floats:
+    """Returns the rows [F, 6] of the table `feet`: for the left, then the right foot, x and z in metres from the root
+    path [F, 4], in its heading, and its `support` [F, 2].
+    """
+    back = quaternion.about([0.0, 1.0, 0.0], -path[:, 3])[:, None]
+    apart = joint_paths(clip, [joints[-1] for joints in roles.feet]) - path[:, None, :3]
+    return np.concatenate([quaternion.rotate(back, apart)[..., [0, 2]], support[..., None]], axis=2).reshape(-1, 6)
 
 
 def root_steps(slips: Floats, support: Floats, preferred: ArrayLike = (1.0, 1.0)) -> Floats:

@@ -15,15 +15,16 @@ from motionsplice.runtime.simd.compiled import Array
 
 
 class Ground(NamedTuple):
-    """Root paths [rows, 4] and foot contacts [rows] of a bank, as in its tables `paths` and `contacts`."""
+    """The tables `paths` [rows, 4], `contacts` [rows] and `feet` [rows, 6] of a bank."""
 
     paths: Array
     contacts: Array
+    feet: Array
 
 
 def ground(bank: Bank) -> Ground:
-    """Returns the root paths and foot contacts of a bank, without copying them."""
-    return Ground(constant(bank.tables["paths"]), constant(bank.tables["contacts"]))
+    """Returns the root paths, foot contacts and feet of a bank, without copying them."""
+    return Ground(*(constant(bank.tables[name]) for name in Ground._fields))
 
 
 class Limbs(NamedTuple):

@@ -9,6 +9,17 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action_kernels import advance_actions
 from motionsplice.runtime.characters.arrays import Ground
+from motionsplice.runtime.characters.feet_kernels import (
+    LONGEST,
+    NOTHING,
+    NOWHERE,
+    Place,
+    add_step,
+    blended,
+    mixed_place,
+    slip_of,
+    step_against,
+)
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import (
     begin_waiting,
@@ -65,8 +76,11 @@ def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
     for c in range(0, len(s), col.COLUMNS):
         s[c + col.EVENTS] = 0.0
+        drives = s[c + col.LOCOMOTIONS] > 1.0 and seconds * s[c + col.SPEED] <= LONGEST
+        left = mixed_place(bank, ground, s, c, 0) if drives else NOWHERE
+        right = mixed_place(bank, ground, s, c, 1) if drives else NOWHERE
         advance_fades(s, c, seconds, follow)
-        passed = advance_locomotions(bank, ground, s, c, seconds)
+        passed = advance_locomotions(bank, ground, s, c, seconds, drives, left, right)
         advance_actions(bank, s, c, seconds, passed)
         downs = step(bank, ground, s, c, passed)
         if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
@@ -106,11 +120,17 @@ def advance_fade(s: Array, slot: int, seconds: float, follow: float) -> None:
 
 
 @inlined
-def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float) -> float:
-    """Advances phases, frames and root motion; returns the cycles that the gaits advanced, 0 without a gait."""
+def advance_locomotions(
+    bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float, drives: bool, left: Place, right: Place
+) -> float:
+    """Advances phases, frames and root motion; returns the cycles that the gaits advanced, 0 without a gait.
+
+    `drives`: whether the standing foot drives the root; `left` and `right` are the places of the feet before.
+    """
     count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
     passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
     x = y = z = turn = 0.0
+    lefts, rights = NOTHING, NOTHING
     for number in range(count):
         slot = locomotion_slot(c, number)
         clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
@@ -138,6 +158,13 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
         dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
         share = s[slot + col.SHARE]
         x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
+        if drives:
+            lefts = add_step(bank, ground, s, slot, before, (dx, dz, dh), 0, lefts)
+            rights = add_step(bank, ground, s, slot, before, (dx, dz, dh), 1, rights)
+    if drives:
+        motion, visible = (x, z, turn), blended(s, c)
+        dx, dz = step_against(slip_of(left, lefts, motion, visible), slip_of(right, rights, motion, visible))
+        x, z = x + dx, z + dz
     dx, dz = in_turned_frame(-s[c + col.SIN], s[c + col.COS], x, z)
     s[c + col.PLACE] += dx
     s[c + col.PLACE + 1] += y

@@ -17,7 +17,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
 FORMAT = "motionsplice bank"
-VERSION = 5
+VERSION = 6
 MANIFEST = "manifest.msgpack"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
 REBUILD = "Build it again with `motionsplice precompute`"
@@ -31,6 +31,7 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "frame_of_phase": (np.float32, (CELLS,)),
     "paths": (np.float64, (ROWS, 4)),
     "contacts": (np.uint8, (ROWS,)),
+    "feet": (np.float32, (ROWS, 6)),
     "postures": (np.float64, (C, 2, 3)),
     "neutral": (np.int32, (C,)),
     "hands": (np.float32, (HAND_ROWS, HANDS)),

@@ -1,0 +1,119 @@
+"""The standing foot drives the root while locomotions are mixed.
+
+Clips have a standing foot at different places relative to the root. So while their shares change, the mixed foot goes
+from one place to the other; and where one clip swings a foot on which another stands, the mixed foot swings a little.
+The root moves against this slip of the foot that stands. Places of feet are mixed here, not rotations, which differs
+from the mixed pose by less than a centimetre (docs/characters.md).
+"""
+
+from __future__ import annotations
+
+import math
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import Ground
+from motionsplice.runtime.characters.slots import locomotion_slot
+from motionsplice.runtime.characters.transition_kernels import in_turned_frame, leading
+from motionsplice.runtime.kernels.arrays import BankArrays
+from motionsplice.runtime.kernels.phase import row_of
+from motionsplice.runtime.kernels.rotations import ONE, TINY
+from motionsplice.runtime.simd.compiled import Array, Index, inlined
+
+LONGEST = 0.1  # seconds of a clip in one frame: a foot that stands at both ends of a longer step may have swung between
+LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
+
+Place = tuple[float, float]  # x and z of a foot, metres, from the root path in its heading
+Sums = tuple[float, float, float, float, float]  # of a foot: its own step, by support; its place, by share; its support
+BLENDED = 0.25  # share of all locomotions but the largest from which on a firm foot stands still
+NOWHERE: Place = (0.0, 0.0)
+NOTHING: Sums = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@inlined
+def foot_at(ground: Ground, row: Index, t: float, foot: int) -> tuple[float, float, float]:
+    """Returns the place of a foot and its support, `t` of the way from a row to the next."""
+    x, z, support = ground.feet[row, 3 * foot], ground.feet[row, 3 * foot + 1], ground.feet[row, 3 * foot + 2]
+    after = row + ONE
+    return (
+        x + t * (ground.feet[after, 3 * foot] - x),
+        z + t * (ground.feet[after, 3 * foot + 1] - z),
+        support + t * (ground.feet[after, 3 * foot + 2] - support),
+    )
+
+
+@inlined
+def mixed_place(bank: BankArrays, ground: Ground, s: Array, c: int, foot: int) -> Place:
+    """Returns the place of a foot, mixed by the locomotions' shares."""
+    x = z = 0.0
+    for number in range(int(s[c + col.LOCOMOTIONS])):
+        slot = locomotion_slot(c, number)
+        row, t = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+        foot_x, foot_z, _ = foot_at(ground, row, t, foot)
+        x, z = x + s[slot + col.SHARE] * foot_x, z + s[slot + col.SHARE] * foot_z
+    return x, z
+
+
+@inlined
+def moved(place_x: float, place_z: float, x: float, z: float, turn: float) -> Place:
+    """Returns a place after the root motion x, z and turn, seen from before it."""
+    foot_x, foot_z = in_turned_frame(-math.sin(0.5 * turn), math.cos(0.5 * turn), place_x, place_z)
+    return x + foot_x, z + foot_z
+
+
+@inlined
+def add_step(
+    bank: BankArrays,
+    ground: Ground,
+    s: Array,
+    slot: int,
+    before: float,
+    step: tuple[float, float, float],
+    foot: int,
+    sums: Sums,
+) -> Sums:
+    """Adds a slot's foot to the sums; the slot has gone from frame `before` to its frame by the root motion `step`."""
+    clip, share = int(s[slot + col.CLIP]), s[slot + col.SHARE]
+    row, t = row_of(bank, clip, before)
+    x0, z0, support_before = foot_at(ground, row, t, foot)
+    row, t = row_of(bank, clip, s[slot + col.FRAME])
+    x1, z1, support = foot_at(ground, row, t, foot)
+    x, z = moved(x1, z1, step[0], step[1], step[2])
+    weight = 0.5 * share * (support_before + support)
+    return (
+        sums[0] + weight * (x - x0),
+        sums[1] + weight * (z - z0),
+        sums[2] + share * x1,
+        sums[3] + share * z1,
+        sums[4] + weight,
+    )
+
+
+@inlined
+def slip_of(before: Place, sums: Sums, step: tuple[float, float, float], blended: float) -> tuple[float, float, float]:
+    """Returns the slip x and z of a foot, and how firmly it stands.
+
+    The slip is what it goes over the ground, less what it goes in the clips in which it stands. A captured foot rolls
+    and slides a little. But where clips are `blended`, the firmer it stands, the less of this is left to it.
+    """
+    x, z = moved(sums[2], sums[3], step[0], step[1], step[2])
+    held = min(max((sums[4] - LOOSE) / (FIRM - LOOSE), 0.0), 1.0)
+    firm = held * held * (3.0 - 2.0 * held)
+    left = (1.0 - blended * firm * firm * firm) / max(sums[4], TINY)
+    return x - before[0] - left * sums[0], z - before[1] - left * sums[1], firm
+
+
+@inlined
+def blended(s: Array, c: int) -> float:
+    """Returns how much more than one locomotion is visible, 0 to 1."""
+    return min(max(1.0 - s[leading(s, c) + col.SHARE], 0.0) / BLENDED, 1.0)
+
+
+@inlined
+def step_against(left: tuple[float, float, float], right: tuple[float, float, float]) -> Place:
+    """Returns the step of the root against the slips of both feet. Of two that stand, the firmer counts more."""
+    left_weight, right_weight = left[2] * left[2], right[2] * right[2]
+    scale = -max(left[2], right[2]) / max(left_weight + right_weight, TINY)
+    return (
+        scale * (left_weight * left[0] + right_weight * right[0]),
+        scale * (left_weight * left[1] + right_weight * right[1]),
+    )

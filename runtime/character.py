@@ -23,6 +23,7 @@ from motionsplice.runtime.characters.action import Action, waiting_action, waiti
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
+    lockable,
     not_negative,
     shares_of,
     waiting_group,
@@ -243,6 +244,10 @@ class Characters:
         """Poses characters at the origin, facing Z, for games that apply `deltas` themselves."""
         self.state[rows, col.IN_PLACE] = in_place
 
+    def lock_feet(self, rows: Rows, lock_feet: bool = True) -> None:
+        """Holds standing feet in place, or no longer. The lock fades in or out within 0.2 seconds."""
+        self.state[rows, col.LOCK] = lockable(self.stage.legs, lock_feet)
+
     def advance(self, frames: int = 1) -> int:
         """Advances all characters, by one frame if not given otherwise.
 
@@ -253,8 +258,9 @@ class Characters:
         """
         if frames < 0:
             raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
-        stage, state = self.stage, self.state.reshape(-1)
-        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, state, frames / self.rate))
+        stage, seconds = self.stage, frames / self.rate
+        work = (stage.evaluator.arrays, stage.ground, stage.legs.reach, self.state.reshape(-1), seconds)
+        return int(clock_kernels.advance(*work))
 
     def evaluate(self, out: Poses) -> None:
         """Writes the n characters' poses into `out`, which must have room for exactly n. Raises SettingsError."""
@@ -262,7 +268,7 @@ class Characters:
         if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
             problem = f"{len(self)} characters need {len(self)} poses, found room for {len(out.flat)}"
             raise SettingsError(problem, mend="Create the poses with Evaluator.poses(len(characters))")
-        work = (stage.evaluator.arrays, stage.limbs, self.state.reshape(-1), self._share)
+        work = (stage.evaluator.arrays, stage.limbs, stage.legs, self.state.reshape(-1), self._share)
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 

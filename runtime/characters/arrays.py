@@ -45,6 +45,26 @@ class Limbs(NamedTuple):
     columns: Array
 
 
+class Legs(NamedTuple):
+    """The left and the right leg, each as the chain of joints from a child of the root to the ankle.
+
+    Attributes:
+        columns: [2, longest], the first columns of the joints in a pose.
+        offsets: [2, longest, 3], from their parents, metres.
+        counts: [2], number of joints; 0 on a rig whose roles are no legs.
+        hips: [2], the hip's index in the chain.
+        knees: [2], the knee's index.
+        reach: The farthest that the foot lock holds a foot from its pose, metres.
+    """
+
+    columns: Array
+    offsets: Array
+    counts: Array
+    hips: Array
+    knees: Array
+    reach: float
+
+
 class Mixing(NamedTuple):
     """Scratch memory for mixing the characters of a block."""
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.arrays import Limbs
+from motionsplice.runtime.characters.arrays import Legs, Limbs
 from motionsplice.runtime.requests import known, time_fault
 
 BLEND = 0.3  # seconds, default duration of a fade
@@ -72,6 +72,14 @@ def weight_in_range(weight: float) -> float:
     if not 0.0 <= weight <= 1.0:
         raise SettingsError(f"weight {weight} lies outside 0 to 1")
     return weight
+
+
+def lockable(legs: Legs, lock: bool) -> bool:
+    """Returns whether feet are to be locked. Raises SettingsError if they are, but the rig has no such legs."""
+    if lock and not legs.counts.all():
+        problem = "feet cannot be locked on this rig: its roles do not name chains of hip, knee and ankle"
+        raise SettingsError(problem, mend="Name the joints of the legs as roles, and build the bank again")
+    return lock
 
 
 def not_negative(label: str, value: float) -> float:

@@ -17,7 +17,7 @@ from motionsplice.runtime.characters.transition_kernels import in_turned_frame, 
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.rotations import ONE, TINY
-from motionsplice.runtime.simd.compiled import Array, Index, inlined
+from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
 
 LONGEST = 0.1  # seconds of a clip in one frame: a foot that stands at both ends of a longer step may have swung between
 LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
@@ -25,6 +25,7 @@ LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on 
 Place = tuple[float, float]  # x and z of a foot, metres, from the root path in its heading
 Sums = tuple[float, float, float, float, float]  # of a foot: its own step, by support; its place, by share; its support
 BLENDED = 0.25  # share of all locomotions but the largest from which on a firm foot stands still
+Step = tuple[float, float, float]  # root motion x, z and turn, relative to the place and heading before
 NOWHERE: Place = (0.0, 0.0)
 NOTHING: Sums = (0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -54,10 +55,10 @@ def mixed_place(bank: BankArrays, ground: Ground, s: Array, c: int, foot: int) -
 
 
 @inlined
-def moved(place_x: float, place_z: float, x: float, z: float, turn: float) -> Place:
-    """Returns a place after the root motion x, z and turn, seen from before it."""
-    foot_x, foot_z = in_turned_frame(-math.sin(0.5 * turn), math.cos(0.5 * turn), place_x, place_z)
-    return x + foot_x, z + foot_z
+def moved(x: float, z: float, step: Step) -> Place:
+    """Returns a place after a root motion, seen from before it."""
+    x, z = in_turned_frame(-math.sin(0.5 * step[2]), math.cos(0.5 * step[2]), x, z)
+    return step[0] + x, step[1] + z
 
 
 @inlined
@@ -67,7 +68,7 @@ def add_step(
     s: Array,
     slot: int,
     before: float,
-    step: tuple[float, float, float],
+    step: Step,
     foot: int,
     sums: Sums,
 ) -> Sums:
@@ -77,7 +78,7 @@ def add_step(
     x0, z0, support_before = foot_at(ground, row, t, foot)
     row, t = row_of(bank, clip, s[slot + col.FRAME])
     x1, z1, support = foot_at(ground, row, t, foot)
-    x, z = moved(x1, z1, step[0], step[1], step[2])
+    x, z = moved(x1, z1, step)
     weight = 0.5 * share * (support_before + support)
     return (
         sums[0] + weight * (x - x0),
@@ -89,15 +90,21 @@ def add_step(
 
 
 @inlined
-def slip_of(before: Place, sums: Sums, step: tuple[float, float, float], blended: float) -> tuple[float, float, float]:
+def firmness(support: float) -> float:
+    """Returns how firmly a foot of this support holds the root, 0 to 1."""
+    held = min(max((support - LOOSE) / (FIRM - LOOSE), 0.0), 1.0)
+    return held * held * (3.0 - 2.0 * held)
+
+
+@inlined
+def slip_of(before: Place, sums: Sums, step: Step, blended: float) -> tuple[float, float, float]:
     """Returns the slip x and z of a foot, and how firmly it stands.
 
     The slip is what it goes over the ground, less what it goes in the clips in which it stands. A captured foot rolls
     and slides a little. But where clips are `blended`, the firmer it stands, the less of this is left to it.
     """
-    x, z = moved(sums[2], sums[3], step[0], step[1], step[2])
-    held = min(max((sums[4] - LOOSE) / (FIRM - LOOSE), 0.0), 1.0)
-    firm = held * held * (3.0 - 2.0 * held)
+    x, z = moved(sums[2], sums[3], step)
+    firm = firmness(sums[4])
     left = (1.0 - blended * firm * firm * firm) / max(sums[4], TINY)
     return x - before[0] - left * sums[0], z - before[1] - left * sums[1], firm
 
@@ -106,6 +113,21 @@ def slip_of(before: Place, sums: Sums, step: tuple[float, float, float], blended
 def blended(s: Array, c: int) -> float:
     """Returns how much more than one locomotion is visible, 0 to 1."""
     return min(max(1.0 - s[leading(s, c) + col.SHARE], 0.0) / BLENDED, 1.0)
+
+
+@kernel
+def drive_root(s: Array, c: int, left: Place, right: Place, lefts: Sums, rights: Sums) -> None:
+    """Corrects the root motion of a frame by the slips of both feet, which were at the places `left` and `right`."""
+    step, visible = step_of(s, c), blended(s, c)
+    x, z = step_against(slip_of(left, lefts, step, visible), slip_of(right, rights, step, visible))
+    s[c + col.DELTA] += x
+    s[c + col.DELTA + 2] += z
+
+
+@inlined
+def step_of(s: Array, c: int) -> Step:
+    """Returns the root motion of a character's last frame."""
+    return s[c + col.DELTA], s[c + col.DELTA + 2], s[c + col.DELTA + 3]
 
 
 @inlined

@@ -5,17 +5,19 @@ pops         A character receives random commands for six seconds, in many scene
 phases       While one locomotion blends into another, how far apart are their phases?
 replay       Do 10,000 recorded commands give the same bytes a second time, and after a restore half-way?
 slide        How far does a standing foot slide over the ground in one stance: while clips play and loop, in mixes of
-             two, and when a locomotion changes to another? Centimetres.
+             two, and when a locomotion changes to another, with the foot lock and without it? Centimetres.
+knees        How fast is the fastest knee while a locomotion changes and feet are locked? And pops, with feet locked.
 masks        An action's right arm is played on another walk. How far are elbow and wrist, relative to the hips, from
              the motion of a person who does both? With the arm's own rotations, and turned with its attachment.
 cost         What does a frame of a character cost, next to a plain splice by the evaluator?
 
-With CLIPS, only the first four run.
+With CLIPS, the last two do not run.
 """
 
 from __future__ import annotations
 
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -24,6 +26,7 @@ import typer
 from bench.characters.costs import costs
 from bench.characters.feet import changes, loops, mixes
 from bench.characters.gaits import phases
+from bench.characters.knees import knees
 from bench.characters.masks import masks
 from bench.characters.replay import replay
 from bench.characters.scenes import pops
@@ -49,8 +52,9 @@ def main(
         pops(stage, scenes).show()
         phases(stage).show()
         replay(stage).show()
-        for measure in (loops, mixes, changes):
+        for measure in (loops, mixes, changes, partial(changes, locked=True), knees):
             measure(stage).show()
+        pops(stage, scenes, locked=True).show()
         if clips is None:
             masks(stage).show()
             costs(Stage(Evaluator(generate(Path(folder) / "generated", Size())))).show()

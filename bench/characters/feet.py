@@ -7,7 +7,7 @@ way that this joint goes over the ground.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations, permutations
 from typing import NamedTuple
 
@@ -28,6 +28,7 @@ PER_STRIDE = 8  # moments of a stride at which the locomotion changes
 BEFORE, AFTER = 36, 40  # frames played before and after a change, so that its first and last stance are whole
 BRIEF = 6  # frames: stances of at most so many do not count
 SIDEWAYS = "side_step"  # its feet pass each other sideways, so other gaits cannot change to it without a slide
+NO_TARGETS: Mapping[str, float] = {}
 LONG = 900  # frames of a clip played alone, several loops of it
 MIXED = 300  # frames of a mix
 
@@ -56,7 +57,7 @@ def loops(stage: Stage) -> Findings:
         (seamed if in_seam else alone).append(one.slide)
     findings = Findings("Slide of a standing foot, one clip alone, centimetres")
     summary(findings, "stances within the clip", alone)
-    summary(findings, "stances in the seam", seamed)
+    summary(findings, "stances in the seam", seamed, {"largest": 1.5})
     return findings
 
 
@@ -71,19 +72,14 @@ def mixes(stage: Stage) -> Findings:
     return findings
 
 
-def changes(stage: Stage) -> Findings:
-    """Measures stances during changes of locomotion: every ordered pair, at PER_STRIDE moments of a stride."""
-    characters, pairs = Characters(stage, RATE), list[tuple[ClipEntry, ClipEntry]]()
-    for first, second in permutations(locomotions(stage), 2):
-        for moment in range(PER_STRIDE):
-            stride = first.duration / max(first.cycles, 1.0)
-            characters.add(1, first.name, time=moment / PER_STRIDE * stride)
-            pairs.append((first, second))
+def changes(stage: Stage, *, locked: bool = False) -> Findings:
+    """Measures stances during changes of locomotion, with the foot lock on or off."""
+    characters, pairs = before_changes(stage)
+    characters.lock_feet(slice(None), locked)
 
     def change(frame: int) -> None:
         if frame == BEFORE:
-            for row, (_, second) in enumerate(pairs):
-                characters.play([row], second.name, blend=FADE)
+            begin_changes(characters, pairs)
 
     fading = BEFORE + round(FADE * RATE)
     found = [
@@ -91,14 +87,36 @@ def changes(stage: Stage) -> Findings:
         for one in stances(characters, fading + AFTER, change)
         if one.first < fading - 1 and one.end > BEFORE + 1  # at least two frames of it are in the change
     ]
-    findings = Findings(f"Slide of a standing foot, changes of locomotion in {FADE:g} s, centimetres")
+    lock = ", feet locked" if locked else ""
+    findings = Findings(f"Slide of a standing foot, changes of locomotion in {FADE:g} s{lock}, centimetres")
     sideways = [SIDEWAYS in {clip.name for clip in pairs[one.character]} for one in found]
     ahead = [one.slide for one, is_sideways in zip(found, sideways, strict=True) if not is_sideways]
-    summary(findings, "changes" if not any(sideways) else "changes but to and from a side-step", ahead)
+    label = "changes" if not any(sideways) else "changes but to and from a side-step"
+    summary(findings, label, ahead, {"median": 1.5, "90 %": 4.0})
     if any(sideways):
         beside = [one.slide for one, is_sideways in zip(found, sideways, strict=True) if is_sideways]
         summary(findings, "changes to and from a side-step", beside)
     return findings
+
+
+def before_changes(stage: Stage) -> tuple[Characters, list[tuple[ClipEntry, ClipEntry]]]:
+    """Returns characters that play a locomotion, and which change to which: every ordered pair, PER_STRIDE of each.
+
+    They begin at moments spread over a stride.
+    """
+    characters, pairs = Characters(stage, RATE), list[tuple[ClipEntry, ClipEntry]]()
+    for first, second in permutations(locomotions(stage), 2):
+        stride = first.duration / max(first.cycles, 1.0)
+        for moment in range(PER_STRIDE):
+            characters.add(1, first.name, time=moment / PER_STRIDE * stride)
+            pairs.append((first, second))
+    return characters, pairs
+
+
+def begin_changes(characters: Characters, pairs: Sequence[tuple[ClipEntry, ClipEntry]]) -> None:
+    """Begins the change of each character."""
+    for row, (_, second) in enumerate(pairs):
+        characters.play([row], second.name, blend=FADE)
 
 
 def locomotions(stage: Stage) -> list[ClipEntry]:
@@ -111,10 +129,11 @@ def forward(stage: Stage) -> list[ClipEntry]:
     return [clip for clip in locomotions(stage) if clip.name != SIDEWAYS]
 
 
-def summary(findings: Findings, label: str, slides: Sequence[float]) -> None:
-    """Adds the distribution of slides in metres as centimetres."""
+def summary(findings: Findings, label: str, slides: Sequence[float], most: Mapping[str, float] = NO_TARGETS) -> None:
+    """Adds the distribution of slides in metres as centimetres; `most` are targets of its numbers, by name."""
     for name, share in (("median", 50.0), ("90 %", 90.0), ("largest", 100.0)):
-        findings.add(f"{len(slides)} {label}: {name}", 100.0 * float(np.percentile(slides, share)), "{:.1f}")
+        value = 100.0 * float(np.percentile(slides, share))
+        findings.add(f"{len(slides)} {label}: {name}", value, "{:.1f}", most=most.get(name))
 
 
 def stances(characters: Characters, frames: int, before: Callable[[int], None] = lambda _: None) -> Iterator[Stance]:

@@ -23,6 +23,7 @@ from motionsplice.runtime.characters.action import Action, waiting_action, waiti
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
+    goals_of,
     lockable,
     not_negative,
     shares_of,
@@ -80,7 +81,7 @@ class Characters:
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
         if not 0.0 < rate < np.inf:
             raise SettingsError(f"the rate is {rate}, expected a positive number of frames per second")
-        if len(invalid := references.invalid_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
+        if len(invalid := references.invalid_rows(self.state, len(stage.bank.numbered), len(stage.bank.hand_clips))):
             problem = f"row {invalid[0]} is not a valid character state for this bank"
             raise SettingsError(problem, mend="Was it saved with another bank?")
         self._share = Memory.begin(0, rate).share
@@ -176,13 +177,7 @@ class Characters:
             weights: Weights by name of clip; only their ratios matter.
         """
         given = shares_of(self.stage.bank, weights)
-        goals = []
-        for row in self._numbers(rows):
-            clips, at = references.newest_mix(self.state[row])
-            if missing := given.keys() - set(clips):
-                name = self.stage.bank.clips[min(missing)].name
-                raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
-            goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
+        goals = [(row, *goals_of(self.stage.bank, self.state[row], given)) for row in self._numbers(rows)]
         for row, at, shares in goals:
             self.state[row, at] = shares
 
@@ -258,9 +253,8 @@ class Characters:
         """
         if frames < 0:
             raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
-        stage, seconds = self.stage, frames / self.rate
-        work = (stage.evaluator.arrays, stage.ground, stage.legs.reach, self.state.reshape(-1), seconds)
-        return int(clock_kernels.advance(*work))
+        stage, state, seconds = self.stage, self.state.reshape(-1), frames / self.rate
+        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, stage.legs.reach, state, seconds))
 
     def evaluate(self, out: Poses) -> None:
         """Writes the n characters' poses into `out`, which must have room for exactly n. Raises SettingsError."""

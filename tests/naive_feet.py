@@ -11,6 +11,7 @@ from motionsplice.motion.kinematics import joint_positions, local_rotations, wor
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.mirrored import MIRRORED
 from tests.naive import vectors_between
 
 UP = [0.0, 1.0, 0.0]
@@ -30,11 +31,12 @@ def played(bank: Bank, s: Floats) -> dict[int, Played]:
     found = {}
     for number in range(int(s[col.LOCOMOTIONS])):
         slot = s[col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS :]
-        entry = bank.clips[int(slot[col.CLIP])]
+        entry = bank.numbered[int(slot[col.CLIP])]
         paths, clip = bank.root_path(entry.name, seam=True), bank.motion(entry.name, seam=True)
         feet = joint_positions(clip)[:, [joints[-1] for joints in bank.roles.feet]] - paths[:, None, :3]
         feet = quaternion.rotate(quaternion.about(UP, -paths[:, 3])[:, None], feet)
-        support = bank.tables["feet"][entry.first_row : entry.first_row + entry.row_count, [2, 5]]
+        sides = [5, 2] if entry.name.endswith(MIRRORED) else [2, 5]
+        support = bank.tables["feet"][entry.first_row : entry.first_row + entry.row_count, sides]
         at = slot[col.FRAME]
         found[int(slot[col.CLIP])] = Played(
             slot[col.SHARE], *(vectors_between(rows, at) for rows in (paths, feet, support))

@@ -11,6 +11,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Legs, Limbs
+from motionsplice.runtime.characters.clip_references import Numbers, newest_mix
 from motionsplice.runtime.requests import known, time_fault
 
 BLEND = 0.3  # seconds, default duration of a fade
@@ -27,7 +28,7 @@ def waiting_group(
     """
     weights = shares_of(bank, locomotion)
     for clip in weights:
-        if (fault := time_fault("time", time, bank.clips[clip])) is not None:
+        if (fault := time_fault("time", time, bank.numbered[clip])) is not None:
             raise fault
     group = np.zeros(col.HANDS - col.NEXT_COUNT)
     group[:5] = len(weights), time, not_negative("blend", blend), known(col.CURVES, "curve", curve), loop
@@ -55,6 +56,18 @@ def shares_of(bank: Bank, locomotion: Locomotion) -> dict[int, float]:
     if not (min(given.values()) >= 0.0 and 0.0 < total < np.inf):
         raise SettingsError("the weights of locomotions must be 0 or more, finite, and not all 0")
     return {bank.number(name): weight / total for name, weight in given.items()}
+
+
+def goals_of(bank: Bank, row: NDArray[np.float64], given: Mapping[int, float]) -> tuple[Numbers, list[float]]:
+    """Returns the columns of a row with the goals of its newest mix, and their values for weights by clip number.
+
+    Raises SettingsError if a clip is not mixed.
+    """
+    clips, at = newest_mix(row)
+    if missing := given.keys() - set(clips):
+        name = bank.numbered[min(missing)].name
+        raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
+    return at, [given.get(clip, 0.0) for clip in clips]
 
 
 def mask_of(limbs: Limbs, name: str) -> int:

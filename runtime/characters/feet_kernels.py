@@ -14,10 +14,11 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Ground
 from motionsplice.runtime.characters.slots import locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame, leading
+from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.rotations import ONE, TINY
-from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 LONGEST = 0.1  # seconds of a clip in one frame: a foot that stands at both ends of a longer step may have swung between
 LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
@@ -31,14 +32,18 @@ NOTHING: Sums = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @inlined
-def foot_at(ground: Ground, row: Index, t: float, foot: int) -> tuple[float, float, float]:
-    """Returns the place of a foot and its support, `t` of the way from a row to the next."""
-    x, z, support = ground.feet[row, 3 * foot], ground.feet[row, 3 * foot + 1], ground.feet[row, 3 * foot + 2]
+def foot_at(bank: BankArrays, ground: Ground, clip: int, frame: float, foot: int) -> tuple[float, float, float]:
+    """Returns the place of a foot, 0 or 1, at a frame of a clip, and its support."""
+    row, t = row_of(bank, clip, frame)
+    side, first = 1.0, 3 * foot
+    if bank.clips[clip, arrays.MIRRORED] > 0.0:
+        side, first = -1.0, 3 - 3 * foot
+    x, z, support = ground.feet[row, first], ground.feet[row, first + 1], ground.feet[row, first + 2]
     after = row + ONE
     return (
-        x + t * (ground.feet[after, 3 * foot] - x),
-        z + t * (ground.feet[after, 3 * foot + 1] - z),
-        support + t * (ground.feet[after, 3 * foot + 2] - support),
+        side * (x + t * (ground.feet[after, first] - x)),
+        z + t * (ground.feet[after, first + 1] - z),
+        support + t * (ground.feet[after, first + 2] - support),
     )
 
 
@@ -48,8 +53,7 @@ def mixed_place(bank: BankArrays, ground: Ground, s: Array, c: int, foot: int) -
     x = z = 0.0
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
-        row, t = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
-        foot_x, foot_z, _ = foot_at(ground, row, t, foot)
+        foot_x, foot_z, _ = foot_at(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME], foot)
         x, z = x + s[slot + col.SHARE] * foot_x, z + s[slot + col.SHARE] * foot_z
     return x, z
 
@@ -74,10 +78,8 @@ def add_step(
 ) -> Sums:
     """Adds a slot's foot to the sums; the slot has gone from frame `before` to its frame by the root motion `step`."""
     clip, share = int(s[slot + col.CLIP]), s[slot + col.SHARE]
-    row, t = row_of(bank, clip, before)
-    x0, z0, support_before = foot_at(ground, row, t, foot)
-    row, t = row_of(bank, clip, s[slot + col.FRAME])
-    x1, z1, support = foot_at(ground, row, t, foot)
+    x0, z0, support_before = foot_at(bank, ground, clip, before, foot)
+    x1, z1, support = foot_at(bank, ground, clip, s[slot + col.FRAME], foot)
     x, z = moved(x1, z1, step)
     weight = 0.5 * share * (support_before + support)
     return (

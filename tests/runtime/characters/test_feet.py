@@ -16,7 +16,7 @@ from motionsplice.runtime.kernels.arrays import constant
 from tests.naive_feet import root_step
 from tests.playing import RATE, Setup, run_frames
 
-LOCOMOTIONS = ("walk", "run", "side_step", "turn_180", "stairs_up")
+LOCOMOTIONS = ("walk", "run", "side_step", "turn_180~mirror", "stairs_up")
 
 
 @settings(max_examples=15, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

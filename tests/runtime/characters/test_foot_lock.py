@@ -83,7 +83,7 @@ def test_a_lock_without_offsets_changes_no_bit(one: Setup) -> None:
         np.testing.assert_array_equal(before, after)
 
 
-@pytest.mark.parametrize("second", ["run", "turn_180"])
+@pytest.mark.parametrize("second", ["run", "turn_180~mirror"])
 def test_the_holds_of_feet_are_those_of_the_twin(bank: Bank, one: Setup, second: str) -> None:
     characters = one()
     characters.add(1, "walk", time=0.2)

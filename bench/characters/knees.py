@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.characters.feet import AFTER, BEFORE, FADE, before_changes, begin_changes, locomotions
 from bench.characters.joint_speeds import RATE
+from bench.characters.slides import AFTER, BEFORE, FADE, before_changes, begin_changes, locomotions
 from bench.findings import Findings
 from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats

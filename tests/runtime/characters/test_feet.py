@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import copy
-
 import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bench.characters.feet import stances
+from bench.characters.feet import stances, without_feet
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.kernels.arrays import constant
 from tests.naive_feet import root_step
 from tests.playing import RATE, Setup, run_frames
 
@@ -43,16 +40,14 @@ def test_the_step_of_the_root_is_that_of_the_twin(
         )
 
 
-def without_feet(characters: Characters) -> Characters:
-    """Returns the characters on a stage whose feet never stand."""
-    stage = copy.copy(characters.stage)
-    stage.ground = stage.ground._replace(feet=constant(np.zeros_like(stage.ground.feet)))
-    return Characters(stage, RATE)
+def bare(characters: Characters) -> Characters:
+    """Returns characters whose feet do not drive the root."""
+    return Characters(without_feet(characters.stage), RATE)
 
 
 def test_a_standing_foot_hardly_slides_while_the_locomotion_changes(one: Setup) -> None:
     slides = []
-    for characters in (one(), without_feet(one())):
+    for characters in (one(), bare(one())):
         for time in np.linspace(0.0, 1.0, 8, endpoint=False):
             characters.add(1, "walk", time=time)
 
@@ -67,22 +62,22 @@ def test_a_standing_foot_hardly_slides_while_the_locomotion_changes(one: Setup) 
 
 
 def test_a_locomotion_alone_does_not_read_its_feet(one: Setup) -> None:
-    plain, bare = one(), without_feet(one())
-    for characters in (plain, bare):
+    plain, undriven = one(), bare(one())
+    for characters in (plain, undriven):
         characters.add(1, "turn_180")
         run_frames(characters, 400)
-    np.testing.assert_array_equal(plain.state, bare.state)
+    np.testing.assert_array_equal(plain.state, undriven.state)
 
 
 def test_steps_too_long_for_a_stance_are_the_clips_alone(one: Setup) -> None:
-    plain, bare = one(), without_feet(one())
-    for characters in (plain, bare):
+    plain, undriven = one(), bare(one())
+    for characters in (plain, undriven):
         characters.add(1, {"walk": 1.0, "run": 1.0})
         characters.advance(12)
-    np.testing.assert_array_equal(plain.state, bare.state)
-    for characters in (plain, bare):
+    np.testing.assert_array_equal(plain.state, undriven.state)
+    for characters in (plain, undriven):
         characters.advance(1)
-    assert (plain.state != bare.state).any()
+    assert (plain.state != undriven.state).any()
 
 
 def test_the_places_of_a_character_are_the_sum_of_its_deltas(one: Setup) -> None:

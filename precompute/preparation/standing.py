@@ -13,7 +13,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
 from motionsplice.runtime.format.contacts import FEET
 
-LOOSE, FIRM = 0.3, 0.6  # support below which a foot is free, and from which on it holds the root
+LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
 LOADING = 0.1  # seconds in which a foot takes over the weight, and gives it up
 TINY = 1e-12
 

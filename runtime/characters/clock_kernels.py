@@ -17,6 +17,7 @@ from motionsplice.runtime.characters.feet_kernels import (
     add_step,
     drive_root,
     mixed_place,
+    step_of,
 )
 from motionsplice.runtime.characters.lock_kernels import advance_lock, is_locking
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
@@ -168,8 +169,9 @@ def advance_locomotions(
         share = s[slot + col.SHARE]
         x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
         if stand:
-            lefts = add_step(bank, ground, s, slot, before, (dx, dz, dh), 0, lefts)
-            rights = add_step(bank, ground, s, slot, before, (dx, dz, dh), 1, rights)
+            own = step_of(dx, dz, dh)
+            lefts = add_step(bank, ground, s, slot, before, own, 0, lefts)
+            rights = add_step(bank, ground, s, slot, before, own, 1, rights)
     s[c + col.DELTA], s[c + col.DELTA + 1], s[c + col.DELTA + 2], s[c + col.DELTA + 3] = x, y, z, turn
     return passed, lefts, rights
 

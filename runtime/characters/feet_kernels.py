@@ -2,8 +2,8 @@
 
 Clips have a standing foot at different places relative to the root. So while their shares change, the mixed foot goes
 from one place to the other; and where one clip swings a foot on which another stands, the mixed foot swings a little.
-The root moves against this slip of the foot that stands. Places of feet are mixed here, not rotations, which differs
-from the mixed pose by less than a centimetre (docs/characters.md).
+The root moves against this slip of the foot that stands. Places of feet are mixed here, not rotations, so that no
+forward kinematics is needed; a standing foot of the mixed pose is a few millimetres off.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 LONGEST = 0.1  # seconds of a clip in one frame: a foot that stands at both ends of a longer step may have swung between
 LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
+BLENDED = 0.25  # share of all locomotions but the largest from which on a firm foot stands still
 
 Place = tuple[float, float]  # x and z of a foot, metres, from the root path in its heading
 Sums = tuple[float, float, float, float, float]  # of a foot: its own step, by support; its place, by share; its support
-BLENDED = 0.25  # share of all locomotions but the largest from which on a firm foot stands still
-Step = tuple[float, float, float]  # root motion x, z and turn, relative to the place and heading before
+Step = tuple[float, float, float, float]  # root motion: x and z from the place before; sine and cosine of half its turn
 NOWHERE: Place = (0.0, 0.0)
 NOTHING: Sums = (0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -61,8 +61,13 @@ def mixed_place(bank: BankArrays, ground: Ground, s: Array, c: int, foot: int) -
 @inlined
 def moved(x: float, z: float, step: Step) -> Place:
     """Returns a place after a root motion, seen from before it."""
-    x, z = in_turned_frame(-math.sin(0.5 * step[2]), math.cos(0.5 * step[2]), x, z)
+    x, z = in_turned_frame(-step[2], step[3], x, z)
     return step[0] + x, step[1] + z
+
+
+@inlined
+def step_of(x: float, z: float, turn: float) -> Step:
+    return x, z, math.sin(0.5 * turn), math.cos(0.5 * turn)
 
 
 @inlined
@@ -120,16 +125,16 @@ def blended(s: Array, c: int) -> float:
 @kernel
 def drive_root(s: Array, c: int, left: Place, right: Place, lefts: Sums, rights: Sums) -> None:
     """Corrects the root motion of a frame by the slips of both feet, which were at the places `left` and `right`."""
-    step, visible = step_of(s, c), blended(s, c)
+    step, visible = last_step(s, c), blended(s, c)
     x, z = step_against(slip_of(left, lefts, step, visible), slip_of(right, rights, step, visible))
     s[c + col.DELTA] += x
     s[c + col.DELTA + 2] += z
 
 
 @inlined
-def step_of(s: Array, c: int) -> Step:
+def last_step(s: Array, c: int) -> Step:
     """Returns the root motion of a character's last frame."""
-    return s[c + col.DELTA], s[c + col.DELTA + 2], s[c + col.DELTA + 3]
+    return step_of(s[c + col.DELTA], s[c + col.DELTA + 2], s[c + col.DELTA + 3])
 
 
 @inlined

@@ -11,7 +11,7 @@ import math
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Legs
-from motionsplice.runtime.characters.feet_kernels import Place, Step, Sums, firmness, moved, step_of
+from motionsplice.runtime.characters.feet_kernels import Place, Step, Sums, firmness, last_step, moved
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.kernels.rotations import TINY, product, rotated
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
@@ -50,7 +50,7 @@ def advance_lock(
 
     reach: the longest offset, metres. The offsets of a lock that is off are forgotten.
     """
-    change, step = seconds / FADING, step_of(s, c)
+    change, step = seconds / FADING, last_step(s, c)
     hold_foot(s, c + col.HOLDS, left, lefts, step, seconds, reach)
     hold_foot(s, c + col.HOLDS + col.HOLD_COLUMNS, right, rights, step, seconds, reach)
     s[c + col.LOCKED] += min(max(s[c + col.LOCK] - s[c + col.LOCKED], -change), change)
@@ -72,7 +72,7 @@ def hold_foot(s: Array, hold: int, before: Place, sums: Sums, step: Step, second
     fading = (1.0 - held) / RELEASE + smooth((stood - LONG) / (TIRED - LONG)) / SETTLING
     left = math.exp(-fading * seconds)
     x, z = left * (s[hold] - held * x), left * (s[hold + 1] - held * z)
-    s[hold], s[hold + 1] = in_turned_frame(math.sin(0.5 * step[2]), math.cos(0.5 * step[2]), x, z)
+    s[hold], s[hold + 1] = in_turned_frame(step[2], step[3], x, z)
     s[hold + 2] = stood
 
 

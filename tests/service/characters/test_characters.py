@@ -55,6 +55,22 @@ def test_frames_are_those_of_the_runtime_and_numbered_by_the_connections_clock(s
         assert all(frame["ids"] == [7] and frame["count"] == 1 for frame in frames)
 
 
+def test_feet_are_locked_from_the_beginning_or_by_a_command(service: Running, bank: Bank) -> None:
+    with Player(service) as player:
+        walks = {**WALK, "locomotion": {"walk": 1, "run": 1}, "lock_feet": True}
+        first = player.do(walks, {**walks, "id": 8, "lock_feet": False})["frame"]
+        frame = player.frames_until(first + 30)[-1]
+        mix = {"locomotion": {"walk": 1, "run": 1}}
+        for row, locks in enumerate((True, False)):
+            lock = "lock_feet", {"lock_feet": locks}
+            rotations = twin(bank, ("add", mix), lock, frames=frame["frame"] - first)[1]
+            np.testing.assert_array_equal(frame["rotations"][0, row], rotations)
+        assert (frame["rotations"][0, 0] != frame["rotations"][0, 1]).any()
+        done = player.do({"do": "lock_feet", "id": 7, "lock_feet": False})["frame"]
+        frame = player.frames_until(done + 14)[-1]
+        np.testing.assert_array_equal(frame["rotations"][0, 0], frame["rotations"][0, 1])
+
+
 def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
     with Player(service) as player:
         player.do(WALK, {**WALK, "id": 9, "locomotion": "run"}, {"do": "create", "id": [3, 4], "locomotion": "run"})

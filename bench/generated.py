@@ -24,6 +24,7 @@ from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.job.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
+from motionsplice.precompute.preparation.feet import standing_feet, support
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
@@ -151,7 +152,8 @@ def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Genera
     turns = sum(swing[k] * np.sin(2.0 * np.pi * (k + 1) * (phase[:, None] + shifts[k])) for k in range(2))
     rotations = quaternion.about(axes, turns)
     roots = np.stack([0.02 * np.sin(2.0 * np.pi * phase), np.full(size.rows, 0.95), 1.3 * seconds], axis=1)
-    torso = measure_torso(Clip("drawn", skeleton, size.rate, roots, rotations), roles)
+    clip = Clip("drawn", skeleton, size.rate, roots, rotations)
+    torso = measure_torso(clip, roles)
     offsets = quaternion.about(axes[roles.pelvis], 0.1 * np.sin(2.0 * np.pi * phase))
     layout = Layout.of(skeleton, roles)
     rows = layout.pack(roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
@@ -159,7 +161,8 @@ def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Genera
     path = np.column_stack([np.zeros((size.rows, 2)), roots[:, 2], np.zeros(size.rows)])
     feet = np.where(phase % 1.0 < 0.6, LEFT_FOOT, 0) | np.where((phase + 0.5) % 1.0 < 0.6, RIGHT_FOOT, 0)
     count = size.rows if size.hands else 0
-    ground: dict[str, NDArray[Any]] = {"paths": path, "contacts": feet}
+    places = standing_feet(clip, path, support(feet.astype(np.uint8), size.rate), roles)
+    ground: dict[str, NDArray[Any]] = {"paths": path, "contacts": feet, "feet": places}
     hands: dict[str, NDArray[Any]] = {
         "hands": layout.pack_hands(rotations[::-1][:count]),
         "hand_frames": np.zeros((count, 2)),

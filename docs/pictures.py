@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from bench.characters.slide_charts import slide_chart
 from bench.clips import bank_of
 from bench.generated import Size, generate
 from bench.quality.charts import pair_chart, ratio_grid
@@ -73,6 +74,7 @@ def main() -> None:
         contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=true_clip).save(IMAGES / "postures.png")
         draw_mirror_images(evaluator)
         draw_characters(evaluator)
+        draw_feet(Stage(evaluator))
         draw_quality(evaluator)
 
 
@@ -186,6 +188,12 @@ def draw_retargeting() -> None:
         rows.append((name, retarget(source, roles, rig.skeleton, own, pose).clip, own))
     contact_sheet(rows, columns=9, start=1.0, end=3.0).save(IMAGES / "retargeting.png")
     reduce(IMAGES / "retargeting.png")
+
+
+def draw_feet(stage: Stage) -> None:
+    """Draws how feet slide while the locomotion changes."""
+    (IMAGES / "feet.png").write_bytes(slide_chart(stage))
+    reduce(IMAGES / "feet.png")
 
 
 def draw_speed() -> None:

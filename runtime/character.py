@@ -23,6 +23,8 @@ from motionsplice.runtime.characters.action import Action, waiting_action, waiti
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
+    goals_of,
+    lockable,
     not_negative,
     shares_of,
     waiting_group,
@@ -175,13 +177,7 @@ class Characters:
             weights: Weights by name of clip; only their ratios matter.
         """
         given = shares_of(self.stage.bank, weights)
-        goals = []
-        for row in self._numbers(rows):
-            clips, at = references.newest_mix(self.state[row])
-            if missing := given.keys() - set(clips):
-                name = self.stage.bank.numbered[min(missing)].name
-                raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
-            goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
+        goals = [(row, *goals_of(self.stage.bank, self.state[row], given)) for row in self._numbers(rows)]
         for row, at, shares in goals:
             self.state[row, at] = shares
 
@@ -243,6 +239,10 @@ class Characters:
         """Poses characters at the origin, facing Z, for games that apply `deltas` themselves."""
         self.state[rows, col.IN_PLACE] = in_place
 
+    def lock_feet(self, rows: Rows, lock_feet: bool = True) -> None:
+        """Holds standing feet in place, or no longer. The lock fades in or out within 0.2 seconds."""
+        self.state[rows, col.LOCK] = lockable(self.stage.legs, lock_feet)
+
     def advance(self, frames: int = 1) -> int:
         """Advances all characters, by one frame if not given otherwise.
 
@@ -253,8 +253,8 @@ class Characters:
         """
         if frames < 0:
             raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
-        stage, state = self.stage, self.state.reshape(-1)
-        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, state, frames / self.rate))
+        stage, state, seconds = self.stage, self.state.reshape(-1), frames / self.rate
+        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, stage.legs.reach, state, seconds))
 
     def evaluate(self, out: Poses) -> None:
         """Writes the n characters' poses into `out`, which must have room for exactly n. Raises SettingsError."""
@@ -262,7 +262,7 @@ class Characters:
         if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
             problem = f"{len(self)} characters need {len(self)} poses, found room for {len(out.flat)}"
             raise SettingsError(problem, mend="Create the poses with Evaluator.poses(len(characters))")
-        work = (stage.evaluator.arrays, stage.limbs, self.state.reshape(-1), self._share)
+        work = (stage.evaluator.arrays, stage.limbs, stage.legs, self.state.reshape(-1), self._share)
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 

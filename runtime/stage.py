@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters.arrays import ground, mixing
+from motionsplice.runtime.characters.legs import legs_of
 from motionsplice.runtime.characters.limbs import limbs_of
 from motionsplice.runtime.evaluator import Evaluator
 
@@ -19,8 +20,9 @@ class Stage:
     Attributes:
         evaluator: The evaluator.
         bank: Its bank.
-        ground: Root paths and foot contacts of all rows of the bank.
+        ground: Root paths, foot contacts and feet of all rows of the bank.
         limbs: Joints of the parts of the upper body, for masks.
+        legs: Joints of the legs, for the foot lock.
         mixing: Scratch memory for mixing.
     """
 
@@ -30,4 +32,5 @@ class Stage:
         self.bank: Bank = bank
         self.ground = ground(bank)
         self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
+        self.legs = legs_of(bank.skeleton, bank.roles)
         self.mixing = mixing(bank.layout)

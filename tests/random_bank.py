@@ -55,6 +55,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         tables["frame_of_phase"].append(frame_of_phase(phase))
         tables["paths"].append(np.cumsum(draw.normal(size=(rows, 4)) * 0.02, axis=0))
         tables["contacts"].append(np.floor(draw.uniform(0.0, 4.0, rows)))
+        tables["feet"].append(draw.uniform(0.0, 1.0, (rows, 6)))
         tables["postures"].append(draw.normal(size=(1, 2, 3)))
         tables["neutral"].append(np.array([number]))
         stands = number % 3 == 1

@@ -4,12 +4,15 @@ pops         A character receives random commands for six seconds, in many scene
              relative to the fastest joint of the clips played, and of the same playback without transitions?
 phases       While one locomotion blends into another, how far apart are their phases?
 replay       Do 10,000 recorded commands give the same bytes a second time, and after a restore half-way?
-slide        How far do feet slide over the ground while all blended clips have them planted? Metres, median of stances.
+slide        How far does a standing foot slide over the ground in one stance: while clips play and loop, in mixes of
+             two, and when a locomotion changes to another? Roots follow the mixed paths, or standing feet drive them,
+             or feet are locked too. Centimetres.
+knees        How fast is the fastest knee while a locomotion changes and feet are locked? And pops, with feet locked.
 masks        An action's right arm is played on another walk. How far are elbow and wrist, relative to the hips, from
              the motion of a person who does both? With the arm's own rotations, and turned with its attachment.
 cost         What does a frame of a character cost, next to a plain splice by the evaluator?
 
-With CLIPS, only the first three run.
+With CLIPS, the last two do not run.
 """
 
 from __future__ import annotations
@@ -21,10 +24,12 @@ from typing import Annotated
 import typer
 
 from bench.characters.costs import costs
-from bench.characters.gaits import phases, slides
+from bench.characters.gaits import phases
+from bench.characters.knees import knees
 from bench.characters.masks import masks
 from bench.characters.replay import replay
 from bench.characters.scenes import pops
+from bench.characters.slides import changes, loops, mixes
 from bench.clips import bank_of
 from bench.generated import Size, generate
 from motionsplice.cli import run
@@ -47,8 +52,10 @@ def main(
         pops(stage, scenes).show()
         phases(stage).show()
         replay(stage).show()
+        for measure in (loops, mixes, changes, knees):
+            measure(stage).show()
+        pops(stage, scenes, locked=True).show()
         if clips is None:
-            slides(stage).show()
             masks(stage).show()
             costs(Stage(Evaluator(generate(Path(folder) / "generated", Size())))).show()
 

@@ -28,6 +28,9 @@ def costs(stage: Stage) -> Findings:
         name: evaluation(stage.evaluator, request_sets(stage.bank, count, Scene(sequential=sequential)))
         for name, sequential in (("evaluator", False), ("evaluator, sequential times", True))
     }
+    locked = crowd(stage, count, 0, ())
+    locked.lock_feet(slice(None))
+    work["steady character, feet locked"] = frame_work(locked)
     transitions = {"fading locomotions": ("play",), "fading actions": ("act",), "fading both": ("play", "act")}
     for name, fading in {"steady character": (), **transitions}.items():
         work[name] = frame_work(crowd(stage, count, count if fading else 0, fading))
@@ -36,6 +39,10 @@ def costs(stage: Stage) -> Findings:
     for name, times in seconds.items():
         findings.add(name, 1e9 * float(np.median(times)) / count, "{:.0f}")
     findings.add("steady character / evaluator", paired_ratio(seconds["steady character"], seconds["evaluator"]))
+    findings.add(
+        "feet locked / steady character",
+        paired_ratio(seconds["steady character, feet locked"], seconds["steady character"]),
+    )
     for name in transitions:
         most = 2.2 if name != "fading both" else None
         for other, wanted in (("evaluator", most), ("evaluator, sequential times", None), ("steady character", None)):

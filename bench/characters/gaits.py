@@ -1,19 +1,17 @@
-"""Measures gaits while they are blended: their phases, and how far feet slide."""
+"""Measures the phases of gaits while they are blended."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import permutations
 
 import numpy as np
 
-from bench.characters.joint_speeds import RATE, character_positions
+from bench.characters.joint_speeds import RATE
 from bench.characters.steady import LEGS
 from bench.findings import Findings
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.format.contacts import FEET
 from motionsplice.runtime.stage import Stage
 
 FADE = 0.5  # seconds
@@ -48,44 +46,3 @@ def frame_phases(stage: Stage, slots: Floats) -> Floats:
             for entry, frame in ((stage.bank.clips[int(slot[col.CLIP])], slot[col.FRAME]) for slot in slots)
         ]
     )
-
-
-def slides(stage: Stage) -> Findings:
-    """Measures how far feet slide in blends of two locomotions, and in each of them alone."""
-    findings = Findings("Sliding of a planted foot, metres (median of stances)")
-    for first, second in (("walk", "run"), ("walk", "slow_walk"), ("walk", "curve"), ("slow_walk", "run")):
-        distances = [slide(stage, {first: 1.0 - weight, second: weight}) for weight in (0.0, 0.25, 0.5, 0.75, 1.0)]
-        findings.add(f"{first}, alone", distances[0], "{:.3f}")
-        findings.add(f"{second}, alone", distances[-1], "{:.3f}")
-        most = max(distances[0], distances[-1]) + 0.01
-        findings.add(f"{first} and {second}, worst of three blends", max(distances[1:-1]), "{:.3f}", most=most)
-    return findings
-
-
-def slide(stage: Stage, weights: Mapping[str, float]) -> float:
-    """Returns the metres that the lowest joint of a foot moves over the floor in a stance, the median of stances."""
-    characters = Characters(stage, RATE)
-    characters.add(1, {name: weight for name, weight in weights.items() if weight})
-    roles, distances = stage.bank.roles, []
-    stance: dict[str, list[Floats]] = {name: [] for name in FEET}
-    for _ in range(600):
-        positions, planted = character_positions(characters)[0], planted_feet(stage, characters.state[0])
-        for (name, bit), joints in zip(FEET.items(), roles.feet, strict=True):
-            if planted & bit:
-                stance[name].append(positions[joints[-1], [0, 2]])
-            elif stance[name]:
-                long_enough = len(stance[name]) > 6
-                distances.append(float(np.linalg.norm(np.ptp(stance[name], axis=0))) if long_enough else np.nan)
-                stance[name] = []
-        characters.advance()
-    return float(np.nanmedian(distances))
-
-
-def planted_feet(stage: Stage, s: Floats) -> int:
-    """Returns the bits of the feet that are planted in all locomotions of the character with state row `s`."""
-    planted = 3
-    for number in range(int(s[col.LOCOMOTIONS])):
-        slot = s[col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS :]
-        entry = stage.bank.clips[int(slot[col.CLIP])]
-        planted &= int(stage.bank.tables["contacts"][entry.first_row + int(slot[col.FRAME])])
-    return planted

@@ -41,11 +41,15 @@ class Fastest(NamedTuple):
     steady_jump: Floats
 
 
-def pops(stage: Stage, scenes: int) -> Findings:
-    """Measures how fast joints move in random scenes with switches, starts, stops and loops."""
-    fastest = fastest_of_scenes(stage, range(scenes))
+def pops(stage: Stage, scenes: int, *, locked: bool = False) -> Findings:
+    """Measures how fast joints move in random scenes with switches, starts, stops and loops; with feet `locked` or not.
+
+    References are never locked.
+    """
+    fastest = fastest_of_scenes(stage, range(scenes), locked=locked)
     larger = np.maximum(fastest.clips, fastest.steady)
-    findings = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s: speed of the fastest joint")
+    feet = ", feet locked" if locked else ""
+    findings = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s{feet}: speed of the fastest joint")
     for label, ratios in (
         ("speed / clips alone", fastest.played / fastest.clips),
         ("speed / steady playback", fastest.played / fastest.steady),
@@ -62,20 +66,24 @@ def pops(stage: Stage, scenes: int) -> Findings:
     return findings
 
 
-def fastest_of_scenes(stage: Stage, seeds: Sequence[int]) -> Fastest:
+def fastest_of_scenes(stage: Stage, seeds: Sequence[int], *, locked: bool = False) -> Fastest:
     """Plays one random scene per seed."""
     fastest = {clip.name: fastest_of_clip(stage, clip.name) for clip in stage.bank.clips}
-    parts = [play_together(stage, fastest, seeds[first : first + TOGETHER]) for first in range(0, len(seeds), TOGETHER)]
+    parts = [
+        play_together(stage, fastest, seeds[first : first + TOGETHER], locked=locked)
+        for first in range(0, len(seeds), TOGETHER)
+    ]
     return Fastest(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int]) -> Fastest:
+def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int], *, locked: bool) -> Fastest:
     """Plays scenes at the same time. `fastest` has the speed of the fastest joint of each clip alone."""
     draws, names = [np.random.default_rng(seed) for seed in seeds], list(fastest)
     characters, watch, clips = Characters(stage, RATE), Watch(len(seeds)), []
     for draw in draws:
         clips.append({str(draw.choice(names))})
         characters.add(1, *clips[-1])
+    characters.lock_feet(slice(None), locked)
     before = np.zeros_like(slot_contents(characters.state))
     rows, scenes = [], []
     for _ in range(FRAMES):

@@ -39,7 +39,7 @@ def steady_rows(row: States) -> Iterator[States]:
     for head in heads:
         size = int(row[LEGS[head] + col.HEAD])
         alone = row.copy()
-        alone[[col.NEXT_COUNT, col.WHEN, col.HANDS_WAIT]] = 0.0
+        alone[[col.NEXT_COUNT, col.WHEN, col.HANDS_WAIT, col.LOCK, col.LOCKED]] = 0.0
         alone[LEGS[0] : LEGS[size - 1] + col.LOCOMOTION_COLUMNS] = row[
             LEGS[head] : LEGS[head + size - 1] + col.LOCOMOTION_COLUMNS
         ]

@@ -263,7 +263,7 @@ private:
     std::vector<int> lanes_of_hands_;             // in the upper half
     detail::Images lower_images_, upper_images_;  // empty if the rig has no mirror image
     std::array<std::array<double, 3>, 3> cloud_image_{};
-    detail::Table<float> lower_, upper_, frame_of_phase_, stance_table_, hand_table_;
+    detail::Table<float> lower_, upper_, frame_of_phase_, feet_, stance_table_, hand_table_;
     detail::Table<double> phase_of_frame_, paths_, postures_, hand_frames_;
     detail::Table<std::uint8_t> contacts_;
     detail::Table<std::int32_t> neutral_;
@@ -350,11 +350,12 @@ constexpr const char* REBUILD = "Build it again with `motionsplice precompute`";
 
 /// The tables in the order of docs/bank.md.
 enum TableNumber : std::size_t {
-    LOWER, UPPER, PHASE_OF_FRAME, FRAME_OF_PHASE, PATHS, CONTACTS, POSTURES, NEUTRAL, STANCES, HANDS,
+    LOWER, UPPER, PHASE_OF_FRAME, FRAME_OF_PHASE, PATHS, CONTACTS, FEET, POSTURES, NEUTRAL, STANCES, HANDS,
     HAND_FRAMES
 };
-constexpr std::array<const char*, 11> TABLES = {"lower", "upper", "phase_of_frame", "frame_of_phase", "paths",
-                                                "contacts", "postures", "neutral", "stances", "hands", "hand_frames"};
+constexpr std::array<const char*, 12> TABLES = {"lower", "upper", "phase_of_frame", "frame_of_phase", "paths",
+                                                "contacts", "feet", "postures", "neutral", "stances", "hands",
+                                                "hand_frames"};
 
 inline std::int64_t whole(std::int64_t count, std::int64_t of) { return (count + of - 1) / of * of; }
 
@@ -1254,6 +1255,7 @@ inline std::string Bank::load(std::size_t table, const detail::Bytes& file) {
         case detail::FRAME_OF_PHASE: return load(file, {cells_}, frame_of_phase_);
         case detail::PATHS: return load(file, {rows_, 4}, paths_);
         case detail::CONTACTS: return load(file, {rows_}, contacts_);
+        case detail::FEET: return load(file, {rows_, 6}, feet_);
         case detail::POSTURES: return load(file, {clips, 2, 3}, postures_);
         case detail::NEUTRAL: return load(file, {clips}, neutral_);
         case detail::STANCES: return load(file, {stances_, upper_half_.columns}, stance_table_);
@@ -1272,6 +1274,7 @@ inline std::string Bank::contents_fault(std::size_t table) const {
         case detail::UPPER: return detail::finite_fault(upper_);
         case detail::FRAME_OF_PHASE: return detail::finite_fault(frame_of_phase_);
         case detail::PATHS: return detail::finite_fault(paths_);
+        case detail::FEET: return detail::finite_fault(feet_);
         case detail::POSTURES: return detail::finite_fault(postures_);
         case detail::STANCES: return detail::finite_fault(stance_table_);
         case detail::HANDS: return detail::finite_fault(hand_table_);

@@ -76,6 +76,7 @@ def write_bank(
         "frame_of_phase": (CELLS_PER_FRAME * rows, (frame_of_phase(one.phase) for one in clips)),
         "paths": (rows, (one.path for one in clips)),
         "contacts": (rows, (one.contacts for one in clips)),
+        "feet": (rows, (one.feet for one in clips)),
         "postures": (len(clips), (one.posture[None] for one in clips)),
         "neutral": (len(clips), (np.array([numbers[one.neutral]]) for one in clips)),
         "stances": (len(standing), _stances(layout, standing)),

@@ -126,6 +126,7 @@ def pack_prepared(one: PreparedClip) -> tuple[Fields, Arrays]:
         "posture": one.posture,
         "path": one.path,
         "contacts": one.contacts,
+        "feet": one.feet,
         "gait": one.gait,
         "stride": one.stride.coefficients,
     }
@@ -148,6 +149,7 @@ def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], fields: Fie
         posture=arrays["posture"],
         path=arrays["path"],
         contacts=arrays["contacts"],
+        feet=arrays["feet"],
         gait=arrays["gait"],
         stride=MeanStride(arrays["stride"]),
         fetch=fetch,

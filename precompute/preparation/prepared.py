@@ -19,6 +19,7 @@ from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, B
 from motionsplice.precompute.alignment.gait import mean_gait
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.preparation.feet import standing_feet, support
 from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride
@@ -33,11 +34,12 @@ class PreparedClip:
     strides (0: no seam). period: frames of its cycle, 0 if it is not a whole cycle.
 
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
-    gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by phase. fetch: returns a large array by
-    name: the clip's rows in the tables `lower` and `upper`, or `upright`, its torso clouds [rows, P, 3] in metres.
-    kind: `locomotion` or `action`. neutral: name of the clip that its posture is relative to. stands: whether it is an
-    action without a gait, laid on locomotions as what it adds to a stance. mask: the parts that it then poses; None to
-    measure them. notes: from reading and moving it. file_warnings: from reading its file. source: digest of that file.
+    feet: [rows, 6] of `standing_feet`. gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by
+    phase. fetch: returns a large array by name: the clip's rows in the tables `lower` and `upper`, or `upright`, its
+    torso clouds [rows, P, 3] in metres. kind: `locomotion` or `action`. neutral: name of the clip that its posture is
+    relative to. stands: whether it is an action without a gait, laid on locomotions as what it adds to a stance. mask:
+    the parts that it then poses; None to measure them. notes: from reading and moving it. file_warnings: from reading
+    its file. source: digest of that file.
     """
 
     name: str
@@ -50,6 +52,7 @@ class PreparedClip:
     posture: Floats
     path: Floats
     contacts: NDArray[np.uint8]
+    feet: Floats
     gait: Floats
     stride: MeanStride
     fetch: Callable[[str], NDArray[Any]]
@@ -93,6 +96,8 @@ def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeti
     ours, skeleton_roles = fitted.clip, rig.roles
     looped = loop(ours, skeleton_roles, baseline)
     alignment, seamed, rows = looped.alignment, looped.seamed, looped.rows
+    path = root_path(*looped.played, seamed.strides, skeleton_roles, alignment.has_gait)[rows]
+    contacts = foot_contacts(looped.played[0], skeleton_roles)
     torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     large: dict[str, NDArray[Any]] = {
@@ -110,8 +115,9 @@ def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeti
         alignment=alignment,
         phase=seamed.phase,
         posture=torso.upright[:count, -2:].mean(axis=0),
-        path=root_path(*looped.played, seamed.strides, skeleton_roles, alignment.has_gait)[rows],
-        contacts=foot_contacts(looped.played[0], skeleton_roles)[rows],
+        path=path,
+        contacts=contacts[rows],
+        feet=standing_feet(seamed.clip, path, support(contacts, clip.rate)[rows], skeleton_roles),
         gait=mean_gait(ours, alignment.phase, skeleton_roles),
         stride=MeanStride.of(torso.upright[:count], alignment.phase),
         fetch=large.__getitem__,

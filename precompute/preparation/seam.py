@@ -2,7 +2,8 @@
 
 A clip with a gait can repeat whole strides, but no two strides are exactly alike. The last frame's counterpart is the
 frame a whole number of strides before it. The seam copies the frames after the counterpart, and adds an offset that
-continues the clip's end in pose and velocity and fades to zero within the seam. The clip's own frames do not change.
+continues the clip's end in pose and velocity and fades to zero within the seam. The root moves so that the foot that
+stands in the copied frames does not slide while the offset fades. The clip's own frames do not change.
 """
 
 from __future__ import annotations
@@ -16,12 +17,15 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import heading
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.joint_paths import joint_paths
+from motionsplice.precompute.preparation.feet import feet_over_ground, root_steps, support
 
 SEAM = 0.3  # seconds
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
 LEVEL = 0.17  # leg lengths: a smaller rise per loop is taken out, so that it does not add up over many loops
 WIDEST_TURN = 1.2  # radians of any single joint, from the last frame to its counterpart
+NEWCOMER = 0.3  # how much a foot that touches down in the seam counts, beside one that stands at its beginning
 ABOUT_AS_GOOD = 1.25  # times the least gap: the longest loop within this is used
 
 
@@ -99,7 +103,22 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
         positions[:, 1] -= climbed
     rise = (ends.root_positions - positions[:2])[:, 1]
     positions[2:, 1] += settled(rise, len(after))
-    return positions[2:], bent_onto(ends.rotations, rotations)
+    bent = bent_onto(ends.rotations, rotations)
+    copied = replace(clip, root_positions=positions[1:], rotations=rotations[1:])
+    laid = replace(copied, rotations=np.concatenate([ends.rotations[1:], bent]))
+    slips = np.diff(feet_over_ground(laid, roles) - feet_over_ground(copied, roles), axis=0)
+    positions[2:, [0, 2]] += np.cumsum(_against(slips, clip, after, roles), axis=0)
+    return positions[2:], bent
+
+
+def _against(slips: Floats, clip: Clip, after: Floats, roles: Roles) -> Floats:
+    """Returns steps [n, 2] of the root against the slips [n, 2, 2] of the feet on the way to the frames `after` [n].
+
+    A foot that stands at the clip's end has been there for longer, and counts more than one that touches down later.
+    """
+    stands = support(foot_contacts(clip, roles), clip.rate)
+    on_the_way = [np.interp(after - 0.5, np.arange(clip.frame_count), foot) for foot in stands.T]
+    return root_steps(slips, np.stack(on_the_way, axis=1), NEWCOMER + (1.0 - NEWCOMER) * stands[-1])
 
 
 def bent_onto(ends: Floats, rotations: Floats) -> Floats:

@@ -15,15 +15,16 @@ from motionsplice.runtime.simd.compiled import Array
 
 
 class Ground(NamedTuple):
-    """Root paths [rows, 4] and foot contacts [rows] of a bank, as in its tables `paths` and `contacts`."""
+    """The tables `paths` [rows, 4], `contacts` [rows] and `feet` [rows, 6] of a bank."""
 
     paths: Array
     contacts: Array
+    feet: Array
 
 
 def ground(bank: Bank) -> Ground:
-    """Returns the root paths and foot contacts of a bank, without copying them."""
-    return Ground(constant(bank.tables["paths"]), constant(bank.tables["contacts"]))
+    """Returns the root paths, foot contacts and feet of a bank, without copying them."""
+    return Ground(*(constant(bank.tables[name]) for name in Ground._fields))
 
 
 class Limbs(NamedTuple):
@@ -42,6 +43,26 @@ class Limbs(NamedTuple):
     lengths: Array
     chains: Array
     columns: Array
+
+
+class Legs(NamedTuple):
+    """The left and the right leg, each as the chain of joints from a child of the root to the ankle.
+
+    Attributes:
+        columns: [2, longest], the first columns of the joints in a pose.
+        offsets: [2, longest, 3], from their parents, metres.
+        counts: [2], number of joints; 0 on a rig whose roles are no legs.
+        hips: [2], the hip's index in the chain.
+        knees: [2], the knee's index.
+        reach: The farthest that the foot lock holds a foot from its pose, metres.
+    """
+
+    columns: Array
+    offsets: Array
+    counts: Array
+    hips: Array
+    knees: Array
+    reach: float
 
 
 class Mixing(NamedTuple):

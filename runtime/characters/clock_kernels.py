@@ -9,6 +9,17 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action_kernels import advance_actions
 from motionsplice.runtime.characters.arrays import Ground
+from motionsplice.runtime.characters.feet_kernels import (
+    LONGEST,
+    NOTHING,
+    NOWHERE,
+    Sums,
+    add_step,
+    drive_root,
+    mixed_place,
+    step_of,
+)
+from motionsplice.runtime.characters.lock_kernels import advance_lock, is_locking
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import (
     begin_waiting,
@@ -60,13 +71,25 @@ def recompute_slot(bank: BankArrays, s: Array, slot: int) -> None:
 
 
 @kernel
-def advance(bank: BankArrays, ground: Ground, s: Array, seconds: float) -> int:
-    """Advances all characters; returns the bits of all events that happened to any of them."""
+def advance(bank: BankArrays, ground: Ground, reach: float, s: Array, seconds: float) -> int:
+    """Advances all characters; returns the bits of all events that happened to any of them.
+
+    reach: the farthest that the foot lock holds a foot from its pose, metres.
+    """
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
     for c in range(0, len(s), col.COLUMNS):
         s[c + col.EVENTS] = 0.0
+        drives, locks = s[c + col.LOCOMOTIONS] > 1.0, is_locking(s, c)
+        stand = (drives or locks) and seconds * s[c + col.SPEED] <= LONGEST
+        left = mixed_place(bank, ground, s, c, 0) if stand else NOWHERE
+        right = mixed_place(bank, ground, s, c, 1) if stand else NOWHERE
         advance_fades(s, c, seconds, follow)
-        passed = advance_locomotions(bank, ground, s, c, seconds)
+        passed, lefts, rights = advance_locomotions(bank, ground, s, c, seconds, stand)
+        if drives and stand:
+            drive_root(s, c, left, right, lefts, rights)
+        step_forward(s, c)
+        if locks:
+            advance_lock(s, c, left, right, lefts, rights, seconds, reach)
         advance_actions(bank, s, c, seconds, passed)
         downs = step(bank, ground, s, c, passed)
         if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
@@ -106,11 +129,18 @@ def advance_fade(s: Array, slot: int, seconds: float, follow: float) -> None:
 
 
 @inlined
-def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float) -> float:
-    """Advances phases, frames and root motion; returns the cycles that the gaits advanced, 0 without a gait."""
+def advance_locomotions(
+    bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float, stand: bool
+) -> tuple[float, Sums, Sums]:
+    """Advances phases and frames, and sets the root motion that the clips mix to.
+
+    Returns the cycles that the gaits advanced, 0 without a gait; and if feet may `stand`, the sums of the left and the
+    right foot.
+    """
     count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
     passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
     x = y = z = turn = 0.0
+    lefts, rights = NOTHING, NOTHING
     for number in range(count):
         slot = locomotion_slot(c, number)
         clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
@@ -138,15 +168,24 @@ def advance_locomotions(bank: BankArrays, ground: Ground, s: Array, c: int, seco
         dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
         share = s[slot + col.SHARE]
         x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
-    dx, dz = in_turned_frame(-s[c + col.SIN], s[c + col.COS], x, z)
-    s[c + col.PLACE] += dx
-    s[c + col.PLACE + 1] += y
-    s[c + col.PLACE + 2] += dz
-    if turn != 0.0:
-        s[c + col.HEADING] += turn
-        s[c + col.SIN], s[c + col.COS] = math.sin(0.5 * s[c + col.HEADING]), math.cos(0.5 * s[c + col.HEADING])
+        if stand:
+            own = step_of(dx, dz, dh)
+            lefts = add_step(bank, ground, s, slot, before, own, 0, lefts)
+            rights = add_step(bank, ground, s, slot, before, own, 1, rights)
     s[c + col.DELTA], s[c + col.DELTA + 1], s[c + col.DELTA + 2], s[c + col.DELTA + 3] = x, y, z, turn
-    return passed
+    return passed, lefts, rights
+
+
+@inlined
+def step_forward(s: Array, c: int) -> None:
+    """Moves a character by its root motion."""
+    x, z = in_turned_frame(-s[c + col.SIN], s[c + col.COS], s[c + col.DELTA], s[c + col.DELTA + 2])
+    s[c + col.PLACE] += x
+    s[c + col.PLACE + 1] += s[c + col.DELTA + 1]
+    s[c + col.PLACE + 2] += z
+    if s[c + col.DELTA + 3] != 0.0:
+        s[c + col.HEADING] += s[c + col.DELTA + 3]
+        s[c + col.SIN], s[c + col.COS] = math.sin(0.5 * s[c + col.HEADING]), math.cos(0.5 * s[c + col.HEADING])
 
 
 @inlined

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.arrays import Limbs
+from motionsplice.runtime.characters.arrays import Legs, Limbs
+from motionsplice.runtime.characters.clip_references import Numbers, newest_mix
 from motionsplice.runtime.requests import known, time_fault
 
 BLEND = 0.3  # seconds, default duration of a fade
@@ -57,6 +58,18 @@ def shares_of(bank: Bank, locomotion: Locomotion) -> dict[int, float]:
     return {bank.number(name): weight / total for name, weight in given.items()}
 
 
+def goals_of(bank: Bank, row: NDArray[np.float64], given: Mapping[int, float]) -> tuple[Numbers, list[float]]:
+    """Returns the columns of a row with the goals of its newest mix, and their values for weights by clip number.
+
+    Raises SettingsError if a clip is not mixed.
+    """
+    clips, at = newest_mix(row)
+    if missing := given.keys() - set(clips):
+        name = bank.numbered[min(missing)].name
+        raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
+    return at, [given.get(clip, 0.0) for clip in clips]
+
+
 def mask_of(limbs: Limbs, name: str) -> int:
     """Returns the bits of a mask. Raises SettingsError if it is unknown or the rig has no such limbs."""
     mask = known(col.MASKS, "mask", name)
@@ -72,6 +85,14 @@ def weight_in_range(weight: float) -> float:
     if not 0.0 <= weight <= 1.0:
         raise SettingsError(f"weight {weight} lies outside 0 to 1")
     return weight
+
+
+def lockable(legs: Legs, lock: bool) -> bool:
+    """Returns whether feet are to be locked. Raises SettingsError if they are, but the rig has no such legs."""
+    if lock and not legs.counts.all():
+        problem = "feet cannot be locked on this rig: its roles do not name chains of hip, knee and ankle"
+        raise SettingsError(problem, mend="Name the joints of the legs as roles, and build the bank again")
+    return lock
 
 
 def not_negative(label: str, value: float) -> float:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.arrays import Limbs, Mixing
+from motionsplice.runtime.characters.arrays import Legs, Limbs, Mixing
+from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
@@ -31,6 +32,7 @@ from motionsplice.runtime.simd.compiled import ZERO, Array, Index, inlined, kern
 def evaluate_characters(
     bank: BankArrays,
     limbs: Limbs,
+    legs: Legs,
     s: Array,
     share: float,
     scratch: Scratch,
@@ -64,6 +66,9 @@ def evaluate_characters(
                     if mixing.limbs_turn[k] > 0:
                         turn_limbs(bank, limbs, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
+        for character in range(first, stop):
+            if s[character * col.COLUMNS + col.LOCKED] > 0.0:
+                lock_feet(legs, s, character * col.COLUMNS, character, roots, rotations)
         first = stop
 
 

@@ -49,7 +49,11 @@ HANDS = NEXT_WEIGHTS + MOST_MIXED
 FIRST_HANDS, HANDS_COLUMNS = HANDS + 1, CURVE + 1
 NEXT_HANDS = FIRST_HANDS + MOST_HANDS * HANDS_COLUMNS
 HANDS_WAIT = NEXT_HANDS + HANDS_COLUMNS
-COLUMNS = HANDS_WAIT + 1
+# foot lock: whether it is on; how far it is faded in; for each foot its offset x and z from the pose, relative to the
+# heading, and for how long it has stood, seconds
+LOCK, LOCKED, HOLDS = range(HANDS_WAIT + 1, HANDS_WAIT + 4)
+HOLD_COLUMNS = 3
+COLUMNS = HOLDS + 2 * HOLD_COLUMNS
 
 BARE = -1  # the clip's own hands
 

@@ -32,6 +32,7 @@ TABLES: Mapping[str, tuple[type, tuple[str | int, ...]]] = {
     "frame_of_phase": (np.float32, (CELLS,)),
     "paths": (np.float64, (ROWS, 4)),
     "contacts": (np.uint8, (ROWS,)),
+    "feet": (np.float32, (ROWS, 6)),
     "postures": (np.float64, (C, 2, 3)),
     "neutral": (np.int32, (C,)),
     "stances": (np.float32, (STANCES, UPPER)),

@@ -76,6 +76,7 @@ KEYS: Mapping[str, tuple[Check, str]] = {
     "position": (_are(3, FAR), "a list of three numbers"),
     "heading": (FAR, "a number of radians"),
     "in_place": (lambda value: isinstance(value, bool), "true or false"),
+    "lock_feet": (lambda value: isinstance(value, bool), "true or false"),
     "events": (
         lambda value: isinstance(value, list) and all(_one_of(*EVENT_NAMES.values())(one) for one in value),
         f"a list of {', '.join(EVENT_NAMES.values())}",
@@ -104,12 +105,13 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "speed": ("speed",),
     "place": ("position",),
     "in_place": ("in_place",),
+    "lock_feet": ("lock_feet",),
     "send": ("to",),
     "remove": (),
     "set": (),
 }
 OPTIONAL: Mapping[str, tuple[str, ...]] = {
-    "create": ("time", "loop", "speed", "position", "heading", "in_place"),
+    "create": ("time", "loop", "speed", "position", "heading", "in_place", "lock_feet"),
     "play": ("time", "loop", "blend", "curve"),
     "act": (
         *("when", "start", "blend", "blend_out", "curve", "weight", "loop", "own_clock", "mask", "method", "posture"),

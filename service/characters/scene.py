@@ -146,6 +146,7 @@ class Scene:
             self.characters.speed(rows, values["speed"])
         self.characters.place(rows, values.get("position", (0.0, 0.0, 0.0)), values.get("heading", 0.0))
         self.characters.in_place(rows, values.get("in_place", False))
+        self.characters.lock_feet(rows, values.get("lock_feet", False))
 
     def _send(self, ids: Sequence[int], to: Sequence[Kind]) -> None:
         """Sends characters to these kinds of receivers, and to no others. VMC has one character: the last."""

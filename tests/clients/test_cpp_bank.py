@@ -192,6 +192,7 @@ def test_a_body_that_is_no_manifest_is_refused(copy: Path, program: Path, packed
         ("frame_of_phase", np.nan, "not finite"),
         ("paths", -np.inf, "not finite"),
         ("contacts", 4, "bits of feet"),
+        ("feet", np.nan, "not finite"),
         ("postures", np.nan, "not finite"),
         ("neutral", 99, "a clip that"),
         ("neutral", -1, "a clip that"),

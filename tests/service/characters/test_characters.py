@@ -55,6 +55,22 @@ def test_frames_are_those_of_the_runtime_and_numbered_by_the_connections_clock(s
         assert all(frame["ids"] == [7] and frame["count"] == 1 for frame in frames)
 
 
+def test_feet_are_locked_from_the_beginning_or_by_a_command(service: Running, bank: Bank) -> None:
+    with Player(service) as player:
+        walks = {**WALK, "locomotion": {"walk": 1, "run": 1}, "lock_feet": True}
+        first = player.do(walks, {**walks, "id": 8, "lock_feet": False})["frame"]
+        frame = player.frames_until(first + 30)[-1]
+        mix = {"locomotion": {"walk": 1, "run": 1}}
+        for row, locks in enumerate((True, False)):
+            lock = "lock_feet", {"lock_feet": locks}
+            rotations = twin(bank, ("add", mix), lock, frames=frame["frame"] - first)[1]
+            np.testing.assert_array_equal(frame["rotations"][0, row], rotations)
+        assert (frame["rotations"][0, 0] != frame["rotations"][0, 1]).any()
+        done = player.do({"do": "lock_feet", "id": 7, "lock_feet": False})["frame"]
+        frame = player.frames_until(done + 14)[-1]
+        np.testing.assert_array_equal(frame["rotations"][0, 0], frame["rotations"][0, 1])
+
+
 def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
     with Player(service) as player:
         player.do(WALK, {**WALK, "id": 9, "locomotion": "run"}, {"do": "create", "id": [3, 4], "locomotion": "run"})
@@ -83,11 +99,15 @@ def test_commands_change_what_they_name(service: Running, bank: Bank) -> None:
 def test_locomotions_are_mixed_by_weight(service: Running) -> None:
     with Player(service) as player:
         first = player.do({**WALK, "locomotion": {"walk": 1, "run": 0}})["frame"]
-        reply = player.do({"do": "mix", "id": 7, "weights": {"run": 1}})
-        assert reply["event"] == "done"
-        frames = player.frames_until(first + 60)
-        ahead = np.diff([frame["root_positions"][0, 0, 2] for frame in frames])
-        assert ahead[-10:].mean() > 1.3 * ahead[:5].mean()
+        walked = speed_ahead(player.frames_until(first + 60))
+        assert player.do({"do": "mix", "id": 7, "weights": {"run": 1}})["event"] == "done"
+        player.frames_until(first + 90)
+        assert speed_ahead(player.frames_until(first + 150)) > 1.3 * walked
+
+
+def speed_ahead(frames: list[dict[str, Any]]) -> float:
+    """Returns how far the first character goes along Z in a frame, on average."""
+    return float(np.diff([frame["root_positions"][0, 0, 2] for frame in frames]).mean())
 
 
 def test_events_come_with_the_frame_that_shows_them(service: Running, bank: Bank) -> None:

@@ -50,6 +50,7 @@ options = st.fixed_dictionaries(
         "own_clock": st.booleans() | st.lists(numbers, max_size=3),
         "position": st.lists(numbers, max_size=4),
         "in_place": st.booleans(),
+        "lock_feet": st.booleans(),
         "to": st.lists(st.sampled_from(["vmc", "livelink", "x"]), max_size=3),
     },
 )

@@ -1,0 +1,201 @@
+"""The foot lock: the last step of a pose holds standing feet where they are.
+
+A lock is an offset from where the pose has a foot to where it is held. While the foot stands, the offset grows against
+the foot's way over the ground; afterwards it fades out. Then each leg is bent to its offset foot, as two bones whose
+knee keeps its plane, and the foot keeps its orientation.
+"""
+
+from __future__ import annotations
+
+import math
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import Legs
+from motionsplice.runtime.characters.feet_kernels import Place, Step, Sums, firmness, last_step, moved
+from motionsplice.runtime.characters.transition_kernels import in_turned_frame
+from motionsplice.runtime.kernels.rotations import TINY, product, rotated
+from motionsplice.runtime.simd.compiled import Array, inlined, kernel
+
+FADING = 0.2  # seconds in which the lock is turned on or off
+RELEASE = 0.12  # seconds: the offset of a free foot fades out with this time constant
+SLOW, FAST = 0.75, 1.5  # metres per second: a foot that slides faster gives way, and one so fast is not held
+NEAR = 0.5  # of the reach: a farther offset makes the foot give way, and it never gets beyond the reach
+LONG, TIRED = 1.0, 2.0  # seconds: an offset begins to fade out when a foot has stood so long, and does so fully
+SETTLING = 0.5  # seconds: time constant of that
+STIFF = 0.5  # sine of a knee's bend at which it takes up half of a change of the leg's length
+STRAIGHT = 0.998  # of a leg's length: the farthest that it is stretched
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+@inlined
+def smooth(t: float) -> float:
+    """Returns a step from 0 to 1 without a kink, for t from 0 to 1; clamped outside."""
+    t = min(max(t, 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+@inlined
+def is_locking(s: Array, c: int) -> bool:
+    """Whether a character's lock is on, or still fades out."""
+    return s[c + col.LOCK] > 0.0 or s[c + col.LOCKED] > 0.0
+
+
+@kernel
+def advance_lock(
+    s: Array, c: int, left: Place, right: Place, lefts: Sums, rights: Sums, seconds: float, reach: float
+) -> None:
+    """Advances the lock of a character whose feet were at the places `left` and `right`.
+
+    reach: the longest offset, metres. The offsets of a lock that is off are forgotten.
+    """
+    change, step = seconds / FADING, last_step(s, c)
+    hold_foot(s, c + col.HOLDS, left, lefts, step, seconds, reach)
+    hold_foot(s, c + col.HOLDS + col.HOLD_COLUMNS, right, rights, step, seconds, reach)
+    s[c + col.LOCKED] += min(max(s[c + col.LOCK] - s[c + col.LOCKED], -change), change)
+    if s[c + col.LOCKED] == 0.0:
+        for column in range(2 * col.HOLD_COLUMNS):
+            s[c + col.HOLDS + column] = 0.0
+
+
+@inlined
+def hold_foot(s: Array, hold: int, before: Place, sums: Sums, step: Step, seconds: float, reach: float) -> None:
+    """Advances the offset of a foot that was at the place `before`, after the root motion `step`."""
+    x, z = moved(sums[2], sums[3], step)
+    x, z = x - before[0], z - before[1]
+    firm = firmness(sums[4])
+    fast = smooth((math.hypot(x, z) / seconds - SLOW) / (FAST - SLOW)) if seconds > 0.0 else 0.0
+    far = smooth((math.hypot(s[hold], s[hold + 1]) / reach - NEAR) / (1.0 - NEAR))
+    held = firm * (1.0 - far) * (1.0 - fast)
+    stood = s[hold + 2] + seconds if firm > 0.0 else 0.0
+    fading = (1.0 - held) / RELEASE + smooth((stood - LONG) / (TIRED - LONG)) / SETTLING
+    left = math.exp(-fading * seconds)
+    x, z = left * (s[hold] - held * x), left * (s[hold + 1] - held * z)
+    s[hold], s[hold + 1] = in_turned_frame(step[2], step[3], x, z)
+    s[hold + 2] = stood
+
+
+@kernel
+def lock_feet(legs: Legs, s: Array, c: int, character: int, roots: Array, rotations: Array) -> None:
+    """Bends the legs of a pose to its feet with their offsets."""
+    share = smooth(s[c + col.LOCKED])
+    for leg in range(2):
+        hold = c + col.HOLDS + leg * col.HOLD_COLUMNS
+        x, z = share * s[hold], share * s[hold + 1]
+        if s[c + col.IN_PLACE] == 0.0:
+            x, z = in_turned_frame(-s[c + col.SIN], s[c + col.COS], x, z)
+        if x != 0.0 or z != 0.0:
+            bend_leg(legs, leg, x, z, character, roots, rotations)
+
+
+@inlined
+def bend_leg(legs: Legs, leg: int, x: float, z: float, character: int, roots: Array, rotations: Array) -> None:
+    """Moves an ankle over the ground by x and z, metres, by turning hip and knee; the foot keeps its orientation."""
+    place = (float(roots[character, 0]), float(roots[character, 1]), float(roots[character, 2]))
+    turn = turn_at(rotations, character, 0)
+    hip = knee = place
+    above_hip = above_knee = above = turn
+    for number in range(legs.counts[leg]):
+        above = turn
+        offset = rotated(
+            above[0], above[1], above[2], above[3],
+            legs.offsets[leg, number, 0], legs.offsets[leg, number, 1], legs.offsets[leg, number, 2],
+        )  # fmt: skip
+        place = (place[0] + offset[0], place[1] + offset[1], place[2] + offset[2])
+        turn = times(above, turn_at(rotations, character, legs.columns[leg, number]))
+        if number == legs.hips[leg]:
+            hip, above_hip = place, above
+        elif number == legs.knees[leg]:
+            knee, above_knee = place, above
+    thigh, shin = minus(hip, knee), minus(place, knee)
+    bend = bending(thigh, shin, minus(place, hip), x, z)
+    shin = rotated(bend[0], bend[1], bend[2], bend[3], shin[0], shin[1], shin[2])
+    was, wanted = minus(shin, thigh), minus(place, hip)
+    swing = between(was, (wanted[0] + x, wanted[1], wanted[2] + z))
+    turn_joint(rotations, character, legs.columns[leg, legs.hips[leg]], above_hip, swing)
+    turn_joint(rotations, character, legs.columns[leg, legs.knees[leg]], above_knee, bend)
+    back = conjugate(times(swing, bend))
+    turn_joint(rotations, character, legs.columns[leg, legs.counts[leg] - 1], above, back)
+
+
+@inlined
+def bending(thigh: Vector, shin: Vector, leg: Vector, x: float, z: float) -> Quaternion:
+    """Returns the turn of a shin about its knee that makes a leg as long as it is to its ankle moved by x and z.
+
+    thigh, shin: from the knee to hip and ankle, metres. leg: from hip to ankle. Near full reach a knee turns ever
+    faster for the same change of length, without bound. So the straighter it is, the less of the change is taken up;
+    and no leg becomes straight.
+    """
+    a, b, length = norm(thigh), norm(shin), norm(leg)
+    axis = (
+        thigh[1] * shin[2] - thigh[2] * shin[1],
+        thigh[2] * shin[0] - thigh[0] * shin[2],
+        thigh[0] * shin[1] - thigh[1] * shin[0],
+    )
+    size, product_of_bones = norm(axis), max(a * b, TINY)
+    sine = size / product_of_bones
+    change = norm((leg[0] + x, leg[1], leg[2] + z)) - length
+    change *= sine * sine / (sine * sine + STIFF * STIFF)
+    room = STRAIGHT * (a + b) - length
+    if change > 0.0:
+        change = room * (1.0 - math.exp(-change / room)) if room > 0.0 else 0.0
+    half = 0.5 * (angle_at(a, b, length + change, product_of_bones) - angle_at(a, b, length, product_of_bones))
+    scale = math.sin(half) / max(size, TINY)
+    return scale * axis[0], scale * axis[1], scale * axis[2], math.cos(half)
+
+
+@inlined
+def angle_at(a: float, b: float, length: float, product_of_bones: float) -> float:
+    """Returns the angle at the knee of a leg of this length, by the law of cosines."""
+    cosine = (a * a + b * b - length * length) / (2.0 * product_of_bones)
+    return math.acos(min(max(cosine, -1.0), 1.0))
+
+
+@inlined
+def between(a: Vector, b: Vector) -> Quaternion:
+    """Returns the shortest turn from the direction of a to that of b, which is not opposite."""
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    w = norm(a) * norm(b) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+    return x * scale, y * scale, z * scale, w * scale
+
+
+@inlined
+def turn_joint(rotations: Array, character: int, column: int, above: Quaternion, turn: Quaternion) -> None:
+    """Turns a joint in the world, given its parent's rotation `above` before the turn."""
+    local = times(times(conjugate(above), turn), times(above, turn_at(rotations, character, column)))
+    scale = 1.0 / math.sqrt(local[0] * local[0] + local[1] * local[1] + local[2] * local[2] + local[3] * local[3])
+    rotations[character, column], rotations[character, column + 1] = local[0] * scale, local[1] * scale
+    rotations[character, column + 2], rotations[character, column + 3] = local[2] * scale, local[3] * scale
+
+
+@inlined
+def turn_at(rotations: Array, character: int, column: int) -> Quaternion:
+    """Returns a rotation of a pose in float64."""
+    return (
+        float(rotations[character, column]),
+        float(rotations[character, column + 1]),
+        float(rotations[character, column + 2]),
+        float(rotations[character, column + 3]),
+    )
+
+
+@inlined
+def times(a: Quaternion, b: Quaternion) -> Quaternion:
+    return product(a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3])
+
+
+@inlined
+def conjugate(q: Quaternion) -> Quaternion:
+    return -q[0], -q[1], -q[2], q[3]
+
+
+@inlined
+def minus(a: Vector, b: Vector) -> Vector:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@inlined
+def norm(v: Vector) -> float:
+    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

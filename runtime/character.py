@@ -20,6 +20,7 @@ from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action, waiting_action, waiting_stop
+from motionsplice.runtime.characters.aim import PARTS, Aim, Look, fade_targets, set_targets, target_of
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
@@ -220,6 +221,26 @@ class Characters:
         self.state[rows, col.HANDS_WAIT] = 1.0
         self._begin(rows)
 
+    def look(self, rows: Rows, look: Look | None, *, blend: float = BLEND) -> None:
+        """Turns head, neck and spine toward a target; None ends it.
+
+        Args:
+            rows: The characters.
+            look: What they look at; a newer one replaces it.
+            blend: Seconds within which the look begins, ends, or goes over to another target.
+        """
+        self._aim(rows, ("head",), look, blend)
+
+    def aim(self, rows: Rows, aim: Aim | None, *, blend: float = BLEND) -> None:
+        """Turns the chest, or an arm, toward a target; None ends it for all parts.
+
+        Args:
+            rows: The characters.
+            aim: What they aim at; a newer one for the same part replaces it.
+            blend: Seconds, as in `look`.
+        """
+        self._aim(rows, ("chest", "left_arm", "right_arm") if aim is None else (aim.part,), aim, blend)
+
     def speed(self, rows: Rows, speed: float) -> None:
         """Sets the playback speed, 0 or more; 1 is as captured."""
         self.state[rows, col.SPEED] = not_negative("speed", speed)
@@ -262,7 +283,7 @@ class Characters:
         if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
             problem = f"{len(self)} characters need {len(self)} poses, found room for {len(out.flat)}"
             raise SettingsError(problem, mend="Create the poses with Evaluator.poses(len(characters))")
-        work = (stage.evaluator.arrays, stage.limbs, self.state.reshape(-1), self._share)
+        work = (stage.evaluator.arrays, stage.limbs, stage.chains, self.state.reshape(-1), self._share)
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 
@@ -286,6 +307,16 @@ class Characters:
     def events(self) -> NDArray[np.int64]:
         """Events of the last frame [n], bits of EVENT_NAMES."""
         return self.state[:, col.EVENTS].astype(np.int64)
+
+    def _aim(self, rows: Rows, parts: Sequence[str], target: Look | Aim | None, blend: float) -> None:
+        not_negative("blend", blend)
+        wanted = None if target is None else target_of(target, blend)
+        for part in parts:
+            slot = known(PARTS, "part", part)
+            if wanted is None:
+                fade_targets(self.state, self._numbers(rows), slot, blend)
+            else:
+                set_targets(self.state, self._numbers(rows), slot, wanted)
 
     def _begin(self, rows: Rows) -> None:
         stage, state = self.stage, self.state.reshape(-1)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters.arrays import ground, mixing
+from motionsplice.runtime.characters.chains import chains_of
 from motionsplice.runtime.characters.limbs import limbs_of
 from motionsplice.runtime.evaluator import Evaluator
 
 
 class Stage:
-    """Everything that characters on one bank share: the evaluator, and arrays for root motion, masks and mixing.
+    """Everything that characters on one bank share: the evaluator, and arrays for root motion, masks, targets and mixing.
 
     A stage owns scratch memory, as does its evaluator, so threads must not share it.
 
@@ -21,6 +22,7 @@ class Stage:
         bank: Its bank.
         ground: Root paths and foot contacts of all rows of the bank.
         limbs: Joints of the parts of the upper body, for masks.
+        chains: Chains of joints that turn toward targets, with scratch memory.
         mixing: Scratch memory for mixing.
     """
 
@@ -30,4 +32,5 @@ class Stage:
         self.bank: Bank = bank
         self.ground = ground(bank)
         self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
+        self.chains = chains_of(bank)
         self.mixing = mixing(bank.layout)

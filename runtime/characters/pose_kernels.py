@@ -1,7 +1,7 @@
 """Evaluates the poses of characters by mixing their slots.
 
 Lower bodies are mixed first, so that each action is spliced onto the mixed lower body. Upper bodies are mixed next,
-part by part. One locomotion and one action without a fade take a path without mixing.
+part by part. One locomotion and one action without a fade take a path without mixing. Poses are then turned to targets.
 """
 
 from __future__ import annotations
@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
+from motionsplice.runtime.characters.chains import Chains
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
@@ -30,6 +32,7 @@ from motionsplice.runtime.simd.compiled import ZERO, Array, Index, inlined, kern
 def evaluate_characters(
     bank: BankArrays,
     limbs: Limbs,
+    chains: Chains,
     s: Array,
     share: float,
     scratch: Scratch,
@@ -63,6 +66,10 @@ def evaluate_characters(
                     if mixing.limbs_turn[k] > 0:
                         turn_limbs(bank, limbs, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
+        for character in range(first, stop):
+            c = character * col.COLUMNS
+            if s[c + col.AIMED] > 0.0:
+                turn_to_targets(chains, s, c, character, roots, rotations)
         first = stop
 
 

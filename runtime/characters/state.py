@@ -2,7 +2,8 @@
 
 A row is float64 numbers and nothing else, so a character is saved, copied and restored with its row. A character plays
 three stacks of slots: locomotions, in groups that are mixed by weight; actions over them; hands over both. Each slot is
-faded in over the slots below it. One group, one action and one hands slot may wait until they can begin.
+faded in over the slots below it. One group, one action and one hands slot may wait until they can begin. Over all of
+them, four parts of the body may each be turned toward a target.
 """
 
 from __future__ import annotations
@@ -44,7 +45,16 @@ HANDS = NEXT_WEIGHTS + MOST_MIXED
 FIRST_HANDS, HANDS_COLUMNS = HANDS + 1, CURVE + 1
 NEXT_HANDS = FIRST_HANDS + MOST_HANDS * HANDS_COLUMNS
 HANDS_WAIT = NEXT_HANDS + HANDS_COLUMNS
-COLUMNS = HANDS_WAIT + 1
+# number of parts that are turned; for each part what is wanted: the kind of target, point (metres) or direction in the
+# world, weight, shares of spine and steadiness, limits (radians), duration of changes (seconds)
+AIMED = HANDS_WAIT + 1
+TARGET, TO, WANTED_WEIGHT, WANTED_SPINE, WANTED_STEADY, MOST_YAW, MOST_PITCH, SETTLING = 0, 1, 4, 5, 6, 7, 8, 9
+# and what is shown: whether the target has changed since; the target's yaw and pitch from the heading; shares that
+# follow those that are wanted; weight, and by how much yaw and pitch still differ, each with its change per second
+CHANGED, YAW, PITCH, SPINE, STEADY, SHOWN, YAW_LEFT, PITCH_LEFT = 10, 11, 12, 13, 14, 15, 17, 19
+AIM_COLUMNS = 21
+FIRST_AIM = AIMED + 1
+COLUMNS = FIRST_AIM + 4 * AIM_COLUMNS
 
 BARE = -1  # the clip's own hands
 
@@ -54,6 +64,8 @@ LINEAR, SMOOTH, EASE_IN, EASE_OUT = range(4)
 TRUNK, LEFT_ARM, RIGHT_ARM, HEAD_AND_NECK = 1, 2, 4, 8  # parts of an upper body
 PARTS = 4
 UPPER_BODY = 15
+NOTHING, DIRECTION, POINT = range(3)  # kinds of targets
+CHEST, LEFT, RIGHT, GAZE = (FIRST_AIM + part * AIM_COLUMNS for part in range(4))  # what is turned toward a target
 LEFT_DOWN, LEFT_UP, RIGHT_DOWN, RIGHT_UP, STRIDE, LOCOMOTION_ENDED, ACTION_BEGAN, ACTION_ENDED = (
     1 << bit for bit in range(8)
 )

@@ -23,10 +23,11 @@ from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.job.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
-from motionsplice.runtime.bank import TABLE_FOLDER, Bank
+from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
 from motionsplice.runtime.format.rows import Layout, TorsoRows
+from motionsplice.runtime.format.tables import TABLE_FOLDER
 
 FEWEST_JOINTS, MOST_JOINTS = 15, 300  # with fewer joints, some role has none
 MOST_DRAWN = 50_000  # rows
@@ -93,7 +94,7 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
         if size.hands
     ]
     baseline = BaselineEntry(entries[0].name, 0.0, STRIDE, 0.0, 32)
-    write_manifest(path, skeleton, roles, baseline, entries, digests, hands)
+    write_manifest(path, skeleton, roles, None, baseline, entries, digests, hands)
     return Bank.open(path)
 
 

@@ -66,6 +66,7 @@ def main() -> None:
         evaluator, true_clip = Evaluator(bank), truth("stairs_up", "carry_box")
         rows = [(form, evaluator.clip(Splice("stairs_up", "carry_box", posture=form)), bank.roles) for form in FORMS]
         contact_sheet(rows, columns=8, start=1.0, end=3.0, ghost=true_clip).save(IMAGES / "postures.png")
+        draw_mirror_images(evaluator)
         draw_characters(evaluator)
         draw_quality(evaluator)
 
@@ -101,6 +102,17 @@ def draw_characters(evaluator: Evaluator) -> None:
         clip = Clip(f"{start} s", evaluator.bank.skeleton, 60.0, np.array(roots[part]), np.array(rotations[part]))
         rows.append((f"{start} s to {start + 5} s", clip, evaluator.bank.roles))
     contact_sheet(rows, columns=12).save(IMAGES / "characters.png")
+
+
+def draw_mirror_images(evaluator: Evaluator) -> None:
+    """A splice, the splice of the action's mirror image, and that of both mirror images."""
+    splices = {
+        "curve+wave": Splice("curve", "wave"),
+        "wave~mirror": Splice("curve", "wave~mirror"),
+        "both ~mirror": Splice("curve~mirror", "wave~mirror"),
+    }
+    rows = [(label, evaluator.clip(splice), evaluator.bank.roles) for label, splice in splices.items()]
+    contact_sheet(rows, columns=8, start=1.0, end=4.0, view="front").save(IMAGES / "mirror.png")
 
 
 def draw_quality(evaluator: Evaluator) -> None:

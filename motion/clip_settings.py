@@ -9,6 +9,7 @@ unit = "cm"
 up = "z"                 # the axis that is up in the file, where it is not found
 rate = 120               # frames per second, if the file says it wrongly
 root = "Hips2"           # a joint of the body to read, in a file with several
+mirror = true            # exchange left and right
 roles = "odd.toml"       # a roles file beside this one, for a rig whose joint names are not known
 
 [moves]                  # all animations of moves.glb
@@ -42,6 +43,7 @@ VALUES = {
     "up": '"x", "y", "z", "-x", "-y" or "-z"',
     "rate": "a number above 0",
     "root": "the name of a joint, in quotes",
+    "mirror": "true or false",
     "roles": "the name of a roles file beside clips.toml, in quotes",
 }
 
@@ -60,6 +62,7 @@ class ClipSettings:
         up: The axis that is up in the file, as `read_clip` takes it.
         rate: Frames per second, if the file states it wrongly.
         root: The root of the body to read, in a file with several.
+        mirror: Whether left and right are exchanged.
         roles: Joint names by role, for joints that cannot be found by name.
     """
 
@@ -71,12 +74,13 @@ class ClipSettings:
     up: str | None = None
     rate: float | None = None
     root: str | None = None
+    mirror: bool = False
     roles: Mapping[str, GivenRole] = field(default_factory=dict)
 
     @property
     def reading(self) -> dict[str, Any]:
         """The arguments for `read_clip`."""
-        return {key: getattr(self, key) for key in ("skip_frames", "unit", "up", "rate", "root", "roles")}
+        return {key: getattr(self, key) for key in ("skip_frames", "unit", "up", "rate", "root", "mirror", "roles")}
 
 
 DEFAULT_SETTINGS = ClipSettings()
@@ -135,6 +139,7 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
             "up": settings.up in (None, *AXES),
             "rate": settings.rate is None or (type(settings.rate) in (int, float) and 0.0 < settings.rate < math.inf),
             "root": isinstance(settings.root, str | None),
+            "mirror": isinstance(settings.mirror, bool),
             "roles": isinstance(roles, str | None),
         }.items()
         if not valid

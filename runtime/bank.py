@@ -6,35 +6,43 @@ from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.errors import BankError, UnknownClipError, did_you_mean
+from motionsplice.motion.errors import UnknownClipError, did_you_mean
+from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.format.checks import Tables, check_contents, check_fit
 from motionsplice.runtime.format.contacts import Contact, contacts_of
 from motionsplice.runtime.format.manifest import (
     MANIFEST,
-    REBUILD,
-    TABLES,
     BaselineEntry,
     ClipEntry,
     HandsEntry,
     Manifest,
 )
 from motionsplice.runtime.format.rows import Layout, TorsoRows
-
-TABLE_FOLDER = "tables"
+from motionsplice.runtime.format.tables import map_table, table_files
+from motionsplice.runtime.mirrored import (
+    HALF_A_CYCLE,
+    MIRRORED,
+    mirrored_contacts,
+    mirrored_entry,
+    mirrored_name,
+    mirrored_path,
+    mirrored_posture,
+    mirrored_torso,
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bank:
     """All clips of a game character on one skeleton, with the tables that align them.
 
+    Wherever a clip is named, `walk~mirror` names the mirror image of `walk`, which takes no storage.
     A bank is immutable. Its tables are memory-mapped, so all processes that open it share their pages.
 
     Attributes:
@@ -74,7 +82,8 @@ class Bank:
         """
         folder = Path(path)
         manifest = Manifest.read(folder)
-        bank = cls(folder, manifest, {name: _map(name, file) for name, file in files(folder, manifest).items()})
+        tables = {name: map_table(name, file) for name, file in table_files(folder, manifest).items()}
+        bank = cls(folder, manifest, tables)
         check_fit(manifest, bank.tables, str(folder / MANIFEST))
         if verify:
             bank.verify()
@@ -91,7 +100,7 @@ class Bank:
     @property
     def files(self) -> dict[str, Path]:
         """The file of each table, by the table's name."""
-        return files(self.path, self.manifest)
+        return table_files(self.path, self.manifest)
 
     @property
     def digest(self) -> str:
@@ -109,14 +118,24 @@ class Bank:
         return self.manifest.roles
 
     @property
+    def mirror(self) -> Mirror | None:
+        """How the rig is mirrored; None if left and right limbs hang on different joints."""
+        return self.manifest.mirror
+
+    @property
     def baseline(self) -> BaselineEntry:
         """The stride that all clips are aligned to."""
         return self.manifest.baseline
 
     @property
     def clips(self) -> tuple[ClipEntry, ...]:
-        """The entries of all clips, in order of name; a clip's number is its index here."""
+        """The entries of all clips, in order of name."""
         return self.manifest.clips
+
+    @cached_property
+    def numbered(self) -> tuple[ClipEntry, ...]:
+        """The entries of all clips, then of all mirror images; the number of either is its index here."""
+        return self.clips if self.mirror is None else (*self.clips, *map(mirrored_entry, self.clips))
 
     @property
     def hands(self) -> tuple[HandsEntry, ...]:
@@ -130,10 +149,10 @@ class Bank:
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
-        return {clip.name: number for number, clip in enumerate(self.clips)}
+        return {clip.name: number for number, clip in enumerate(self.numbered)}
 
     def number(self, name: str) -> int:
-        """Returns the number of a clip: its index in `clips`.
+        """Returns the number of a clip: its index in `numbered`.
 
         Raises:
             UnknownClipError: The bank has no such clip. Suggests similar names.
@@ -141,8 +160,10 @@ class Bank:
         try:
             return self._numbers[name]
         except KeyError:
-            problem = f"the bank has no clip {name!r}"
-            raise UnknownClipError(problem, mend=did_you_mean(name, self._numbers)) from None
+            problem, mend = f"the bank has no clip {name!r}", did_you_mean(name, [clip.name for clip in self.clips])
+            if self.mirror is None and name.removesuffix(MIRRORED) in self._numbers:
+                mend = "Its rig has no mirror image, because left and right limbs hang on different joints"
+            raise UnknownClipError(problem, mend=mend) from None
 
     def clip(self, name: str) -> ClipEntry:
         """Returns the entry of a clip.
@@ -150,7 +171,11 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such clip. Suggests similar names.
         """
-        return self.clips[self.number(name)]
+        return self.numbered[self.number(name)]
+
+    def _mirror_of(self, name: str) -> Mirror | None:
+        """Returns the mirror if a name is that of a mirror image, else None."""
+        return self.mirror if self.number(name) >= len(self.clips) else None
 
     @cached_property
     def hand_clips(self) -> tuple[str, ...]:
@@ -184,7 +209,8 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such hands, or they are not aligned to `body`.
         """
-        return np.asarray(self.tables["hand_frames"][self._hand_rows(name, body)[: self.clip(body).frame_count]])
+        frames = self.tables["hand_frames"][self._hand_rows(name, body)[: self.clip(body).frame_count]]
+        return np.asarray(frames[:, ::-1] if self._mirror_of(body) else frames)
 
     def hand_motion(self, name: str, body: str) -> NDArray[np.float64]:
         """Returns the rotations [rows, n, 4], xyzw, of the n joints `layout.hands.joints`: hands laid on a clip.
@@ -196,13 +222,18 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such hands, or they are not aligned to `body`.
         """
-        rows = self.tables["hands"][self._hand_rows(name, body)]
-        return self.layout.hands.lanes(rows)[:, : len(self.layout.hands.joints)].astype(np.float64)
+        rows, joints = self.tables["hands"][self._hand_rows(name, body)], self.layout.hands.joints
+        rotations = self.layout.hands.lanes(rows)[:, : len(joints)].astype(np.float64)
+        if mirror := self._mirror_of(body):
+            whole = np.zeros((len(rotations), self.skeleton.joint_count, 4))
+            whole[:, joints] = rotations
+            rotations = mirror.rotations(whole, self.skeleton.parents)[:, joints]
+        return rotations
 
     def _hand_rows(self, name: str, body: str) -> NDArray[np.int64]:
         self.hand_number(name)
         for one in self.hands:
-            if (one.name, one.body) == (name, body):
+            if one.name == name and body in (one.body, mirrored_name(one.body)):
                 return one.first_row + np.arange(self.clip(body).row_count)
         raise self.hands_not_aligned(name, body)
 
@@ -218,7 +249,8 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such clip.
         """
-        return self.clips[int(self.tables["neutral"][self.number(name)])].name
+        number, count = self.number(name), len(self.clips)
+        return self.numbered[int(self.tables["neutral"][number % count]) + number // count * count].name
 
     def motion(self, name: str, *, seam: bool = False) -> Clip:
         """Returns a clip in its editable form, on the bank's skeleton.
@@ -232,7 +264,8 @@ class Bank:
         """
         rows = self._rows(name, seam)
         roots, rotations = self.layout.motion(self.tables["lower"][rows], self.tables["upper"][rows])
-        return Clip(name, self.skeleton, self.clip(name).rate, roots, rotations)
+        clip, mirror = Clip(name, self.skeleton, self.clip(name).rate, roots, rotations), self._mirror_of(name)
+        return mirror.clip(clip) if mirror else clip
 
     def torso(self, name: str, *, seam: bool = False) -> TorsoRows:
         """Returns how the upper body of a clip sits on its root at each frame; with `seam`, at those of its seam too.
@@ -240,15 +273,17 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such clip.
         """
-        return self.layout.torso(self.tables["lower"][self._rows(name, seam)])
+        torso, mirror = self.layout.torso(self.tables["lower"][self._rows(name, seam)]), self._mirror_of(name)
+        return mirrored_torso(torso, mirror, self.skeleton, self.roles) if mirror else torso
 
-    def phase(self, name: str) -> NDArray[np.float64]:
-        """Returns the phase [F] of each frame of a clip, in cycles of the baseline.
+    def phase(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
+        """Returns the phase [F] of each frame of a clip, in cycles of the baseline; with `seam`, of its seam's too.
 
         Raises:
             UnknownClipError: The bank has no such clip.
         """
-        return np.asarray(self.tables["phase_of_frame"][self._rows(name, False)])
+        phase = np.asarray(self.tables["phase_of_frame"][self._rows(name, seam)])
+        return phase + HALF_A_CYCLE if self._mirror_of(name) else phase
 
     def phase_at(self, name: str, seconds: float) -> float:
         """Returns the phase of a clip at a time, in cycles of the baseline; times outside it are clamped to its ends.
@@ -260,7 +295,7 @@ class Bank:
         frame = min(max(seconds * entry.rate, 0.0), entry.frame_count - 1.0)
         before = min(int(frame), entry.frame_count - 2)
         here, after = self.tables["phase_of_frame"][entry.first_row + before :][:2]
-        return float(here + (frame - before) * (after - here))
+        return float(here + (frame - before) * (after - here)) + (HALF_A_CYCLE if self._mirror_of(name) else 0.0)
 
     def root_path(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
         """Returns the root path [F, 4] of a clip: x, ground height and z in metres, heading in radians about Y.
@@ -270,7 +305,17 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such clip.
         """
-        return np.asarray(self.tables["paths"][self._rows(name, seam)])
+        path = np.asarray(self.tables["paths"][self._rows(name, seam)])
+        return mirrored_path(path) if self._mirror_of(name) else path
+
+    def posture(self, name: str) -> NDArray[np.float64]:
+        """Returns the posture [2, 3] of a clip: the mean places of both shoulders in the posture frame, metres.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
+        posture = np.asarray(self.tables["postures"][self.number(name) % len(self.clips)])
+        return mirrored_posture(posture) if self._mirror_of(name) else posture
 
     def contacts(self, name: str) -> list[Contact]:
         """Returns the times at which each foot of a clip is on the ground, in order of time.
@@ -278,22 +323,9 @@ class Bank:
         Raises:
             UnknownClipError: The bank has no such clip.
         """
-        return contacts_of(self.tables["contacts"][self._rows(name, False)], self.clip(name).rate)
+        standing = self.tables["contacts"][self._rows(name, False)]
+        return contacts_of(mirrored_contacts(standing) if self._mirror_of(name) else standing, self.clip(name).rate)
 
     def _rows(self, name: str, seam: bool) -> slice:
         entry = self.clip(name)
         return slice(entry.first_row, entry.first_row + (entry.row_count if seam else entry.frame_count))
-
-
-def files(folder: Path, manifest: Manifest) -> dict[str, Path]:
-    """Returns the file of each table of the bank in `folder`, by the table's name."""
-    return {name: folder / TABLE_FOLDER / f"{Path(manifest.tables[name]).name}.npy" for name in TABLES}
-
-
-def _map(name: str, file: Path) -> NDArray[Any]:
-    try:
-        return np.asarray(np.load(file, mmap_mode="r", allow_pickle=False))
-    except FileNotFoundError:
-        raise BankError(f"table {name!r} is missing", file=str(file), mend=REBUILD) from None
-    except Exception as error:  # NumPy parses a damaged header as Python source, which can raise almost anything
-        raise BankError(f"table {name!r} is cut short or not an array: {error}", file=str(file), mend=REBUILD) from None

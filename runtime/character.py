@@ -80,7 +80,7 @@ class Characters:
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
         if not 0.0 < rate < np.inf:
             raise SettingsError(f"the rate is {rate}, expected a positive number of frames per second")
-        if len(invalid := references.invalid_rows(self.state, len(stage.bank.clips), len(stage.bank.hand_clips))):
+        if len(invalid := references.invalid_rows(self.state, len(stage.bank.numbered), len(stage.bank.hand_clips))):
             problem = f"row {invalid[0]} is not a valid character state for this bank"
             raise SettingsError(problem, mend="Was it saved with another bank?")
         self._share = Memory.begin(0, rate).share
@@ -180,7 +180,7 @@ class Characters:
         for row in self._numbers(rows):
             clips, at = references.newest_mix(self.state[row])
             if missing := given.keys() - set(clips):
-                name = self.stage.bank.clips[min(missing)].name
+                name = self.stage.bank.numbered[min(missing)].name
                 raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
             goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
         for row, at, shares in goals:

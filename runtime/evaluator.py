@@ -221,7 +221,7 @@ class Evaluator:
         if splice.hands is not None:
             hands, upper = 1 + self.bank.hand_number(splice.hands), locomotion if method == NONE else action
             if self.arrays.hand_rows[hands - 1, upper] < 0:
-                raise self.bank.hands_not_aligned(splice.hands, self.bank.clips[upper].name)
+                raise self.bank.hands_not_aligned(splice.hands, self.bank.numbered[upper].name)
         return locomotion, action, 0.0, splice.start, 0, method, known(POSTURES, "posture", splice.posture), hands
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
@@ -247,7 +247,7 @@ class Evaluator:
 
     def _fault(self, requests: Requests, character: int) -> SettingsError | TimeRangeError:
         """Returns the error for an invalid request."""
-        request, clips = requests.records[character], self.bank.clips
+        request, clips = requests.records[character], self.bank.numbered
         place = f"character {character}" if len(requests.records) > 1 else ""
         for label, number, top in (
             ("locomotion", request["locomotion"], len(clips)),
@@ -275,7 +275,7 @@ class Evaluator:
         hands, count = int(request["hands"]) - 1, len(self.bank.hand_clips)
         if hands >= count:
             return SettingsError(f"hands number {hands + 1} lies outside 0 to {count}", place=place)
-        upper = self.bank.clips[request["locomotion" if request["method"] == NONE else "action"]].name
+        upper = self.bank.numbered[request["locomotion" if request["method"] == NONE else "action"]].name
         if hands >= 0 and self.arrays.hand_rows[hands, self.bank.number(upper)] < 0:
             fault = self.bank.hands_not_aligned(self.bank.hand_clips[hands], upper)
             return SettingsError(fault.problem, place=place, mend=fault.mend)

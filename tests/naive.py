@@ -17,7 +17,6 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.splice import transfer_posture
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.format.manifest import ClipEntry
 from motionsplice.runtime.kernels.posture import LEAST_GAP
 
 
@@ -92,11 +91,11 @@ def pose(
     hands: str | None = None,
 ) -> tuple[Floats, Floats]:
     """One character's root position [3] and local rotations [J, 4], from the bank's clips in their editable form."""
-    entry_l, entry_u, phases = bank.clip(locomotion), bank.clip(action), bank.tables["phase_of_frame"]
+    entry_l, entry_u = bank.clip(locomotion), bank.clip(action)
     pelvis, upper = bank.roles.pelvis, bank.skeleton.subtree(bank.roles.pelvis)
 
-    def phase_between(entry: ClipEntry, frame: float) -> float:
-        own = phases[entry.first_row : entry.first_row + entry.frame_count]
+    def phase_between(clip: str, frame: float) -> float:
+        own = bank.phase(clip)
         return float(np.interp(frame, np.arange(len(own)), own))
 
     frame_l = time * entry_l.rate
@@ -108,12 +107,11 @@ def pose(
         seconds = start + time
         frame_u = (seconds if seconds <= entry_u.duration else seconds % entry_u.duration) * entry_u.rate
     else:
-        phase = phase_between(entry_l, frame_l)
-        phase += math.ceil(phase_between(entry_u, start * entry_u.rate) - entry_l.first_phase - 1e-3) + cycles
+        phase = phase_between(locomotion, frame_l)
+        phase += math.ceil(phase_between(action, start * entry_u.rate) - entry_l.first_phase - 1e-3) + cycles
         while phase > entry_u.last_phase and entry_u.loop > 0:
             phase -= entry_u.loop
-        own = phases[entry_u.first_row : entry_u.first_row + entry_u.row_count]
-        frame_u = float(np.interp(phase, own, np.arange(entry_u.row_count)))
+        frame_u = float(np.interp(phase, bank.phase(action, seam=True), np.arange(entry_u.row_count)))
     pelvis_l = rotations[pelvis].copy()
     rotations[upper] = bank.motion(action, seam=True).sampled([frame_u])[1][0, upper]
     wear(bank, hands, action, frame_u, rotations)
@@ -122,9 +120,9 @@ def pose(
     torso_l, torso_u = bank.torso(locomotion), bank.torso(action, seam=True)
     clouds = vectors_between(torso_l.clouds, frame_l), vectors_between(torso_u.clouds, frame_u)
     turned = quaternion.multiply(pelvis_l, best_rotation(*clouds))
-    postures, turn = bank.tables["postures"], quaternion.IDENTITY
+    turn = quaternion.IDENTITY
     if posture == "absolute":
-        turn = best_rotation(postures[bank.number(action)], postures[bank.number(locomotion)])
+        turn = best_rotation(bank.posture(action), bank.posture(locomotion))
     elif posture == "relative":
         theirs, own = rotation_between(torso_u.offsets, frame_u), rotation_between(torso_l.offsets, frame_l)
         turn = quaternion.multiply(theirs, quaternion.conjugate(own))
@@ -169,10 +167,10 @@ def best_rotation(target: Floats, source: Floats) -> Floats:
 
 def followed(bank: Bank, splice: Clip, locomotion: str, action: str, time_constant: float) -> Clip:
     """Turns a splice with posture `off` to the action's posture, by a running mean of its own."""
-    torso, postures = measure_torso(splice, bank.roles), bank.tables["postures"]
-    mean, share = postures[bank.number(locomotion)].copy(), 1.0 - math.exp(-1.0 / (splice.rate * time_constant))
+    torso = measure_torso(splice, bank.roles)
+    mean, share = bank.posture(locomotion).copy(), 1.0 - math.exp(-1.0 / (splice.rate * time_constant))
     turns = []
     for shoulders in torso.upright[:, -2:]:
         mean += share * (shoulders - mean)
-        turns.append(horn_rotation(postures[bank.number(action)], mean))
+        turns.append(horn_rotation(bank.posture(action), mean))
     return transfer_posture(splice, torso, np.array(turns), bank.roles)

@@ -61,7 +61,7 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
             sources.append(rotations)
             pelves.append(own_pelvis)
             continue
-        name, at = bank.clips[int(layer[col.CLIP])].name, layer[col.FRAME]
+        name, at = bank.numbered[int(layer[col.CLIP])].name, layer[col.FRAME]
         if layer[col.KIND] == METHODS["naive"]:
             last = bank.clip(name).frame_count - 1.0
             at = at if at <= last else at % last
@@ -77,7 +77,7 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
         if layer[col.POSTURE] == POSTURES["relative"]:
             turn = quaternion.multiply(rotation_between(torso.offsets, at), quaternion.conjugate(offset))
         elif layer[col.POSTURE] == POSTURES["absolute"]:
-            turn = best_rotation(bank.tables["postures"][bank.number(name)], posture)
+            turn = best_rotation(bank.posture(name), posture)
         world_turn = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
         pelves.append(quaternion.multiply(world_turn, turned))
     chains = limbs(bank)
@@ -133,7 +133,7 @@ def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> N
 
 
 def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:
-    name, at = bank.clips[int(slot[col.CLIP])].name, slot[col.FRAME]
+    name, at = bank.numbered[int(slot[col.CLIP])].name, slot[col.FRAME]
     roots, rotations = bank.motion(name, seam=True).sampled([at])
     wear(bank, s, name, at, rotations[0])
     x, y, z, heading = vectors_between(bank.root_path(name, seam=True), at)
@@ -146,7 +146,7 @@ def locomotion(bank: Bank, s: Floats, slot: Floats, share: float) -> Locomotion:
         vectors_between(torso.clouds, at),
         rotation_between(torso.frames, at),
         rotation_between(torso.offsets, at),
-        bank.tables["postures"][bank.number(name)],
+        bank.posture(name),
     )
 
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
@@ -67,11 +68,22 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         )
         row += rows
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
-    manifest = Manifest(b"", "", skeleton, roles, baseline, tuple(entries), tuple(hands), dict.fromkeys(TABLES, ""))
+    listed, digests = (tuple(entries), tuple(hands)), dict.fromkeys(TABLES, "")
+    manifest = Manifest(b"", "", skeleton, roles, _mirror(draw, layout, joints), baseline, *listed, digests)
     arrays: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(np.concatenate(tables[name]), kind) for name, (kind, _) in TABLES.items()
     }
     return Bank(Path(), manifest, arrays)
+
+
+def _mirror(draw: np.random.Generator, layout: Layout, joints: int) -> Mirror:
+    """Pairs joints of each half at random; about a quarter have no twin."""
+    twins = np.arange(joints)
+    for half in layout.halves.values():
+        mixed = draw.permutation(half.joints).tolist()
+        for one, other in zip(mixed[::2], mixed[1::2], strict=False):
+            twins[one], twins[other] = (other, one) if draw.random() < 0.75 else (-1, -1)
+    return Mirror(twins, Rotation.random(joints, random_state=draw).as_quat())
 
 
 def _rotations(draw: np.random.Generator, rows: int, joints: int) -> Floats:

@@ -90,11 +90,11 @@ def main(
 
 def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
     """Writes and opens a bank of clips with the roles of the bank `like`. Each clip is its own neutral."""
-    ring = find_baseline(baseline, like.roles)
+    ring, rig = find_baseline(baseline, like.roles), Rig(baseline.skeleton, like.roles)
     names = {clip.name: clip for clip in (baseline, *clips)}
-    prepared = [prepare(clip, like.roles, Rig(baseline.skeleton, like.roles), ring) for clip in names.values()]
+    prepared = [prepare(clip, like.roles, rig, ring) for clip in names.values()]
     settled = [replace(one, neutral=one.name) for one in prepared]
-    write_bank(folder, baseline.skeleton, like.roles, ring, settled)
+    write_bank(folder, rig, ring, settled)
     return Bank.open(folder)
 
 

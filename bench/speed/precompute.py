@@ -110,9 +110,8 @@ def time_lengths() -> list[Timing]:
         file, bank = Path(name) / "action.bvh", Path(name) / "bank"
         file.write_bytes(dump_bvh(base))
         reading = read_clip(file, unit="m")
-        skeleton, roles = reading.clip.skeleton, reading.roles
-        ring = find_baseline(reading.clip, roles)
-        neutral = prepare(replace(reading.clip, name="neutral"), roles, Rig(skeleton, roles), ring)
+        rig, ring = Rig(reading.clip.skeleton, reading.roles), find_baseline(reading.clip, reading.roles)
+        neutral = prepare(replace(reading.clip, name="neutral"), rig.roles, rig, ring)
         neutral = replace(neutral, neutral="neutral")
         timings = []
         for seconds in (LENGTHS[0], *LENGTHS):
@@ -120,9 +119,9 @@ def time_lengths() -> list[Timing]:
             began = time.perf_counter()
             reading = read_clip(file, unit="m")
             read = time.perf_counter()
-            made = prepare(reading.clip, roles, Rig(skeleton, roles), ring)
+            made = prepare(reading.clip, rig.roles, rig, ring)
             aligned = time.perf_counter()
-            write_bank(bank, skeleton, roles, ring, [neutral, replace(made, kind="action", neutral="neutral")])
+            write_bank(bank, rig, ring, [neutral, replace(made, kind="action", neutral="neutral")])
             written = time.perf_counter()
             shutil.rmtree(bank)
             for what, taken in {

@@ -20,7 +20,9 @@ from motionsplice.motion.formats.fold import Folded, Nodes, fold
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.units import check_stated_unit, guess_unit, metres_per_unit
 from motionsplice.motion.formats.upright import check_up, made_upright
+from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.stance import standing_pose
 from motionsplice.motion.roles import (
     ENDS,
     LIMBS,
@@ -69,6 +71,7 @@ def read_clip(
     up: str | None = None,
     rate: float | None = None,
     root: str | None = None,
+    mirror: bool = False,
     roles: Mapping[str, GivenRole] = NOTHING_GIVEN,
 ) -> Reading:
     """Reads a BVH, AMC, FBX or glTF file (.glb, .gltf, .vrm, .vrma).
@@ -88,6 +91,7 @@ def read_clip(
             defines, or else along which the bind pose stands.
         rate: Frames per second, if the file states it wrongly. The frames stay what they are.
         root: The root of the body to read, or any joint above its legs and arms, in a file with several bodies.
+        mirror: Whether to exchange left and right.
         roles: Joint names by role, for joints that cannot be found by name; see `find_roles`.
 
     Returns:
@@ -98,6 +102,7 @@ def read_clip(
         ClipError: The motion is invalid, for example not finite.
         RoleError: The roles of the joints cannot be found, or `root` is not a joint.
         SettingsError: The unit, the axis or a role is unknown, or the rate is not positive.
+        SkeletonError: The clip is to be mirrored, and a limb has a joint that the other side does not have.
 
     Example:
         ```python
@@ -111,7 +116,7 @@ def read_clip(
         ```
     """
     path = Path(path)
-    asked = ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root)
+    asked = ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, mirror=mirror)
     check_up(up)
     if rate is not None and not 0.0 < rate < math.inf:
         raise SettingsError(f"a rate of {rate:g} frames per second", mend="Give a number above 0")
@@ -163,6 +168,9 @@ def _understood(
     if asked.skip_frames == 0 and _starts_with_a_pose(clip.rotations):
         warnings.append("the first frame looks like a bind pose; leave it out with --skip-frames 1, or in clips.toml")
     warnings += doubts + check_shape(clip, roles, given=bool(given), up_known=asked.up is not None or clip is not read)
+    if asked.mirror:
+        pose = standing_pose(clip.skeleton, roles, clip)
+        clip = Mirror.of(clip.skeleton, roles, pose).clip(clip)
     return Reading(clip, roles, metres, (*notes, *turns), tuple(warnings))
 
 

@@ -16,14 +16,17 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion.errors import SkeletonError
+from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.retarget.rig import Rig
+from motionsplice.motion.retarget.stance import standing_pose
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.hands.rows import LaidHands
 from motionsplice.precompute.preparation.prepared import PreparedClip, has_gait
 from motionsplice.precompute.preparation.torso_offset import shoulder_motion, torso_offsets
-from motionsplice.runtime.bank import TABLE_FOLDER
 from motionsplice.runtime.format.manifest import (
     FORMAT,
     MANIFEST,
@@ -35,6 +38,7 @@ from motionsplice.runtime.format.manifest import (
     content_digest,
 )
 from motionsplice.runtime.format.rows import Layout
+from motionsplice.runtime.format.tables import TABLE_FOLDER
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # other files in the folder are never removed
 OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})\.\d+")
@@ -44,8 +48,7 @@ CELLS_PER_FRAME = 4  # of the inverse table: the slope of phase is at least a qu
 
 def write_bank(
     path: Path,
-    skeleton: Skeleton,
-    roles: Roles,
+    rig: Rig,
     baseline: Baseline,
     prepared: Sequence[PreparedClip],
     hands: Sequence[LaidHands] = (),
@@ -55,7 +58,7 @@ def write_bank(
     Tables are written and synced first. Renaming the manifest then makes the new bank current, so a reader sees either
     the old bank or the new one. The old bank's tables stay until the next bank is written; older tables are removed.
     """
-    clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(skeleton, roles)
+    clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(rig.skeleton, rig.roles)
     laid = sorted(hands, key=lambda one: (one.name, one.body))
     laid_rows = sum(len(one.rows) for one in laid)
     folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips)
@@ -76,7 +79,8 @@ def write_bank(
     digests = {name: write_table(folder, TABLES[name][0], *parts[name]) for name in TABLES}
     stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
     before = _tables_in_use(path / MANIFEST)
-    digest = write_manifest(path, skeleton, roles, stride, _entries(clips, offsets), digests, _hands_entries(laid))
+    entries, laid_entries = _entries(clips, offsets), _hands_entries(laid)
+    digest = write_manifest(path, rig.skeleton, rig.roles, _mirror(rig), stride, entries, digests, laid_entries)
     for file in folder.glob("*.npy"):
         if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
             file.unlink()
@@ -90,6 +94,7 @@ def write_manifest(
     path: Path,
     skeleton: Skeleton,
     roles: Roles,
+    mirror: Mirror | None,
     baseline: BaselineEntry,
     clips: Sequence[ClipEntry],
     tables: Mapping[str, str],
@@ -108,6 +113,7 @@ def write_manifest(
             "end_offsets": skeleton.end_offsets.tolist(),
         },
         "roles": asdict(roles),
+        "mirror": None if mirror is None else {"twins": mirror.twins.tolist(), "turns": mirror.turns.tolist()},
         "baseline": asdict(baseline),
         "clips": [asdict(clip) for clip in clips],
         "hands": [asdict(one) for one in hands],
@@ -118,6 +124,15 @@ def write_manifest(
     manifest = {"format": FORMAT, "version": VERSION, "digest": digest, "body": packed}
     _write_synced(path / MANIFEST, msgpack.packb(manifest))
     return digest
+
+
+def _mirror(rig: Rig) -> Mirror | None:
+    """Returns how a rig is mirrored, None if it is not symmetric."""
+    pose = standing_pose(rig.skeleton, rig.roles) if rig.pose is None else rig.pose
+    try:
+        return Mirror.of(rig.skeleton, rig.roles, pose)
+    except SkeletonError:
+        return None
 
 
 def write_table(folder: Path, kind: type, length: int, parts: Iterable[NDArray[Any]]) -> str:

@@ -202,8 +202,8 @@ class Job:
         """Writes the bank, and returns its digest."""
         prepared = [load_or_run(preparation, one) for one in aligned.values()]
         hands = [load_or_run(laying, task) for task in tasks.values()]
-        rig, ring = preparation.rig, preparation.ring
-        return write_bank(self.out, rig.skeleton, rig.roles, ring, with_neutrals(prepared, ring.name), hands)
+        ring = preparation.ring
+        return write_bank(self.out, preparation.rig, ring, with_neutrals(prepared, ring.name), hands)
 
     def _do(self, stage: str, work: Work[Task, object], tasks: Mapping[str, Task]) -> set[str]:
         """Does the work on tasks whose results are not cached, and returns their names."""

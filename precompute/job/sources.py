@@ -11,6 +11,7 @@ from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip
 from motionsplice.motion.errors import ClipError, FormatError, SettingsError, did_you_mean, listed
 from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in, other_files
 from motionsplice.motion.roles import GivenRole
+from motionsplice.runtime.mirrored import MIRRORED
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
     Settings are those of the `clips.toml` beside a clip, or `default` if the file does not list the clip. Clips without
     roles of their own get `roles`.
 
-    Raises ClipError if there are no clips, or two of one name; SettingsError for a bad `clips.toml`.
+    Raises ClipError if there are no clips, two of one name, or one with a mirror image's name; SettingsError for a bad
+    `clips.toml`.
     """
     clips_of = cache(_clips_of)  # a file is listed as a source and for the settings of its folder, but read once
     found: dict[str, tuple[Path, str | None]] = {}
@@ -43,6 +45,9 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
         others += [file.name for file in other_files(path)] if path.is_dir() else []
         for file in clip_files(path) if path.is_dir() else [path]:
             for name, animation in (clips_of(file) or {file.stem: None}).items():  # an unread file fails under its name
+                if name.endswith(MIRRORED):
+                    problem = f"no clip can be named {name!r}: that is the mirror image of another"
+                    raise ClipError(problem, file=str(file), mend="Rename the file")
                 other, _ = found.setdefault(name, (file, animation))
                 if other.resolve() != file.resolve():
                     raise ClipError(f"two clips are named {name!r}: {other} and {file}", mend="Rename one of them")

@@ -63,7 +63,7 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
     Raises UnknownClipError, TimeRangeError or SettingsError.
     """
     clip = bank.number(action.clip)
-    entry = bank.clips[clip]
+    entry = bank.numbered[clip]
     if (fault := time_fault("start", action.start, entry)) is not None:
         raise fault
     own = (0.0, np.inf) if action.own_clock is True else action.own_clock or (np.inf, np.inf)

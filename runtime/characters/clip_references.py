@@ -62,17 +62,17 @@ def invalid_rows(state: States, clips: int, hands: int) -> Numbers:
 
 def missing_names(state: States, bank: Bank, other: Bank) -> set[str]:
     """Returns the names of clips and hands that rows refer to and that the bank `other` does not have."""
-    clips = {bank.clips[number].name for number in np.unique(clip_references(state)[1]).tolist()}
+    clips = {bank.numbered[number].name for number in np.unique(clip_references(state)[1]).tolist()}
     hands = {bank.hand_clips[number] for number in np.unique(hands_references(state)[1]).tolist()}
-    return (clips - {clip.name for clip in other.clips}) | (hands - set(other.hand_clips))
+    return (clips - {clip.name for clip in other.numbered}) | (hands - set(other.hand_clips))
 
 
 def renumbered(state: States, bank: Bank, other: Bank) -> States:
     """Returns a copy of rows with the numbers that their clips and hands have in the bank `other`."""
     at, played = clip_references(state)
-    numbers = np.zeros(len(bank.clips))
+    numbers = np.zeros(len(bank.numbered))
     for number in np.unique(played).tolist():
-        numbers[number] = other.number(bank.clips[number].name)
+        numbers[number] = other.number(bank.numbered[number].name)
     result = state.copy()
     result[at] = numbers[played]
     at, worn = hands_references(state)

@@ -27,7 +27,7 @@ def waiting_group(
     """
     weights = shares_of(bank, locomotion)
     for clip in weights:
-        if (fault := time_fault("time", time, bank.clips[clip])) is not None:
+        if (fault := time_fault("time", time, bank.numbered[clip])) is not None:
             raise fault
     group = np.zeros(col.HANDS - col.NEXT_COUNT)
     group[:5] = len(weights), time, not_negative("blend", blend), known(col.CURVES, "curve", curve), loop

@@ -12,8 +12,10 @@ from motionsplice.runtime.characters.arrays import Mixing
 from motionsplice.runtime.format.rows import CLOUD, SIZE
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.posture import between_rows, mixed
-from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined
+from motionsplice.runtime.kernels.lookup import between_rows
+from motionsplice.runtime.kernels.mirror import point_between
+from motionsplice.runtime.kernels.posture import mixed
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread, store
 from motionsplice.runtime.simd.width import LANES
 
@@ -57,12 +59,26 @@ def normalise_lanes(total: Array, first: Index, width: Index, out: Array) -> Non
 
 
 @inlined
-def add_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, total: Array, new: bool) -> None:
+def add_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, mirrored: bool, total: Array, new: bool) -> None:
     """Adds the weighted cloud and size of a row of `lower` to `total`, a row of the same layout; starts it if `new`."""
     size = weight * between_rows(bank.lower, row, np.uint64(SIZE), t)
     total[0, SIZE] = size if new else total[0, SIZE] + size
+    if mirrored:
+        add_mirrored_cloud(bank, row, t, weight, total, new)
+        return
     for column in range(
         np.uint64(CLOUD), np.uint64(CLOUD) + np.uint64(3) * bank.rig[arrays.CLOUD_WIDTH], np.uint64(LANES)
     ):
         value = spread(weight) * mixed(bank.lower, row, column, t)
         store(total, 0, column, value if new else value + load(total, 0, column))
+
+
+@kernel
+def add_mirrored_cloud(bank: BankArrays, row: Index, t: Real, weight: Real, total: Array, new: bool) -> None:
+    """Adds the mirror image of the weighted cloud of a row of `lower` to `total`."""
+    width = bank.rig[arrays.CLOUD_WIDTH]
+    for point in range(bank.rig[arrays.POINTS]):
+        column = np.uint64(CLOUD) + np.uint64(point)
+        for value in point_between(bank, bank.lower, row, t, np.uint64(point), True):
+            total[0, column] = weight * value if new else total[0, column] + weight * value
+            column += width

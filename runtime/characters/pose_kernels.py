@@ -21,9 +21,10 @@ from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays, Scratch
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
-from motionsplice.runtime.kernels.lookup import fetch_ahead, fetch_hands
+from motionsplice.runtime.kernels.lookup import between_rows, fetch_ahead, fetch_hands
+from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
-from motionsplice.runtime.kernels.posture import between_rows, turn_pelves
+from motionsplice.runtime.kernels.posture import turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, inlined, kernel
 
@@ -130,7 +131,11 @@ def mix_lower(
         px, py, pz = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2]
         t32 = np.float32(t)
         sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
-        dx = between_rows(bank.lower, row, np.uint64(ROOT), t32) - px
+        dx = between_rows(bank.lower, row, np.uint64(ROOT), t32)
+        if bank.clips[clip, arrays.MIRRORED] > 0.0:
+            dx = -dx
+            mirror_lower(bank, lanes)
+        dx -= px
         dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t32) - pz
         share = s[slot + col.SHARE] if count > 1 else 1.0
         sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
@@ -143,7 +148,8 @@ def mix_lower(
         else:
             set_lane_weights(mixing.lane_weights, width, np.float32(share))
             add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
-            add_cloud(bank, row, t32, np.float32(share), mixing.row, number == 0)
+            mirrored = bank.clips[clip, arrays.MIRRORED] > 0.0
+            add_cloud(bank, row, t32, np.float32(share), mirrored, mixing.row, number == 0)
     if count > 1:
         normalise_lanes(mixing.sum, np.uint64(0), width, lanes)
         block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0

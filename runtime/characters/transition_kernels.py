@@ -36,12 +36,12 @@ def path_at(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[
     """Returns a clip's root path at a frame: x, ground height, z and heading."""
     row, t = row_of(bank, clip, frame)
     x, y, z, h = ground.paths[row, 0], ground.paths[row, 1], ground.paths[row, 2], ground.paths[row, 3]
-    after = row + ONE
+    after, side = row + ONE, -1.0 if bank.clips[clip, arrays.MIRRORED] > 0.0 else 1.0
     return (
-        x + t * (ground.paths[after, 0] - x),
+        side * (x + t * (ground.paths[after, 0] - x)),
         y + t * (ground.paths[after, 1] - y),
         z + t * (ground.paths[after, 2] - z),
-        h + t * (ground.paths[after, 3] - h),
+        side * (h + t * (ground.paths[after, 3] - h)),
     )
 
 
@@ -154,8 +154,13 @@ def leading(s: Array, c: int) -> int:
 @inlined
 def feet_of(bank: BankArrays, ground: Ground, s: Array, slot: int) -> int:
     """Returns the bits of the feet that stand at a slot's frame."""
-    row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
-    return int(ground.contacts[row])
+    clip = int(s[slot + col.CLIP])
+    row, _ = row_of(bank, clip, s[slot + col.FRAME])
+    feet = int(ground.contacts[row])
+    if bank.clips[clip, arrays.MIRRORED] > 0.0:
+        left, right = feet & LEFT_FOOT > 0, feet & RIGHT_FOOT > 0
+        return (RIGHT_FOOT if left else 0) | (LEFT_FOOT if right else 0)
+    return feet
 
 
 @kernel

@@ -18,6 +18,7 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_upper
 from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, locate, repeated
+from motionsplice.runtime.kernels.mirror import correlate_mirrored, mirror_upper
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RUNNING, correlate
 from motionsplice.runtime.kernels.rotations import sample
@@ -83,6 +84,8 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
         if s[c + col.HANDS] > 0.0:
             wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
+        if bank.clips[clip, arrays.MIRRORED] > 0.0:
+            mirror_upper(bank, lanes, above)
         if count > 1:
             set_lane_weights(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
             add_lanes(lanes, above, width, mixing, number == 0)
@@ -112,6 +115,9 @@ def sample_action(
     sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
     if s[c + col.HANDS] > 0.0:
         wear_hands(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
+    mirrored = bank.clips[int(s[slot + col.CLIP]), arrays.MIRRORED] > 0.0
+    if mirrored:
+        mirror_upper(bank, lanes, above)
     block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     request, kind = mixing.requests[k], int(s[slot + col.KIND])
     request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])
@@ -125,12 +131,17 @@ def sample_action(
         if s[c + col.LOCOMOTIONS] > 1.0:
             block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
             correlate(bank, mixing.row, block, k, lanes, above)
+            if mirrored:
+                correlate_mirrored(bank, mixing.row, False, True, block, k)
             if request["posture"] == ABSOLUTE:
                 mix_postures(bank, s, c, k, mixing)
         else:
             block[ROW_L * BLOCK + k] = block[ROW_L * BLOCK + first]
             block[SHARE_L * BLOCK + k] = block[SHARE_L * BLOCK + first]
             correlate(bank, bank.lower, block, k, lanes, above)
+            mirrored_l = bank.clips[request["locomotion"], arrays.MIRRORED] > 0.0
+            if mirrored or mirrored_l:
+                correlate_mirrored(bank, bank.lower, mirrored_l, mirrored, block, k)
     elif kind == NAIVE:
         for i in range(4):
             block[(SPLICED + i) * BLOCK + k] = 0.0

@@ -62,6 +62,8 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
     if manifest.baseline.clip not in {clip.name for clip in clips}:
         return "the baseline is a clip that does not exist"
     layout = Layout.of(manifest.skeleton, roles)
+    if manifest.mirror is not None and not _stays_in_half(manifest.mirror.twins, layout):
+        return "the mirror has a twin in the other half of the body"
     rows_of = {clip.name: clip.row_count for clip in clips}
     if misfit := _misfit_of_hands(manifest, rows_of):
         return misfit
@@ -81,6 +83,12 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
             return f"the entry of clip {clip.name!r} does not match the tables"
         row, cell = row + clip.row_count, cell + clip.cell_count
     return ""
+
+
+def _stays_in_half(twins: NDArray[np.int64], layout: Layout) -> bool:
+    """Whether twins [J] lie in the same half of the body, so that a row can be mirrored."""
+    halves = [{-1, layout.pelvis}, *({-1, *half.joints} for half in layout.halves.values())]
+    return all(set(twins[list(half - {-1})].tolist()) <= half for half in halves)
 
 
 def _misfit_of_hands(manifest: Manifest, rows_of: Mapping[str, int]) -> str:

@@ -13,11 +13,12 @@ import msgpack
 import numpy as np
 
 from motionsplice.motion.errors import BankError, MotionError
+from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
 FORMAT = "motionsplice bank"
-VERSION = 5
+VERSION = 6
 MANIFEST = "manifest.msgpack"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
 REBUILD = "Build it again with `motionsplice precompute`"
@@ -157,12 +158,16 @@ def mark_of(file: Path) -> Mark | None:
 
 @dataclass(frozen=True)
 class Manifest:
-    """The parsed manifest: `data` are the bytes of its file, `tables` the digests of tables by name."""
+    """The parsed manifest: `data` are the bytes of its file, `tables` the digests of tables by name.
+
+    `mirror` is None if the rig has no mirror image.
+    """
 
     data: bytes
     digest: str
     skeleton: Skeleton
     roles: Roles
+    mirror: Mirror | None
     baseline: BaselineEntry
     clips: tuple[ClipEntry, ...]
     hands: tuple[HandsEntry, ...]
@@ -229,7 +234,7 @@ def _body(data: bytes, file: str) -> tuple[str, dict[str, Any]]:
 
 def _contents(
     body: dict[str, Any],
-) -> tuple[Skeleton, Roles, BaselineEntry, tuple[ClipEntry, ...], tuple[HandsEntry, ...]]:
+) -> tuple[Skeleton, Roles, Mirror | None, BaselineEntry, tuple[ClipEntry, ...], tuple[HandsEntry, ...]]:
     rig = body["skeleton"]
     names = tuple(rig["names"])
     if not _fits(names, tuple, str):
@@ -242,7 +247,15 @@ def _contents(
         end_offsets=np.array(rig["end_offsets"], np.float64).reshape(-1, 3),
     )
     (roles,), (baseline,) = _entries(Roles, [body["roles"]]), _entries(BaselineEntry, [body["baseline"]])
-    return skeleton, roles, baseline, _entries(ClipEntry, body["clips"]), _entries(HandsEntry, body["hands"])
+    mirror = None if body["mirror"] is None else _mirror(body["mirror"], skeleton.joint_count)
+    return skeleton, roles, mirror, baseline, _entries(ClipEntry, body["clips"]), _entries(HandsEntry, body["hands"])
+
+
+def _mirror(fields: Mapping[str, Any], joints: int) -> Mirror:
+    twins, turns = np.array(fields["twins"], np.int64), np.array(fields["turns"], np.float64)
+    if twins.shape != (joints,) or turns.shape != (joints, 4) or not np.isfinite(turns).all():
+        raise BankError(f"the manifest's mirror does not fit {joints} joints", mend=REBUILD)
+    return Mirror(twins, turns)
 
 
 def _entries(kind: type[Entry], records: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:

@@ -6,9 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from motionsplice.motion.mirror import FLIP
+from motionsplice.motion.quaternion import IDENTITY, Floats, conjugate, multiply, to_matrices
 from motionsplice.motion.skeleton import Skeleton
+from motionsplice.motion.twins import MIRROR
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.format.rows import FIRST_JOINT
+from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, POSTURE_FRAME, TORSO_OFFSET
+from motionsplice.runtime.mirrored import HALF_A_CYCLE
 from motionsplice.runtime.simd.compiled import Array
 
 BLOCK = 16  # characters computed together, one lane each
@@ -16,10 +20,13 @@ LATE = 1e-6  # seconds: times this much after a clip's end count as its end
 
 # columns of BankArrays.clips
 FIRST_ROW, FRAME_COUNT, ROW_COUNT, RATE, FIRST_CELL, CELL_COUNT = 0, 1, 2, 3, 4, 5
-FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, GAIT, CLIP_COLUMNS = 6, 7, 8, 9, 10, 16, 17
+FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, GAIT = 6, 7, 8, 9, 10, 16
+MIRRORED, PHASE_SHIFT, CLIP_COLUMNS = 17, 18, 19  # whether rows are mirrored; what is added to the table of phases
 # entries of BankArrays.rig
 FIRST_PLANE, LOWER_WIDTH, UPPER_WIDTH, CLOUD_WIDTH, POINTS, PELVIS_COLUMN, LOWER_COUNT = 0, 1, 2, 3, 4, 5, 6
-HANDS_WIDTH, COLUMNS = 7, 8
+HANDS_WIDTH, SPARE, HANDS_COUNT, COLUMNS = 7, 8, 9, 10
+# columns of BankArrays.mirror: the lane of the twin, and a matrix of four rows, or of three for the upper cloud
+TWIN, MATRIX, MIRROR_COLUMNS = 0, 1, 17
 # columns of a memory
 LAST_TURN, MEAN_POSTURE, MEMORY_COLUMNS = 0, 4, 10
 # rows of Scratch.block, BLOCK lanes each: rows and shares between them, phase, a correlation, its bound and its gap;
@@ -36,12 +43,13 @@ class BankArrays(NamedTuple):
         upper: [rows, columns] float32, the table `upper`.
         phases: [rows] float64, the table `phase_of_frame`.
         frames: [cells] float32, the table `frame_of_phase`.
-        clips: [C, CLIP_COLUMNS] float64; a posture is six numbers from POSTURE on.
+        clips: [C, CLIP_COLUMNS] float64, by number of clip or mirror image; a posture is six numbers from POSTURE on.
         rig: uint64, counts and widths; from COLUMNS on, the first column in a pose of each joint of the lower half,
-            then of the upper half.
+            then of the upper half; then the offset in the sampled upper half of each joint of the hands.
+        mirror: [lower lanes + upper lanes + 1, MIRROR_COLUMNS] float32, how a lane is mirrored, and how the upper cloud
+            is; without rows if the rig has no mirror image.
         hands: [rows of hands, columns] float32, the table `hands`.
         hand_rows: [H, C] int64, the first row in `hands` of each hands clip on each clip; -1 if not aligned to it.
-        hand_lanes: uint64, the offset in the sampled upper half of each joint of the hands.
     """
 
     lower: Array
@@ -50,15 +58,15 @@ class BankArrays(NamedTuple):
     frames: Array
     clips: Array
     rig: Array
+    mirror: Array
     hands: Array
     hand_rows: Array
-    hand_lanes: Array
 
 
 class Scratch(NamedTuple):
     """Scratch memory of each thread, for one block of characters."""
 
-    lanes: Array  # [threads, 4 lower lanes + 4 upper lanes + 4 lanes of hands] float32
+    lanes: Array  # [threads, 4 lower lanes + 4 upper lanes + 4 lanes of hands + 4 spare lanes] float32
     block: Array  # [threads, BLOCK_ROWS * BLOCK] float64
 
 
@@ -78,17 +86,21 @@ def bank_arrays(bank: Bank) -> BankArrays:
                 *(clip.first_row, clip.frame_count, clip.row_count, clip.rate, clip.first_cell, clip.cell_count),
                 *(clip.first_phase, clip.last_phase, clip.loop),
                 (clip.cell_count - 1) / (clip.last_phase - clip.first_phase),
-                *posture.ravel(),
+                *bank.posture(clip.name).ravel(),
                 clip.gait,
+                number >= len(bank.clips),
+                HALF_A_CYCLE * (number >= len(bank.clips)),
             )
-            for clip, posture in zip(bank.clips, bank.tables["postures"], strict=True)
+            for number, clip in enumerate(bank.numbered)
         ]
     )
     widths = (layout.lower.first_plane, layout.lower.width, layout.upper.width, layout.cloud_width)
     columns = [4 * joint for half in layout.halves.values() for joint in half.joints]
-    hand_rows = np.full((len(bank.hand_clips), len(bank.clips)), -1, np.int64)
+    hand_rows = np.full((len(bank.hand_clips), len(bank.numbered)), -1, np.int64)
     for one in bank.hands:
-        hand_rows[bank.hand_number(one.name), bank.number(one.body)] = one.first_row
+        hand_rows[bank.hand_number(one.name), bank.number(one.body) :: len(bank.clips)] = one.first_row
+    spare = layout.lower.width + layout.upper.width + layout.hands.width
+    counts = (len(layout.lower.joints), layout.hands.width, spare, len(layout.hands.joints))
     lanes = [4 * (FIRST_JOINT + layout.upper.joints.index(joint)) for joint in layout.hands.joints]
     return BankArrays(
         lower=constant(bank.tables["lower"]),
@@ -96,14 +108,40 @@ def bank_arrays(bank: Bank) -> BankArrays:
         phases=constant(bank.tables["phase_of_frame"]),
         frames=constant(bank.tables["frame_of_phase"]),
         clips=clips,
-        rig=np.array(
-            [*widths, layout.points, 4 * layout.pelvis, len(layout.lower.joints), layout.hands.width, *columns],
-            np.uint64,
-        ),
+        rig=np.array([*widths, layout.points, 4 * layout.pelvis, *counts, *columns, *lanes], np.uint64),
+        mirror=lane_mirror(bank),
         hands=constant(bank.tables["hands"]),
         hand_rows=hand_rows,
-        hand_lanes=np.array(lanes, np.uint64),
     )
+
+
+def lane_mirror(bank: Bank) -> Array:
+    """Returns the array `mirror` of BankArrays: each lane's twin, and what turns the twin's rotation into its own."""
+    mirror, layout = bank.mirror, bank.layout
+    if mirror is None:
+        return np.zeros((0, MIRROR_COLUMNS), np.float32)
+    above, pelvis = mirror.turns[bank.skeleton.parents], layout.pelvis
+    above[0] = IDENTITY
+    parts = []
+    for half in layout.halves.values():
+        part = np.zeros((half.width, MIRROR_COLUMNS))
+        part[:, TWIN], part[:, MATRIX:] = np.arange(half.width), np.eye(4).ravel()
+        part[PELVIS, MATRIX:] = _image(above[pelvis], mirror.turns[pelvis])
+        part[POSTURE_FRAME, MATRIX:] = _image(above[pelvis], IDENTITY)
+        part[TORSO_OFFSET, MATRIX:] = _image(IDENTITY, IDENTITY)
+        for lane, joint in enumerate(half.joints, half.first_joint):
+            if mirror.twins[joint] >= 0:
+                part[lane, TWIN] = half.first_joint + half.joints.index(mirror.twins[joint])
+                part[lane, MATRIX:] = _image(above[joint], mirror.turns[joint])
+        parts.append(part)
+    cloud = np.zeros((1, MIRROR_COLUMNS))
+    cloud[0, MATRIX : MATRIX + 9] = (to_matrices(conjugate(mirror.turns[pelvis])) * MIRROR).ravel()
+    return np.concatenate([*parts, cloud]).astype(np.float32)
+
+
+def _image(above: Floats, turn: Floats) -> Floats:
+    """Returns the matrix [16] that takes a rotation to `above^-1 f(q) turn`, its mirror image (`Mirror`)."""
+    return np.asarray(multiply(multiply(conjugate(above), np.diag(FLIP)), turn).T.ravel())
 
 
 def constant(table: Array) -> Array:
@@ -115,7 +153,7 @@ def constant(table: Array) -> Array:
 
 def scratch(bank: BankArrays, threads: int) -> Scratch:
     """Returns scratch memory for `threads` threads."""
-    lanes = 4 * int(bank.rig[LOWER_WIDTH] + bank.rig[UPPER_WIDTH] + bank.rig[HANDS_WIDTH])
+    lanes = 4 * int(bank.rig[SPARE] + max(bank.rig[LOWER_WIDTH], bank.rig[UPPER_WIDTH]))
     return Scratch(np.zeros((threads, lanes), np.float32), np.zeros((threads, BLOCK_ROWS * BLOCK)))
 
 

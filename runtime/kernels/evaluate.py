@@ -23,6 +23,7 @@ from motionsplice.runtime.kernels.lookup import (
     look_up,
     phase_in_step,
 )
+from motionsplice.runtime.kernels.mirror import correlate_mirrored, mirror_lower, mirror_upper
 from motionsplice.runtime.kernels.posture import RUNNING, correlate, turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel, parallel_kernel
@@ -120,6 +121,10 @@ def evaluate_part(
             sample_halves(bank, requests, block, k, lanes, above, first + k, roots, rotations)
             if method == SPLICE:
                 correlate(bank, bank.lower, block, k, lanes, above)
+                mirrored_l = bank.clips[requests[first + k]["locomotion"], arrays.MIRRORED] > 0.0
+                mirrored_u = bank.clips[requests[first + k]["action"], arrays.MIRRORED] > 0.0
+                if mirrored_l or mirrored_u:
+                    correlate_mirrored(bank, bank.lower, mirrored_l, mirrored_u, block, k)
                 splices += 1
             half = np.uint64(4 * PELVIS) + (above if method == NAIVE else np.uint64(0))
             copy_rotation(lanes, half, rotations, first + k, pelvis)
@@ -150,12 +155,17 @@ def sample_halves(
         here = lower[row, axis]
         roots[character, axis] = here + t * (lower[row + ONE, axis] - here)
     sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
+    if bank.clips[requests[character]["locomotion"], arrays.MIRRORED] > 0.0:
+        roots[character, ROOT] = -roots[character, ROOT]
+        mirror_lower(bank, lanes)
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     sample(bank.upper, row, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
     request = requests[character]
     if request["hands"] > 0:
         hands = int(request["hands"]) - 1
         lay_hands(bank, hands, upper_clip(request), row, t, np.float32(1.0), lanes, above)
+    if bank.clips[upper_clip(request), arrays.MIRRORED] > 0.0:
+        mirror_upper(bank, lanes, above)
     copy_lower(rig, lanes, rotations, character)
     copy_upper(rig, lanes, above, rotations, character)
 
@@ -173,7 +183,8 @@ def copy_lower(rig: Array, lanes: Array, rotations: Array, character: int) -> No
 def copy_upper(rig: Array, lanes: Array, above: Index, rotations: Array, character: int) -> None:
     """Copies the joints of the upper half, which begins at `above`, from lanes into a pose."""
     at = above + np.uint64(4 * FIRST_JOINT)
-    for joint in range(np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], np.uint64(len(rig))):
+    count = np.uint64(len(rig)) - rig[arrays.HANDS_COUNT]
+    for joint in range(np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT], count):
         copy_rotation(lanes, at, rotations, character, rig[joint])
         at += np.uint64(4)
 

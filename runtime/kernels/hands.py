@@ -22,8 +22,9 @@ def lay_hands(
     if bank.hand_rows[worn, clip] >= 0:
         width, at = bank.rig[arrays.HANDS_WIDTH], above + np.uint64(4) * bank.rig[arrays.UPPER_WIDTH]
         sample(bank.hands, row_of_hands(bank, worn, clip, row), np.uint64(0), width, t, lanes, at)
-        for joint in range(np.uint64(len(bank.hand_lanes))):
-            turn_to(lanes, above + bank.hand_lanes[joint], at, weight)
+        count = np.uint64(len(bank.rig))
+        for joint in range(count - bank.rig[arrays.HANDS_COUNT], count):
+            turn_to(lanes, above + bank.rig[joint], at, weight)
             at += np.uint64(4)
 
 

@@ -11,7 +11,7 @@ from motionsplice.runtime.format.rows import LINE
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
 from motionsplice.runtime.kernels.rotations import ONE
-from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.prefetch import prefetch
 
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
@@ -63,9 +63,10 @@ def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: i
     brought back by whole loops if the action has ended.
     """
     clips = bank.clips
-    phase, rate_u = between(bank.phases, row, t), clips[clip_u, arrays.RATE]
+    phase, rate_u = between(bank.phases, row, t) + clips[clip_l, arrays.PHASE_SHIFT], clips[clip_u, arrays.RATE]
     row, t = locate(start * rate_u, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
-    phase += np.ceil(between(bank.phases, row, t) - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP) + cycles
+    begins = between(bank.phases, row, t) + clips[clip_u, arrays.PHASE_SHIFT]
+    phase += np.ceil(begins - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP) + cycles
     last, loop = clips[clip_u, arrays.LAST_PHASE], clips[clip_u, arrays.LOOP]
     if loop > 0.0 and phase > last:
         phase -= loop * np.ceil((phase - last) / loop)
@@ -85,6 +86,7 @@ def frame_near(bank: BankArrays, clip: int, phase: float) -> float:
 def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
     """Refines a frame near a phase to the exact frame, by two steps along the phase curve."""
     first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
+    phase -= bank.clips[clip, arrays.PHASE_SHIFT]
     for _ in range(2):
         row, _ = locate(near, first, count)
         here = bank.phases[row]
@@ -106,6 +108,13 @@ def between(table: Array, row: Index, t: float) -> float:
     """Interpolates a curve `t` of the way from a row to the next."""
     here = table[row]
     return here + t * (table[row + ONE] - here)
+
+
+@inlined
+def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
+    """Interpolates a column `t` of the way from a row to the next."""
+    here = table[row, column]
+    return here + t * (table[row + ONE, column] - here)
 
 
 @inlined

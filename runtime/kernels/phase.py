@@ -20,7 +20,7 @@ def row_of(bank: BankArrays, clip: int, frame: float) -> tuple[np.uint64, float]
 def phase_of(bank: BankArrays, clip: int, frame: float) -> float:
     """Returns a clip's phase at a frame."""
     row, t = row_of(bank, clip, frame)
-    return between(bank.phases, row, t)
+    return between(bank.phases, row, t) + bank.clips[clip, arrays.PHASE_SHIFT]
 
 
 @inlined

@@ -25,7 +25,8 @@ from motionsplice.runtime.kernels.arrays import (
     TURN,
     BankArrays,
 )
-from motionsplice.runtime.kernels.lookup import SPLICE
+from motionsplice.runtime.kernels.lookup import SPLICE, between_rows
+from motionsplice.runtime.kernels.mirror import point_between
 from motionsplice.runtime.kernels.rotations import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import load, spread, total
@@ -75,13 +76,6 @@ def mixed(table: Array, row: Index, column: Index, t: Real) -> Array:
 
 
 @inlined
-def between_rows(table: Array, row: Index, column: Index, t: Real) -> Real:
-    """Interpolates a column `t` of the way from a row to the next."""
-    here = table[row, column]
-    return here + t * (table[row + ONE, column] - here)
-
-
-@inlined
 def turn_pelves(
     bank: BankArrays, requests: Array, memory: Array, share: float, block: Array, first: int, count: int
 ) -> None:
@@ -128,7 +122,9 @@ def other_postures(
                 if request["posture"] >= RUNNING:
                     remembered = min(first + k, len(memory) - 1)
                     if request["posture"] == RUNNING:
-                        follow_posture(bank, memory[remembered, arrays.MEAN_POSTURE :], share, given, block, k)
+                        mirrored = bank.clips[request["action"], arrays.MIRRORED] > 0.0
+                        mean = memory[remembered, arrays.MEAN_POSTURE :]
+                        follow_posture(bank, mean, share, given, mirrored, block, k)
                     given = memory[remembered, arrays.MEAN_POSTURE :]
                 correlate_postures(bank.clips[request["action"], arrays.POSTURE :], given, block, k)
     if turned > 0:
@@ -154,7 +150,9 @@ def correlate_postures(wanted: Array, given: Array, block: Array, k: int) -> Non
 
 
 @inlined
-def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, block: Array, k: int) -> None:
+def follow_posture(
+    bank: BankArrays, mean: Array, share: float, stored: Array, mirrored: bool, block: Array, k: int
+) -> None:
     """Updates a running mean of six numbers by the splice's shoulders in the posture frame."""
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     frame, spliced = FRAME * BLOCK + k, SPLICED * BLOCK + k
@@ -168,13 +166,9 @@ def follow_posture(bank: BankArrays, mean: Array, share: float, stored: Array, b
         block[spliced + 2 * BLOCK],
         block[spliced + 3 * BLOCK],
     )
-    width = bank.rig[arrays.CLOUD_WIDTH]
-    column = np.uint64(CLOUD) + bank.rig[arrays.POINTS] - ONE - ONE  # the shoulders are the last two points
+    shoulders = bank.rig[arrays.POINTS] - ONE - ONE  # the last two points
     for point in range(2):
-        x = between_rows(bank.upper, row, column, t)
-        y = between_rows(bank.upper, row, column + width, t)
-        z = between_rows(bank.upper, row, column + width + width, t)
-        column += ONE
+        x, y, z = point_between(bank, bank.upper, row, t, shoulders + np.uint64(point), mirrored)
         for i, value in enumerate(rotated(turn[0], turn[1], turn[2], turn[3], x, y, z)):
             if math.isnan(mean[3 * point + i]):
                 mean[3 * point + i] = stored[3 * point + i]

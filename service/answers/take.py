@@ -148,7 +148,7 @@ class Played:
         self.phases = np.empty(take.frames, np.float32)
         self.times = np.empty(take.frames, np.float32)
         self.events: list[dict[str, Any]] = []
-        self._rates = np.array([clip.rate for clip in edition.bank.clips])
+        self._rates = np.array([clip.rate for clip in edition.bank.numbered])
         self._take = take
         self._scene = Scene(edition, take.rate, 1)
         self._scene.subscribe(tuple(EVENT_NAMES.values()))

@@ -13,8 +13,9 @@ import pytest
 
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.job.bank_builder import write_manifest, write_table
-from motionsplice.runtime.bank import TABLE_FOLDER, Bank
+from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import TABLES
+from motionsplice.runtime.format.tables import TABLE_FOLDER
 from motionsplice.runtime.requests import Requests
 
 CLIENT = Path(__file__).parents[2] / "clients" / "cpp"
@@ -85,5 +86,5 @@ def written(bank: Bank, folder: Path) -> Path:
         name: write_table(folder / TABLE_FOLDER, kind, len(bank.tables[name]), [bank.tables[name]])
         for name, (kind, _) in TABLES.items()
     }
-    write_manifest(folder, bank.skeleton, bank.roles, bank.baseline, bank.clips, digests, bank.hands)
+    write_manifest(folder, bank.skeleton, bank.roles, bank.mirror, bank.baseline, bank.clips, digests, bank.hands)
     return folder

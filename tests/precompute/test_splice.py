@@ -33,13 +33,10 @@ ROLES = find_roles(WALK.skeleton)
 
 def bank_of(folder: Path, *clips: Clip) -> Bank:
     """Returns a bank of clips on one skeleton, whose baseline is the first clip."""
-    ring = find_baseline(clips[0], ROLES)
-    prepared = [
-        prepare(clip, ROLES, Rig(clips[0].skeleton, ROLES), ring)
-        for clip in {clip.name: clip for clip in clips}.values()
-    ]
+    ring, rig = find_baseline(clips[0], ROLES), Rig(clips[0].skeleton, ROLES)
+    prepared = [prepare(clip, ROLES, rig, ring) for clip in {clip.name: clip for clip in clips}.values()]
     settled = [replace(one, neutral=clips[0].name) for one in prepared]
-    write_bank(folder, clips[0].skeleton, ROLES, ring, settled)
+    write_bank(folder, rig, ring, settled)
     return Bank.open(folder)
 
 

@@ -14,6 +14,7 @@ from fastapi.testclient import TestClient
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.app import create_app
 from motionsplice.service.models import BankInfo
 from motionsplice.service.settings import Settings
@@ -46,6 +47,18 @@ def test_a_clip_lists_when_its_feet_stand(client: TestClient, bank: Bank) -> Non
         assert [one[1] for one in found] == [one[1] for one in wanted]
         np.testing.assert_allclose([one[::2] for one in found], [one[::2] for one in wanted], atol=1e-4)
     assert len(clips["walk"]["contacts"]["left"]) >= 4
+
+
+def test_a_mirror_image_is_asked_for_by_its_name(client: TestClient, bank: Bank) -> None:
+    query = "locomotion=walk&action=wave~mirror&time=1.2"
+    found = client.get(f"/v1/pose?{query}").json()
+    expected = Evaluator(bank).pose(Splice("walk", "wave~mirror"), 1.2)
+    np.testing.assert_allclose(found["rotations"], expected.rotations[0], atol=1e-6)
+    batch = {"clips": ["walk", "wave~mirror"], "locomotion": [0], "action": [1], "time": [1.2]}
+    assert client.post("/v1/poses?format=json", json=batch).json()["rotations"] == [found["rotations"]]
+    image, own = (client.get(f"/v1/clips/{name}").json() for name in ("walk~mirror", "walk"))
+    assert image["contacts"]["left"] == own["contacts"]["right"]
+    assert client.get("/v1/pose?locomotion=walk~miror&time=0").json()["status"] == 404
 
 
 def test_the_service_states_its_protocol_and_limits(client: TestClient, bank: Bank) -> None:

@@ -70,6 +70,24 @@ def test_the_action_as_captured_is_shown_at_the_moment_that_the_splice_plays(vie
     assert np.abs(distances(captured) - distances(expected[0].astype(np.float64))).max() < 1e-3
 
 
+def test_mirror_images_are_shown_of_the_action_the_locomotion_and_the_action_as_captured(
+    view: View, bank: Bank
+) -> None:
+    view.open(locomotion="walk", action="wave", show="splice,action", time=1.5, layout="over")
+    view.page.keyboard.press("x")
+    view.page.get_by_role("checkbox", name="Mirror").nth(1).click()
+    view.settle()
+    assert chosen(view)["mirror"] == chosen(view)["mirror_locomotion"] == "true"
+    shown, captured = joints(view)
+    evaluator, expected = Evaluator(bank), np.empty((1, bank.skeleton.joint_count, 3), np.float32)
+    splice = Splice("walk~mirror", "wave~mirror")
+    evaluator.world_positions(evaluator.pose(splice, 1.5), expected)
+    assert np.abs(distances(shown) - distances(expected[0].astype(np.float64))).max() < 1e-4
+    moment = evaluator.action_frames(splice, np.array([1.5]))[0] / bank.clip("wave").rate
+    evaluator.world_positions(evaluator.pose(Splice("wave~mirror"), float(moment)), expected)
+    assert np.abs(distances(captured) - distances(expected[0].astype(np.float64))).max() < 1e-3
+
+
 def test_both_sides_are_on_the_canvas_in_their_colours(view: View) -> None:
     view.open(action="wave", path="false", contacts="false")
     found: Any = view.run(

@@ -2,6 +2,7 @@
 
 import { distances, mean, upperBody } from './scene/differences.js';
 import { tracks } from './scene/tracks.js';
+import { isMirrored } from './takes.js';
 import { alignedDistances, legClouds } from './timeline/distance_grid.js';
 
 /** @import { Clip } from './catalogue.js' */
@@ -19,6 +20,7 @@ import { alignedDistances, legClouds } from './timeline/distance_grid.js';
  */
 export function contactsOf(side, clip, values) {
   const isOwn = side.name === 'action' || side.name === 'truth' || !(values.second || values.length);
+  if (isOwn && isMirrored(side.name, values)) return { left: clip.contacts.right, right: clip.contacts.left };
   return isOwn ? clip.contacts : { left: stances(side, 'left'), right: stances(side, 'right') };
 }
 

@@ -18,6 +18,8 @@ export const DEFAULTS = {
   weight: 1,
   mask: 'upper_body',
   posture: 'relative',
+  mirror: false, // whether left and right of the action are exchanged
+  mirror_locomotion: false, // and of the locomotions
   own: false, // whether the action plays by its own clock
   once: false, // whether the action ends instead of repeating
   length: 0, // seconds of the take; 0: as long as the locomotion

@@ -51,15 +51,38 @@ export function clipOf(side, values) {
 }
 
 /**
+ * Returns whether a side shows the mirror image of its clip.
+ *
+ * @param {SideName} side
+ * @param {Values} values
+ */
+export function isMirrored(side, values) {
+  if (side === 'truth') return false;
+  return side === 'action' ? values.mirror : values.mirror_locomotion;
+}
+
+/**
+ * Returns the name of a clip's mirror image if it is asked for.
+ *
+ * @param {string} clip
+ * @param {boolean} mirrored
+ */
+function named(clip, mirrored) {
+  return mirrored ? `${clip}~mirror` : clip;
+}
+
+/**
  * @param {SideName} side
  * @param {Values} values
  * @param {Catalogue} catalogue
  * @returns {Command}
  */
 function create(side, values, catalogue) {
-  if (side === 'action' || side === 'truth') return { at: 0, do: 'create', locomotion: values[side], loop: false };
+  const mirrored = isMirrored(side, values);
+  if (side === 'action' || side === 'truth') return { at: 0, do: 'create', locomotion: named(values[side], mirrored), loop: false };
+  const [first, second] = [named(values.locomotion, mirrored), named(values.second, mirrored)];
   const isMix = catalogue.clips.has(values.second) && values.second !== values.locomotion;
-  const locomotion = isMix ? { [values.locomotion]: 1 - values.share, [values.second]: values.share } : values.locomotion;
+  const locomotion = isMix ? { [first]: 1 - values.share, [second]: values.share } : first;
   return { at: 0, do: 'create', locomotion, loop: values.length > 0 };
 }
 
@@ -70,9 +93,9 @@ function create(side, values, catalogue) {
  * @returns {Command}
  */
 function act(side, values, rate) {
-  const { action, when, start, blend, weight, mask, posture } = values;
+  const { when, start, blend, weight, mask, posture } = values;
   return {
-    at: Math.round(values.at * rate), do: 'act', action, when, start, blend, blend_out: blend, weight, mask, posture,
+    at: Math.round(values.at * rate), do: 'act', action: named(values.action, values.mirror), when, start, blend, blend_out: blend, weight, mask, posture,
     method: side === 'naive' ? 'naive' : 'splice', loop: !values.once, own_clock: values.own,
   };
 }

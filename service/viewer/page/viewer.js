@@ -18,7 +18,7 @@ import { Transport } from './timeline/transport.js';
 
 const DRAWN = 250; // ms after which the address follows the state
 /** Values that change what the service is asked for. @type {Key[]} */
-const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'own', 'once', 'length', 'show', 'truth', 'against', 'body', 'crowd'];
+const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'mirror', 'mirror_locomotion', 'own', 'once', 'length', 'show', 'truth', 'against', 'body', 'crowd'];
 /** Clips: choosing another one ends a crowd. @type {Key[]} */
 const CHOSEN = ['locomotion', 'second', 'action', 'hands', 'truth'];
 

@@ -17,8 +17,9 @@ from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import job
 from motionsplice.precompute.job.job import build_bank
-from motionsplice.runtime.bank import TABLE_FOLDER, Bank
+from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST
+from motionsplice.runtime.format.tables import TABLE_FOLDER
 from tests.conftest import CLIPS
 from tests.glb_files import with_animation
 from tests.rigs import two_bodies, z_up

@@ -38,7 +38,7 @@ def commanded(characters: Characters, draw: np.random.Generator, frames: int) ->
 
 
 def command(characters: Characters, rows: list[int], draw: np.random.Generator) -> None:
-    names = [clip.name for clip in characters.stage.bank.clips]
+    names = [clip.name for clip in characters.stage.bank.numbered]
     first, second = draw.choice(names, 2, replace=False)
     blend = float(draw.uniform(0.2, 0.6))
     kind = draw.integers(6)
@@ -98,7 +98,7 @@ def test_an_action_of_weight_0_is_the_locomotion_and_of_weight_1_the_splice(one:
 @given(seeds)
 def test_poses_agree_with_the_twin(one: Setup, seed: int) -> None:
     draw, characters = np.random.default_rng(seed), one()
-    names = [clip.name for clip in characters.stage.bank.clips]
+    names = [clip.name for clip in characters.stage.bank.numbered]
     for _ in range(3):
         characters.add(1, str(draw.choice(names)))
     commanded(characters, draw, 60)

@@ -18,6 +18,7 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels import lookup as lookup_kernels
 from motionsplice.runtime.kernels.posture import LEAST_GAP
 from motionsplice.runtime.kernels.rotations import horn, sample
+from motionsplice.runtime.mirrored import MIRRORED
 from motionsplice.runtime.requests import METHODS, POSTURES, TIME_CONSTANT, Memory, Requests
 from motionsplice.runtime.simd.width import LANES
 from motionsplice.runtime.splice import Splice
@@ -119,7 +120,7 @@ def test_the_error_of_series_slerp_is_within_its_documented_bound(degrees: float
 @given(st.data())
 @settings(max_examples=150)
 def test_poses_agree_with_the_twin(bank: Bank, data: st.DataObject) -> None:
-    locomotion, action = (data.draw(st.sampled_from(bank.clips)) for _ in range(2))
+    locomotion, action = (data.draw(st.sampled_from(bank.numbered)) for _ in range(2))
     time = data.draw(st.floats(0.0, locomotion.duration))
     start = data.draw(st.sampled_from([0.0, 0.3, 1.7]))
     method, posture = data.draw(st.sampled_from(sorted(METHODS))), data.draw(st.sampled_from(STATELESS))
@@ -138,11 +139,12 @@ def test_random_banks_are_evaluated_as_by_the_twin(seed: int, joints: int, point
     bank, draw = random_bank.random_bank(seed, joints, 3, points, clouds), np.random.default_rng(seed)
     evaluator = Evaluator(bank)
     for _ in range(8):
-        locomotion, action = (bank.clips[one] for one in draw.integers(0, 3, 2))
+        locomotion, action = (bank.numbered[one] for one in draw.integers(0, 6, 2))
         time, start = draw.random() * locomotion.duration, draw.random() * action.duration * draw.integers(0, 2)
         method, posture = draw.choice(sorted(METHODS)), draw.choice(STATELESS)
         upper = locomotion if method == "none" else action
-        hands = "hands" if upper.name in {one.body for one in bank.hands} and draw.random() < 0.7 else None
+        fits = upper.name.removesuffix(MIRRORED) in {one.body for one in bank.hands}
+        hands = "hands" if fits and draw.random() < 0.7 else None
         requests, poses = Requests.empty(1), evaluator.poses(1)
         clips, hands_number = (bank.number(locomotion.name), bank.number(action.name)), 0 if hands is None else 1
         requests.records[0] = (*clips, time, start, 0, METHODS[method], POSTURES[posture], hands_number)
@@ -185,7 +187,7 @@ def test_no_damaged_number_makes_kernels_read_outside_the_clip(seed: int, value:
     assert all(action.first_row <= row < action.first_row + action.row_count - 1 for row, _ in rows)
 
 
-@given(st.sampled_from(["walk", "run", "turn_180"]), st.sampled_from(["carry_box", "wave"]))
+@given(st.sampled_from(["walk", "run~mirror", "turn_180"]), st.sampled_from(["carry_box", "wave", "wave~mirror"]))
 @settings(max_examples=6)
 def test_a_running_posture_agrees_with_its_twin(bank: Bank, locomotion: str, action: str) -> None:
     evaluator = Evaluator(bank)
@@ -208,7 +210,7 @@ def test_world_positions_are_forward_kinematics(bank: Bank) -> None:
 @pytest.mark.parametrize("count", [1, 31, 33, 64, 200])
 def test_poses_do_not_depend_on_the_number_of_threads(bank: Bank, count: int) -> None:
     draw, requests, memory = np.random.default_rng(count), Requests.empty(count), Memory.begin(count, rate=60.0)
-    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
+    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.numbered), (2, count))
     requests.posture[:] = draw.integers(0, len(POSTURES), count)
     results = []
     for threads in (1, 2):
@@ -225,8 +227,8 @@ def test_poses_do_not_depend_on_the_number_of_threads(bank: Bank, count: int) ->
 def test_a_batch_gives_the_same_poses_as_single_requests(bank: Bank) -> None:
     evaluator, draw, count = Evaluator(bank), np.random.default_rng(3), 200
     requests, poses = Requests.empty(count), evaluator.poses(count)
-    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
-    requests.time[:] = draw.random(count) * [bank.clips[one].duration for one in requests.locomotion]
+    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.numbered), (2, count))
+    requests.time[:] = draw.random(count) * [bank.numbered[one].duration for one in requests.locomotion]
     requests.method[:] = draw.integers(0, len(METHODS), count)
     requests.posture[:] = draw.choice([POSTURES[posture] for posture in STATELESS], count)
     evaluator.evaluate(requests, poses)

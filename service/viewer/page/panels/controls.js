@@ -80,7 +80,7 @@ export class Controls {
     const { state } = this;
     const seconds = { unit: 's', step: 0.05 };
     const length = () => this.catalogue.clips.get(state.values.action)?.duration ?? 10;
-    return new Group(state, 'Action', ['mask', 'when', 'at', 'start', 'blend', 'weight', 'posture', 'own', 'once'], [
+    return new Group(state, 'Action', ['mask', 'when', 'at', 'start', 'blend', 'weight', 'posture', 'mirror', 'own', 'once'], [
       select(state, 'mask', 'Drives', MASKS, 'The joints that the action drives'),
       select(state, 'posture', 'Posture', POSTURES, POSTURE_HELP),
       select(state, 'when', 'Begins', WHENS),
@@ -89,6 +89,7 @@ export class Controls {
       number(state, 'blend', 'Blend', { ...seconds, most: 2, limit: 10, title: 'Time to fade in, and to fade out' }),
       number(state, 'weight', 'Weight', PERCENT),
       row(
+        toggle(state, 'mirror', 'Mirror', 'Exchanges left and right of the action'),
         toggle(state, 'own', 'Own clock', 'The action plays at its own speed instead of in step'),
         toggle(state, 'once', 'Once', 'The action ends instead of repeating'),
       ),
@@ -97,7 +98,8 @@ export class Controls {
 
   #mix() {
     const { state } = this;
-    return new Group(state, 'Mix', ['second', 'share'], [
+    return new Group(state, 'Locomotion', ['mirror_locomotion', 'second', 'share'], [
+      toggle(state, 'mirror_locomotion', 'Mirror', 'Exchanges left and right of the locomotion'),
       select(state, 'second', 'Mix in', () => this.#clips('Nothing')),
       shownIf(number(state, 'share', 'Share', { ...PERCENT, title: 'How much of the second locomotion' }),
         () => state.values.second !== ''),

@@ -38,6 +38,8 @@ export const BINDINGS = [
     ({ lists }, key) => lists.step(key === 'ArrowUp' ? -1 : 1)),
   bind('Clips', ['/'], 'Search', ({ lists }) => lists.find()),
   bind('Clips', ['Escape'], 'No action; end of a crowd', ({ state }) => state.set(state.values.crowd ? { crowd: 0 } : { action: '' })),
+  bind('Clips', ['x'], 'Mirror the action', (parts) => flip(parts, 'mirror')),
+  bind('Clips', ['y'], 'Mirror the locomotion', (parts) => flip(parts, 'mirror_locomotion')),
   bind('Clips', ['ContextMenu', 'Shift+F10'], 'Menu of a clip: mix in, compare as truth'),
   bind('Compare', ['1', '2', '3', '4', '5'], 'Splice, naive, locomotion, action, truth',
     ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1])),
@@ -123,7 +125,7 @@ function bind(group, keys, does, run) {
 
 /**
  * @param {Parts} parts
- * @param {'follow' | 'trails' | 'path' | 'contacts'} key
+ * @param {'follow' | 'trails' | 'path' | 'contacts' | 'mirror' | 'mirror_locomotion'} key
  */
 function flip({ state }, key) {
   state.set({ [key]: !state.values[key] });

@@ -20,12 +20,12 @@ from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action, waiting_action, waiting_stop
-from motionsplice.runtime.characters.aim import PARTS, Aim, Look, fade_targets, set_targets, target_of
+from motionsplice.runtime.characters.aim import AIM_PARTS, Aim, Look, give_target
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
+    change_mix,
     not_negative,
-    shares_of,
     waiting_group,
     waiting_hands,
     weight_in_range,
@@ -175,16 +175,7 @@ class Characters:
             rows: The characters.
             weights: Weights by name of clip; only their ratios matter.
         """
-        given = shares_of(self.stage.bank, weights)
-        goals = []
-        for row in self._numbers(rows):
-            clips, at = references.newest_mix(self.state[row])
-            if missing := given.keys() - set(clips):
-                name = self.stage.bank.numbered[min(missing)].name
-                raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
-            goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
-        for row, at, shares in goals:
-            self.state[row, at] = shares
+        change_mix(self.stage.bank, self.state, self._numbers(rows), weights)
 
     def act(self, rows: Rows, action: Action) -> None:
         """Begins an action over the locomotion. It replaces an action that is still waiting.
@@ -222,24 +213,12 @@ class Characters:
         self._begin(rows)
 
     def look(self, rows: Rows, look: Look | None, *, blend: float = BLEND) -> None:
-        """Turns head, neck and spine toward a target; None ends it.
-
-        Args:
-            rows: The characters.
-            look: What they look at; a newer one replaces it.
-            blend: Seconds within which the look begins, ends, or goes over to another target.
-        """
-        self._aim(rows, ("head",), look, blend)
+        """Turns head, neck and spine toward a target within `blend` seconds, in place of an earlier one; None ends it."""
+        give_target(self.state, self._numbers(rows), ("head",), look, blend)
 
     def aim(self, rows: Rows, aim: Aim | None, *, blend: float = BLEND) -> None:
-        """Turns the chest, or an arm, toward a target; None ends it for all parts.
-
-        Args:
-            rows: The characters.
-            aim: What they aim at; a newer one for the same part replaces it.
-            blend: Seconds, as in `look`.
-        """
-        self._aim(rows, ("chest", "left_arm", "right_arm") if aim is None else (aim.part,), aim, blend)
+        """Turns a part of the body toward a target, as `look` does the head; None ends it for all parts."""
+        give_target(self.state, self._numbers(rows), AIM_PARTS if aim is None else (aim.part,), aim, blend)
 
     def speed(self, rows: Rows, speed: float) -> None:
         """Sets the playback speed, 0 or more; 1 is as captured."""
@@ -307,16 +286,6 @@ class Characters:
     def events(self) -> NDArray[np.int64]:
         """Events of the last frame [n], bits of EVENT_NAMES."""
         return self.state[:, col.EVENTS].astype(np.int64)
-
-    def _aim(self, rows: Rows, parts: Sequence[str], target: Look | Aim | None, blend: float) -> None:
-        not_negative("blend", blend)
-        wanted = None if target is None else target_of(target, blend)
-        for part in parts:
-            slot = known(PARTS, "part", part)
-            if wanted is None:
-                fade_targets(self.state, self._numbers(rows), slot, blend)
-            else:
-                set_targets(self.state, self._numbers(rows), slot, wanted)
 
     def _begin(self, rows: Rows) -> None:
         stage, state = self.stage, self.state.reshape(-1)

@@ -10,7 +10,7 @@ from motionsplice.runtime.evaluator import Evaluator
 
 
 class Stage:
-    """Everything that characters on one bank share: the evaluator, and arrays for root motion, masks, targets and mixing.
+    """Everything that characters on one bank share: the evaluator, and arrays for root motion, masks, aims and mixing.
 
     A stage owns scratch memory, as does its evaluator, so threads must not share it.
 

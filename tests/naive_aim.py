@@ -1,4 +1,4 @@
-"""The slow, readable twin of the kernels that turn a pose toward targets, from world rotations of the whole skeleton."""
+"""The slow, readable twin of the kernels that turn a pose toward targets: turns whole branches of a skeleton."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
 
 
 def neutral(bank: Bank, chest: int, head: int) -> tuple[Floats, Floats, Floats]:
-    """Where the head looks, in its frame, and head and shoulders in the chest's, on average of the baseline's stride."""
+    """Where the head looks, in its frame, and head and shoulders in the chest's, as means of the baseline's stride."""
     clip, roles = bank.motion(bank.baseline.clip), bank.roles
     frames = range(round(bank.baseline.start * clip.rate), round(bank.baseline.end * clip.rate))
     gazes, eyes, shoulders = [], [], []
@@ -155,7 +155,7 @@ def vector(s: Floats, slot: Floats, root: Floats, place: Floats) -> Floats:
 
 def limited(slot: Floats, to: Floats) -> Floats:
     """Returns yaw and pitch [2] to a target within the limits."""
-    level, length = np.hypot(to[0], to[2]), np.linalg.norm(to)
+    level, length = float(np.hypot(to[0], to[2])), float(np.linalg.norm(to))
     yaw, pitch = np.arctan2(to[0], to[2]), np.arctan2(to[1], level)
     near = step(length / NEAR) if slot[col.TARGET] == col.POINT else 1.0
     back = np.pi - max(slot[col.MOST_YAW], np.pi / 2.0)
@@ -203,7 +203,7 @@ def bounded(turn: Floats, most: float) -> Floats:
 def swivel_of(hands: Floats, chest: Floats, yaw: float) -> float:
     """Returns the turn of the chest about the vertical after which the hands are at a yaw, seen from the root."""
     reach = float(np.hypot(hands[0], hands[2]))
-    level = reach / np.linalg.norm(hands)
+    level = reach / float(np.linalg.norm(hands))
     aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.26 * abs(hands[1]))
     swivel = yaw - np.arcsin(np.clip(aside, -1.0, 1.0)) - np.arctan2(hands[0], hands[2])
     swivel = (swivel + np.pi) % (2.0 * np.pi) - np.pi

@@ -5,17 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.commands import weight_in_range
+from motionsplice.runtime.characters.commands import not_negative, weight_in_range
+from motionsplice.runtime.requests import known
 
 AimPart = Literal["chest", "left_arm", "right_arm"]
 PARTS: Mapping[str, int] = {"chest": col.CHEST, "left_arm": col.LEFT, "right_arm": col.RIGHT, "head": col.GAZE}
+AIM_PARTS = get_args(AimPart)
 LARGEST_YAW, LARGEST_PITCH = math.radians(150.0), math.radians(80.0)
 FARTHEST = 1e9
 States = NDArray[np.float64]
@@ -107,7 +109,21 @@ def target_of(target: Look | Aim, blend: float) -> States:
     )
 
 
-def set_targets(state: States, rows: Numbers, slot: int, wanted: States) -> None:
+def give_target(state: States, rows: Numbers, parts: Sequence[str], target: Look | Aim | None, blend: float) -> None:
+    """Gives parts of rows a target, or fades out what they have. Raises SettingsError, and changes nothing."""
+    slots = [known(PARTS, "part", part) for part in parts]
+    lasting = not_negative("blend", blend)
+    wanted = None if target is None else target_of(target, lasting)
+    for slot in slots:
+        if wanted is None:
+            fade_target(state, rows, slot, blend)
+        else:
+            set_target(state, rows, slot, wanted)
+    targets = state[rows[:, None], list(PARTS.values())]
+    state[rows, col.AIMED] = np.count_nonzero(targets, axis=1)
+
+
+def set_target(state: States, rows: Numbers, slot: int, wanted: States) -> None:
     """Gives rows a target for the part whose columns begin at `slot`; `wanted` is from `target_of`."""
     new = rows[state[rows, slot + col.TARGET] == col.NOTHING]
     state[new, slot : slot + col.AIM_COLUMNS] = 0.0
@@ -121,22 +137,14 @@ def set_targets(state: States, rows: Numbers, slot: int, wanted: States) -> None
         state[rows, slot + col.SHOWN : slot + col.AIM_COLUMNS] = 0.0
         state[rows, slot + col.SHOWN] = wanted[col.WANTED_WEIGHT]
         state[rows, slot + col.CHANGED] = 0.0
-    count_targets(state, rows)
 
 
-def fade_targets(state: States, rows: Numbers, slot: int, blend: float) -> None:
+def fade_target(state: States, rows: Numbers, slot: int, blend: float) -> None:
     """Fades out what the part whose columns begin at `slot` turns to, within `blend` seconds."""
     state[rows, slot + col.WANTED_WEIGHT] = 0.0
     state[rows, slot + col.SETTLING] = blend
     if blend == 0.0:
         state[rows, slot : slot + col.AIM_COLUMNS] = 0.0
-    count_targets(state, rows)
-
-
-def count_targets(state: States, rows: Numbers) -> None:
-    """Sets how many parts of each row turn to a target."""
-    parts = state[np.ix_(rows, [slot + col.TARGET for slot in PARTS.values()])]
-    state[rows, col.AIMED] = np.count_nonzero(parts, axis=1)
 
 
 def share(label: str, value: float) -> float:

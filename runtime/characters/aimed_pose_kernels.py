@@ -164,9 +164,7 @@ def share_turn(chains: Chains, turn: Turn, character: int, rotations: Array) -> 
 
 
 @kernel
-def correct_chest(
-    chains: Chains, s: Array, c: int, aim: Turn, character: int, roots: Array, rotations: Array
-) -> None:
+def correct_chest(chains: Chains, s: Array, c: int, aim: Turn, character: int, roots: Array, rotations: Array) -> None:
     """Turns the chest once more: toward a point from where the shoulders now are, and against the hands' swivel."""
     world, last, slot = chains.world, chains.lengths[TRUNK] - 1, c + col.CHEST
     rotation, place, more = rotation_of(world, last), place_of(world, last), (0.0, 0.0, 0.0, 1.0)

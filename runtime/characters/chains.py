@@ -88,9 +88,7 @@ def neutral(bank: Bank, branch: int, chest: int, head: int) -> tuple[Floats, Flo
     first = min(round(bank.baseline.start * clip.rate), clip.frame_count - 1)
     stride = slice(first, max(round(bank.baseline.end * clip.rate), first + 1))
     positions, world = world_transforms(bank.skeleton, clip.root_positions[stride], clip.rotations[stride])
-    ahead = quaternion.rotate(
-        quaternion.about([0.0, 1.0, 0.0], bank.root_path(clip.name)[stride, 3]), FORWARD
-    )
+    ahead = quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], bank.root_path(clip.name)[stride, 3]), FORWARD)
     middle = 0.5 * (positions[:, roles.left_shoulder] + positions[:, roles.right_shoulder])
     return (
         quaternion.unit(in_frame(world[:, head], ahead)),

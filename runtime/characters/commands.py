@@ -11,6 +11,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs
+from motionsplice.runtime.characters.clip_references import States, newest_mix
 from motionsplice.runtime.requests import known, time_fault
 
 BLEND = 0.3  # seconds, default duration of a fade
@@ -55,6 +56,19 @@ def shares_of(bank: Bank, locomotion: Locomotion) -> dict[int, float]:
     if not (min(given.values()) >= 0.0 and 0.0 < total < np.inf):
         raise SettingsError("the weights of locomotions must be 0 or more, finite, and not all 0")
     return {bank.number(name): weight / total for name, weight in given.items()}
+
+
+def change_mix(bank: Bank, state: States, rows: NDArray[np.int64], weights: Mapping[str, float]) -> None:
+    """Changes the weights of each row's newest group. Raises UnknownClipError or SettingsError, and changes nothing."""
+    given, goals = shares_of(bank, weights), []
+    for row in rows:
+        clips, at = newest_mix(state[row])
+        if missing := given.keys() - set(clips):
+            name = bank.numbered[min(missing)].name
+            raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
+        goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
+    for row, at, shares in goals:
+        state[row, at] = shares
 
 
 def mask_of(limbs: Limbs, name: str) -> int:

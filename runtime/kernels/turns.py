@@ -96,7 +96,7 @@ def part_of(q: Turn, share: float) -> Turn:
         t2 = t1 * (P2 * square - Q2)
         t3 = t2 * (P3 * square - Q3)
         t4 = t3 * (P4 * square - Q4)
-        to = sign * (share + below * (t1 + below * (t2 + below * (t3 + below * t4))))
+        to = sign * float(share + below * (t1 + below * (t2 + below * (t3 + below * t4))))
     else:
         half = math.acos(min(1.0 + below, 1.0))
         to = sign * math.sin(share * half) / math.sin(half)

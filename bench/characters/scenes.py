@@ -8,7 +8,7 @@ transition.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +28,9 @@ TOGETHER = 100  # scenes played at the same time
 MOST = 1.5  # allowed speed as a multiple of the reference
 
 
+Draw = Callable[[Sequence[str], np.random.Generator], "Command"]
+
+
 class Fastest(NamedTuple):
     """The fastest joint of each scene [n], metres per second: as played, in its clips alone, and played steadily.
 
@@ -43,9 +46,14 @@ class Fastest(NamedTuple):
 
 def pops(stage: Stage, scenes: int) -> Findings:
     """Measures how fast joints move in random scenes with switches, starts, stops and loops."""
-    fastest = fastest_of_scenes(stage, range(scenes))
-    larger = np.maximum(fastest.clips, fastest.steady)
     findings = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s: speed of the fastest joint")
+    add_ratios(findings, fastest_of_scenes(stage, range(scenes), random_command))
+    return findings
+
+
+def add_ratios(findings: Findings, fastest: Fastest) -> None:
+    """Adds the speeds of scenes, relative to those of their clips and of steady playback."""
+    larger = np.maximum(fastest.clips, fastest.steady)
     for label, ratios in (
         ("speed / clips alone", fastest.played / fastest.clips),
         ("speed / steady playback", fastest.played / fastest.steady),
@@ -59,17 +67,19 @@ def pops(stage: Stage, scenes: int) -> Findings:
     findings.add(
         "largest velocity jump in steady playback / larger of both", float((fastest.steady_jump / larger).max())
     )
-    return findings
 
 
-def fastest_of_scenes(stage: Stage, seeds: Sequence[int]) -> Fastest:
+def fastest_of_scenes(stage: Stage, seeds: Sequence[int], draw_command: Draw) -> Fastest:
     """Plays one random scene per seed."""
     fastest = {clip.name: fastest_of_clip(stage, clip.name) for clip in stage.bank.clips}
-    parts = [play_together(stage, fastest, seeds[first : first + TOGETHER]) for first in range(0, len(seeds), TOGETHER)]
+    parts = [
+        play_together(stage, fastest, seeds[first : first + TOGETHER], draw_command)
+        for first in range(0, len(seeds), TOGETHER)
+    ]
     return Fastest(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int]) -> Fastest:
+def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int], draw_command: Draw) -> Fastest:
     """Plays scenes at the same time. `fastest` has the speed of the fastest joint of each clip alone."""
     draws, names = [np.random.default_rng(seed) for seed in seeds], list(fastest)
     characters, watch, clips = Characters(stage, RATE), Watch(len(seeds)), []
@@ -81,7 +91,7 @@ def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int])
     for _ in range(FRAMES):
         for row, draw in enumerate(draws):
             if draw.random() < LIKELY:
-                command = random_command(names, draw)
+                command = draw_command(names, draw)
                 command.give(characters, row)
                 clips[row] |= command.clips
         now = slot_contents(characters.state)

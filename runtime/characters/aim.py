@@ -130,13 +130,12 @@ def set_target(state: States, rows: Numbers, slot: int, wanted: States) -> None:
     state[rows, slot : slot + len(wanted)] = wanted
     state[rows, slot + col.CHANGED] = 1.0
     state[new, slot + col.CHANGED] = 0.0
-    at_once = rows if wanted[col.SETTLING] == 0.0 else new
-    state[at_once, slot + col.SPINE] = wanted[col.WANTED_SPINE]
-    state[at_once, slot + col.STEADY] = wanted[col.WANTED_STEADY]
+    state[new, slot + col.SPINE] = wanted[col.WANTED_SPINE]
+    state[new, slot + col.STEADY] = wanted[col.WANTED_STEADY]
     if wanted[col.SETTLING] == 0.0:
-        state[rows, slot + col.SHOWN : slot + col.AIM_COLUMNS] = 0.0
-        state[rows, slot + col.SHOWN] = wanted[col.WANTED_WEIGHT]
-        state[rows, slot + col.CHANGED] = 0.0
+        state[rows, slot + col.CHANGED : slot + col.AIM_COLUMNS] = 0.0
+        for number, column in enumerate((col.SHOWN, col.SPINE, col.STEADY)):
+            state[rows, slot + column] = wanted[col.WANTED_WEIGHT + number]
 
 
 def fade_target(state: States, rows: Numbers, slot: int, blend: float) -> None:

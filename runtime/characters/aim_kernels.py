@@ -15,7 +15,7 @@ SOFT = math.radians(10.0)  # this far below a limit, turns begin to stay behind 
 STEEP = 0.17  # the horizontal part of a direction (of 80 degrees up or down) below which its yaw counts less and less
 NEAR = 0.1  # metres: targets that are nearer than this turn nobody
 SETTLED = 1e-4  # of a weight, or of an angle: less is no longer seen
-PACE = 8.0  # changes settle to 0.3 % of themselves within their duration
+PACE = 7.0  # changes settle to 3 % of themselves within their duration
 
 
 @kernel
@@ -32,33 +32,36 @@ def advance_aims(s: Array, c: int, seconds: float) -> None:
 
 @inlined
 def advance_aim(s: Array, slot: int, seconds: float) -> None:
-    lasting, wanted = s[slot + col.SETTLING], s[slot + col.WANTED_WEIGHT]
+    lasting = s[slot + col.SETTLING]
     pace = PACE / lasting if lasting > 0.0 else 0.0
-    s[slot + col.SHOWN] -= wanted
-    for column in (col.SHOWN, col.YAW_LEFT, col.PITCH_LEFT):
-        settle(s, slot + column, pace, seconds)
-    s[slot + col.SHOWN] = min(max(s[slot + col.SHOWN] + wanted, 0.0), 1.0)
-    spine, steady = s[slot + col.WANTED_SPINE] - s[slot + col.SPINE], s[slot + col.WANTED_STEADY] - s[slot + col.STEADY]
-    if spine != 0.0 or steady != 0.0:
-        follow = 1.0 - math.exp(-pace * seconds) if pace > 0.0 else 1.0
-        s[slot + col.SPINE] += follow * spine if abs(spine) > SETTLED else spine
-        s[slot + col.STEADY] += follow * steady if abs(steady) > SETTLED else steady
-    if s[slot + col.SHOWN] == 0.0 and wanted == 0.0:
+    for number in range(3):  # weight, spine, steady
+        wanted, at = s[slot + col.WANTED_WEIGHT + number], slot + col.SHOWN + 3 * number
+        s[at] -= wanted
+        settle(s, at, pace, seconds)
+        s[at] = min(max(s[at] + wanted, 0.0), 1.0)
+    settle(s, slot + col.YAW_LEFT, pace, seconds)
+    settle(s, slot + col.PITCH_LEFT, pace, seconds)
+    if s[slot + col.SHOWN] == 0.0 and s[slot + col.WANTED_WEIGHT] == 0.0:
         s[slot + col.TARGET] = col.NOTHING
 
 
 @inlined
 def settle(s: Array, at: int, pace: float, seconds: float) -> None:
-    """Moves a difference, and its change per second after it, toward 0: a critically damped spring, solved exactly."""
-    left, change = s[at], s[at + 1]
-    if left == 0.0 and change == 0.0:
+    """Moves a difference, followed by its first two derivatives, toward 0, without a jump in any of them.
+
+    Three low-pass filters in a row of the same `pace` per second, solved exactly.
+    """
+    left, speed, change = s[at], s[at + 1], s[at + 2]
+    if left == 0.0 and speed == 0.0 and change == 0.0:
         return
-    if pace > 0.0 and seconds > 0.0:
-        rise, decay = change + pace * left, math.exp(-pace * seconds)
-        left, change = (left + rise * seconds) * decay, (change - pace * rise * seconds) * decay
-    if pace == 0.0 or (abs(left) < SETTLED and abs(change) < pace * SETTLED):
-        left = change = 0.0
-    s[at], s[at + 1] = left, change
+    b, c, decay = speed + pace * left, 0.5 * change + pace * speed + 0.5 * pace * pace * left, math.exp(-pace * seconds)
+    left = (left + (b + c * seconds) * seconds) * decay
+    slope = (b + 2.0 * c * seconds) * decay
+    speed = slope - pace * left
+    change = 2.0 * c * decay - pace * (slope + speed)
+    if pace == 0.0 or (abs(left) < SETTLED and abs(speed) < pace * SETTLED):
+        left = speed = change = 0.0
+    s[at], s[at + 1], s[at + 2] = left, speed, change
 
 
 @inlined

@@ -49,10 +49,10 @@ HANDS_WAIT = NEXT_HANDS + HANDS_COLUMNS
 # world, weight, shares of spine and steadiness, limits (radians), duration of changes (seconds)
 AIMED = HANDS_WAIT + 1
 TARGET, TO, WANTED_WEIGHT, WANTED_SPINE, WANTED_STEADY, MOST_YAW, MOST_PITCH, SETTLING = 0, 1, 4, 5, 6, 7, 8, 9
-# and what is shown: whether the target has changed since; the target's yaw and pitch from the heading; shares that
-# follow those that are wanted; weight, and by how much yaw and pitch still differ, each with its change per second
-CHANGED, YAW, PITCH, SPINE, STEADY, SHOWN, YAW_LEFT, PITCH_LEFT = 10, 11, 12, 13, 14, 15, 17, 19
-AIM_COLUMNS = 21
+# and what is shown: whether the target has changed since; the target's yaw and pitch from the heading; weight and shares,
+# which follow those that are wanted, and by how much yaw and pitch still differ, each with two derivatives by time
+CHANGED, YAW, PITCH, SHOWN, SPINE, STEADY, YAW_LEFT, PITCH_LEFT = 10, 11, 12, 13, 16, 19, 22, 25
+AIM_COLUMNS = 28
 FIRST_AIM = AIMED + 1
 COLUMNS = FIRST_AIM + 4 * AIM_COLUMNS
 

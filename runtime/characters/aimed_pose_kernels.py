@@ -153,14 +153,13 @@ def shoulders_of(chains: Chains) -> Vector:
 def share_turn(chains: Chains, turn: Turn, character: int, rotations: Array) -> None:
     """Turns the trunk's joints by equal parts of a turn, in the pose and in `world`."""
     world, first, count = chains.world, chains.firsts[TRUNK], chains.lengths[TRUNK]
-    part, whole = part_of(turn, 1.0 / (count - first)), (0.0, 0.0, 0.0, 1.0)
-    above, place = rotation_of(world, first - 1), place_of(world, first - 1)
+    part, above = part_of(turn, 1.0 / (count - first)), rotation_of(world, first - 1)
+    rotation, place = above, place_of(world, first - 1)
     for joint in range(first, count):
-        column, rotation = chains.columns[TRUNK, joint], rotation_of(world, joint)
-        place = plus(place, turned(times(whole, above), offset_of(chains, TRUNK, joint)))
-        turn_joint(rotations, character, column, part, above)
-        above, whole = rotation, times(part, whole)
-        keep(world, joint, times(whole, rotation), place, whole)
+        place = plus(place, turned(rotation, offset_of(chains, TRUNK, joint)))
+        local = turn_joint(rotations, character, chains.columns[TRUNK, joint], part, above)
+        rotation, above = times(rotation, local), rotation_of(world, joint)
+        keep(world, joint, rotation, place, times(rotation, inverse(above)))
 
 
 @kernel
@@ -243,24 +242,23 @@ def turn_head(chains: Chains, s: Array, c: int, look: Turn, character: int, root
     world, branch, count = chains.world, chains.firsts[NECK], chains.lengths[NECK]
     slot, whole, neck = c + col.GAZE, whole_of(world, branch), (0.0, 0.0, 0.0, 1.0)
     above, place = rotation_of(world, branch), place_of(world, branch)
-    if count > 1:
-        head = above
-        for joint in range(count):
-            head = times(head, turn_at(rotations, character, chains.columns[NECK, joint]))
-        part = part_of(head_turn(chains, look, whole, head, s[slot + col.STEADY]), s[slot + col.SHOWN] / count)
-        for joint in range(count - 1):
-            column = chains.columns[NECK, joint]
-            place = plus(place, turned(times(neck, above), offset_of(chains, NECK, joint)))
-            rotation = times(above, turn_at(rotations, character, column))
-            turn_joint(rotations, character, column, part, above)
-            above, neck = rotation, times(part, neck)
-    column = chains.columns[NECK, count - 1]
+    head = above
+    for joint in range(count):
+        head = times(head, turn_at(rotations, character, chains.columns[NECK, joint]))
+    turn = head_turn(chains, look, whole, head, s[slot + col.STEADY])
+    part = part_of(turn, s[slot + col.SHOWN] / count)
+    for joint in range(count - 1):
+        column = chains.columns[NECK, joint]
+        place = plus(place, turned(times(neck, above), offset_of(chains, NECK, joint)))
+        rotation = times(above, turn_at(rotations, character, column))
+        turn_joint(rotations, character, column, part, above)
+        above, neck = rotation, times(part, neck)
     if s[slot + col.TARGET] == col.POINT:
         place = plus(place, turned(times(neck, above), offset_of(chains, NECK, count - 1)))
         look = way_from(s, c, slot, character, roots, place, False)
-    head = times(above, turn_at(rotations, character, column))
-    turn = part_of(head_turn(chains, look, whole, head, s[slot + col.STEADY]), s[slot + col.SHOWN])
-    turn_joint(rotations, character, column, times(turn, inverse(neck)), times(neck, above))
+        turn = head_turn(chains, look, whole, head, s[slot + col.STEADY])
+    turn = times(part_of(turn, s[slot + col.SHOWN]), inverse(neck))
+    turn_joint(rotations, character, chains.columns[NECK, count - 1], turn, times(neck, above))
 
 
 @inlined

@@ -122,7 +122,9 @@ def set_turn(rotations: Array, character: int, column: Index, q: Turn) -> None:
 
 
 @inlined
-def turn_joint(rotations: Array, character: int, column: Index, turn: Turn, above: Turn) -> None:
-    """Turns a joint of a pose by a turn of the world; `above` is its parent's rotation."""
+def turn_joint(rotations: Array, character: int, column: Index, turn: Turn, above: Turn) -> Turn:
+    """Turns a joint of a pose by a turn of the world, and returns it; `above` was its parent's rotation."""
     x, y, z = turned(inverse(above), (turn[0], turn[1], turn[2]))
-    set_turn(rotations, character, column, times((x, y, z, turn[3]), turn_at(rotations, character, column)))
+    local = times((x, y, z, turn[3]), turn_at(rotations, character, column))
+    set_turn(rotations, character, column, local)
+    return local

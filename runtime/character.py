@@ -213,7 +213,7 @@ class Characters:
         self._begin(rows)
 
     def look(self, rows: Rows, look: Look | None, *, blend: float = BLEND) -> None:
-        """Turns head, neck and spine toward a target within `blend` seconds, in place of an earlier one; None ends it."""
+        """Turns head, neck and spine toward a target within `blend` seconds, in place of another; None ends it."""
         give_target(self.state, self._numbers(rows), ("head",), look, blend)
 
     def aim(self, rows: Rows, aim: Aim | None, *, blend: float = BLEND) -> None:

@@ -23,7 +23,7 @@ import typer
 
 from bench.characters.costs import crowd, frame_work
 from bench.characters.joint_speeds import RATE
-from bench.characters.scenes import Command, add_ratios, fastest_of_scenes, random_command
+from bench.characters.scenes import MOST, Command, add_ratios, fastest_of_scenes, random_command
 from bench.clips import bank_of
 from bench.findings import Findings
 from bench.generated import Size, generate
@@ -165,14 +165,18 @@ def hands(stage: Stage) -> Findings:
             clips = [shown(stage, locomotion, action, ahead_of(steady)) for action in actions]
             found = [swivel(stage, clip, aimed=True) for clip in clips]
             findings.add(f"{locomotion}: the same, aim, steady={steady:g}: largest", max(found), most=most)
-        apart, aim = [], Aim(ASIDE, part="right_arm")
+        apart = []
         for action in names(stage, "action"):
-            clip = shown(stage, locomotion, action, lambda one: one.aim([0], aim))
+            clip = shown(stage, locomotion, action, right_arm_aside)
             shoulder, wrist = clip.places[:, roles.right_shoulder], clip.places[:, roles.right_wrist]
             within = is_within(clip, ASIDE - shoulder)
             apart.append(degrees_apart(wrist - shoulder, ASIDE - shoulder)[within])
         findings.add(f"{locomotion}: right arm, from the point: largest", float(np.concatenate(apart).max()), most=1.0)
     return findings
+
+
+def right_arm_aside(characters: Characters) -> None:
+    characters.aim([0], Aim(ASIDE, part="right_arm"))
 
 
 def ahead_of(steady: float) -> Tell:
@@ -231,9 +235,15 @@ def miss(stage: Stage, clip: Shown, part: str, point: Floats) -> float:
 
 
 def pops(stage: Stage, scenes: int) -> Findings:
-    """Measures how fast joints move in random scenes with targets."""
+    """Measures how fast joints move in random scenes with targets.
+
+    A joint that jumps changes its velocity between two frames by as much as it moves in one.
+    """
     findings = Findings(f"{scenes} random scenes with targets: speed of the fastest joint")
-    add_ratios(findings, fastest_of_scenes(stage, range(scenes), random_target))
+    fastest = fastest_of_scenes(stage, range(scenes), random_target)
+    add_ratios(findings, fastest)
+    jumps = fastest.jump / np.maximum(fastest.clips, fastest.steady_jump)
+    findings.add("velocity jump / larger of clips' speed and steady jump: largest", float(jumps.max()), most=MOST)
     return findings
 
 
@@ -241,7 +251,7 @@ def random_target(clips: Sequence[str], draw: np.random.Generator) -> Command:
     """Draws a command that looks or aims, or any other of the random scenes."""
     if draw.integers(2):
         return random_command(clips, draw)
-    blend, kind = float(draw.uniform(0.4, 0.8)), draw.integers(4)
+    blend, kind = float(draw.uniform(0.5, 1.0)), draw.integers(4)
     to: Any = (draw.normal(size=3) * [4.0, 0.5, 4.0] + [0.0, 1.4, 6.0]).tolist()
     if kind == 0:
         return Command(str(draw.choice(["look", "aim"])), (None,), {"blend": blend}, frozenset())

@@ -49,8 +49,8 @@ HANDS_WAIT = NEXT_HANDS + HANDS_COLUMNS
 # world, weight, shares of spine and steadiness, limits (radians), duration of changes (seconds)
 AIMED = HANDS_WAIT + 1
 TARGET, TO, WANTED_WEIGHT, WANTED_SPINE, WANTED_STEADY, MOST_YAW, MOST_PITCH, SETTLING = 0, 1, 4, 5, 6, 7, 8, 9
-# and what is shown: whether the target has changed since; the target's yaw and pitch from the heading; weight and shares,
-# which follow those that are wanted, and by how much yaw and pitch still differ, each with two derivatives by time
+# and what is shown: whether the target has changed since; the target's yaw and pitch from the heading; weight and
+# shares, which follow those that are wanted, and by how much yaw and pitch still differ, each with two derivatives
 CHANGED, YAW, PITCH, SHOWN, SPINE, STEADY, YAW_LEFT, PITCH_LEFT = 10, 11, 12, 13, 16, 19, 22, 25
 AIM_COLUMNS = 28
 FIRST_AIM = AIMED + 1

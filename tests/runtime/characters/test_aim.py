@@ -126,7 +126,7 @@ def test_a_direction_within_the_limits_is_reached(one: Setup, at: int, yaw: floa
     characters.add(1, "run")
     characters.act([0], Action("carry_box", blend=0.0))
     characters.place([0], (3.0, 0.0, -2.0), 0.7)
-    AIMS[part](characters, direction=toward(yaw + 0.7, pitch), max_yaw=1.4, max_pitch=0.9)
+    AIMS[part](characters, direction=toward(yaw + 0.7, pitch), max_yaw=1.6, max_pitch=0.9)
     characters.advance(at)
     turn = characters.state[0, col.HEADING] - 0.7
     reached = quaternion.rotate(quaternion.about(UP, -turn), pointing(characters, part)[1])
@@ -251,7 +251,7 @@ def test_a_target_that_is_moved_each_frame_is_followed(one: Setup) -> None:
         AIMS["head"](characters, direction=direction, blend=0.3)
         _, reached = pointing(characters, "head")
         characters.advance()
-    assert degrees_apart(reached, direction) < 4.0  # 0.6 rad/s, less than 0.1 s late
+    assert degrees_apart(reached, direction) < 5.0  # 0.6 rad/s, 0.13 s late
 
 
 @once

@@ -133,8 +133,16 @@ def gaze(stage: Stage) -> Findings:
             clip = shown(stage, locomotion, action, lambda one: one.look([0], Look(ASIDE)))
             to = ASIDE - clip.places[:, stage.bank.roles.head]
             apart.append(degrees_apart(gazes(stage, clip), to)[is_within(clip, to)])
-        findings.add(f"{locomotion}: look, from the point: largest", float(np.concatenate(apart).max()), most=1.0)
+        add_misses(findings, f"{locomotion}: look, from the point", apart)
     return findings
+
+
+def add_misses(findings: Findings, label: str, apart: Sequence[Floats]) -> None:
+    """Adds the 99th percentile and the largest of angles in all frames that count, if there are any."""
+    angles = np.concatenate(apart)
+    if len(angles):
+        findings.add(f"{label}: 99th percentile", float(np.percentile(angles, 99.0)), most=1.0)
+        findings.add(f"{label}: largest", float(angles.max()))
 
 
 def yaws(stage: Stage, clip: Shown) -> Floats:
@@ -150,14 +158,14 @@ def swivel(stage: Stage, clip: Shown, *, aimed: bool = False) -> float:
     from_heading = yaws(stage, clip)
     if aimed:
         within = is_within(clip, np.broadcast_to(AHEAD, (FRAMES, 3)))
-        return float(np.degrees(np.std((from_heading + clip.headings)[within])))
+        return float(np.degrees(np.std((from_heading + clip.headings)[within]))) if within.any() else 0.0
     return float(np.degrees(np.std(from_heading[SETTLED:])))
 
 
 def hands(stage: Stage) -> Findings:
     """Measures the swivel of hands, for actions that hold both in front, and where single arms point."""
     findings, roles, actions = Findings("Hands, degrees"), stage.bank.roles, in_front(stage)
-    for locomotion in names(stage, "locomotion"):
+    for locomotion in names(stage, "locomotion") if actions else ():
         for form in ("naive", "splice"):
             found = [swivel(stage, shown(stage, locomotion, action, nothing, form)) for action in actions]
             findings.add(f"{locomotion}: swivel of {', '.join(actions)}, {form}: mean", float(np.mean(found)))
@@ -165,13 +173,14 @@ def hands(stage: Stage) -> Findings:
             clips = [shown(stage, locomotion, action, ahead_of(steady)) for action in actions]
             found = [swivel(stage, clip, aimed=True) for clip in clips]
             findings.add(f"{locomotion}: the same, aim, steady={steady:g}: largest", max(found), most=most)
+    for locomotion in names(stage, "locomotion"):
         apart = []
         for action in names(stage, "action"):
             clip = shown(stage, locomotion, action, right_arm_aside)
             shoulder, wrist = clip.places[:, roles.right_shoulder], clip.places[:, roles.right_wrist]
             within = is_within(clip, ASIDE - shoulder)
             apart.append(degrees_apart(wrist - shoulder, ASIDE - shoulder)[within])
-        findings.add(f"{locomotion}: right arm, from the point: largest", float(np.concatenate(apart).max()), most=1.0)
+        add_misses(findings, f"{locomotion}: right arm, from the point", apart)
     return findings
 
 

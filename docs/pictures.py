@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,7 @@ from motionsplice.precompute.study.body_angles import View
 from motionsplice.precompute.study.correlation import study
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters.action import Action
+from motionsplice.runtime.characters.aim import Aim, Look
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Posture
 from motionsplice.runtime.splice import Splice
@@ -75,6 +77,7 @@ def main() -> None:
         draw_mirror_images(evaluator)
         draw_characters(evaluator)
         draw_feet(Stage(evaluator))
+        draw_aiming(evaluator)
         draw_quality(evaluator)
 
 
@@ -92,23 +95,57 @@ SCENE: dict[float, tuple[str, Any, dict[str, float]]] = {
 
 def draw_characters(evaluator: Evaluator) -> None:
     """Draws twenty seconds of a character in rows of five seconds."""
-    characters, roots, rotations = Characters(Stage(evaluator), 60.0), [], []
+    characters = Characters(Stage(evaluator), 60.0)
     characters.add(1, "walk")
-    poses = evaluator.poses(1)
-    for frame in range(20 * 60 + 1):
+
+    def command(frame: int) -> None:
         method, argument, options = SCENE.get(frame / 60.0, ("", None, {}))
         if method:
             getattr(characters, method)([0], *([argument] if argument else []), **options)
+
+    roots, rotations = played(characters, 20 * 60 + 1, command)
+    rows = []
+    for start in range(0, 20, 5):
+        part = slice(60 * start, 60 * start + 301)
+        clip = Clip(f"{start} s", evaluator.bank.skeleton, 60.0, roots[part], rotations[part])
+        rows.append((f"{start} s to {start + 5} s", clip, evaluator.bank.roles))
+    contact_sheet(rows, columns=12).save(IMAGES / "characters.png")
+
+
+def played(characters: Characters, frames: int, command: Callable[[int], None]) -> tuple[Floats, Floats]:
+    """Returns root positions [F, 3] and rotations [F, J, 4] of a character that is commanded before each frame."""
+    poses, roots, rotations = characters.stage.evaluator.poses(1), list[Floats](), list[Floats]()
+    for frame in range(frames):
+        command(frame)
         characters.evaluate(poses)
         roots.append(poses.root_positions[0].astype(np.float64))
         rotations.append(poses.rotations[0].astype(np.float64))
         characters.advance()
-    rows = []
-    for start in range(0, 20, 5):
-        part = slice(60 * start, 60 * start + 301)
-        clip = Clip(f"{start} s", evaluator.bank.skeleton, 60.0, np.array(roots[part]), np.array(rotations[part]))
-        rows.append((f"{start} s to {start + 5} s", clip, evaluator.bank.roles))
-    contact_sheet(rows, columns=12).save(IMAGES / "characters.png")
+    return np.array(roots), np.array(rotations)
+
+
+BESIDE = (-3.0, 1.6, 7.0)  # metres: a point to the right of the way
+AIMED: dict[str, tuple[str, Any, Any]] = {
+    "run, push": ("run", None, None),
+    "it looks at a point to its right": ("run", Look(BESIDE), None),
+    "and aims there": ("run", Look(BESIDE), Aim(BESIDE, steady=1.0)),
+    "walk, the right arm aims": ("walk", Look(BESIDE), Aim(BESIDE, part="right_arm")),
+}  # row: locomotion, look, aim
+
+
+def draw_aiming(evaluator: Evaluator) -> None:
+    """Draws characters that pass a point, and look and aim at it."""
+    stage, rows = Stage(evaluator), []
+    for label, (locomotion, look, aim) in AIMED.items():
+        characters = Characters(stage, 60.0)
+        characters.add(1, locomotion)
+        if locomotion == "run":
+            characters.act([0], Action("push", blend=0.0))
+        characters.look([0], look, blend=0.5)
+        characters.aim([0], aim, blend=0.5)
+        clip = Clip(label, evaluator.bank.skeleton, 60.0, *played(characters, 109, lambda frame: None))
+        rows.append((label, clip, evaluator.bank.roles))
+    contact_sheet(rows, columns=10, view="front").save(IMAGES / "aiming.png")
 
 
 def draw_mirror_images(evaluator: Evaluator) -> None:

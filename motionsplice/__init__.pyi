@@ -36,6 +36,8 @@ from .precompute.splice import splice_naive as splice_naive
 from .runtime.bank import Bank as Bank
 from .runtime.character import Characters as Characters
 from .runtime.characters.action import Action as Action
+from .runtime.characters.aim import Aim as Aim
+from .runtime.characters.aim import Look as Look
 from .runtime.characters.state import EVENT_NAMES as EVENT_NAMES
 from .runtime.evaluator import Evaluator as Evaluator
 from .runtime.format.contacts import Contact as Contact

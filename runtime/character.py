@@ -20,13 +20,13 @@ from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action, waiting_action, waiting_stop
+from motionsplice.runtime.characters.aim import AIM_PARTS, Aim, Look, give_target
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
-    goals_of,
+    change_mix,
     lockable,
     not_negative,
-    shares_of,
     waiting_group,
     waiting_hands,
     weight_in_range,
@@ -176,10 +176,7 @@ class Characters:
             rows: The characters.
             weights: Weights by name of clip; only their ratios matter.
         """
-        given = shares_of(self.stage.bank, weights)
-        goals = [(row, *goals_of(self.stage.bank, self.state[row], given)) for row in self._numbers(rows)]
-        for row, at, shares in goals:
-            self.state[row, at] = shares
+        change_mix(self.stage.bank, self.state, self._numbers(rows), weights)
 
     def act(self, rows: Rows, action: Action) -> None:
         """Begins an action over the locomotion. It replaces an action that is still waiting.
@@ -215,6 +212,14 @@ class Characters:
         self.state[rows, col.NEXT_HANDS : col.HANDS_WAIT] = waiting_hands(self.stage.bank, hands, blend, curve, weight)
         self.state[rows, col.HANDS_WAIT] = 1.0
         self._begin(rows)
+
+    def look(self, rows: Rows, look: Look | None, *, blend: float = BLEND) -> None:
+        """Turns head, neck and spine toward a target within `blend` seconds, in place of another; None ends it."""
+        give_target(self.state, self._numbers(rows), ("head",), look, blend)
+
+    def aim(self, rows: Rows, aim: Aim | None, *, blend: float = BLEND) -> None:
+        """Turns a part of the body toward a target, as `look` does the head; None ends it for all parts."""
+        give_target(self.state, self._numbers(rows), AIM_PARTS if aim is None else (aim.part,), aim, blend)
 
     def speed(self, rows: Rows, speed: float) -> None:
         """Sets the playback speed, 0 or more; 1 is as captured."""
@@ -262,7 +267,7 @@ class Characters:
         if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
             problem = f"{len(self)} characters need {len(self)} poses, found room for {len(out.flat)}"
             raise SettingsError(problem, mend="Create the poses with Evaluator.poses(len(characters))")
-        work = (stage.evaluator.arrays, stage.limbs, stage.legs, self.state.reshape(-1), self._share)
+        work = (stage.evaluator.arrays, stage.limbs, stage.chains, stage.legs, self.state.reshape(-1), self._share)
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
 

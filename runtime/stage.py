@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters.arrays import ground, mixing
+from motionsplice.runtime.characters.chains import chains_of
 from motionsplice.runtime.characters.legs import legs_of
 from motionsplice.runtime.characters.limbs import limbs_of
 from motionsplice.runtime.evaluator import Evaluator
 
 
 class Stage:
-    """Everything that characters on one bank share: the evaluator, and arrays for root motion, masks and mixing.
+    """Everything that characters on one bank share: the evaluator, and arrays for root motion, masks, aims and mixing.
 
     A stage owns scratch memory, as does its evaluator, so threads must not share it.
 
@@ -22,6 +23,7 @@ class Stage:
         bank: Its bank.
         ground: Root paths, foot contacts and feet of all rows of the bank.
         limbs: Joints of the parts of the upper body, for masks.
+        chains: Chains of joints that turn toward targets, with scratch memory.
         legs: Joints of the legs, for the foot lock.
         mixing: Scratch memory for mixing.
     """
@@ -32,5 +34,6 @@ class Stage:
         self.bank: Bank = bank
         self.ground = ground(bank)
         self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
+        self.chains = chains_of(bank)
         self.legs = legs_of(bank.skeleton, bank.roles)
         self.mixing = mixing(bank.layout)

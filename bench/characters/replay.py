@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from bench.characters.aiming import random_target
 from bench.characters.joint_speeds import RATE
-from bench.characters.scenes import Command, random_command
+from bench.characters.scenes import Command
 from bench.findings import Findings
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
@@ -62,7 +63,7 @@ def record(stage: Stage, draw: np.random.Generator, commands: int, frames: int) 
 
 
 def replayed_command(names: list[str], draw: np.random.Generator) -> Command:
-    """Draws a command: one of the random scenes, or one that changes speed, weight, place or root motion."""
+    """Draws a command: one of the scenes with targets, or one that changes speed, weight, place or root motion."""
     kind = draw.integers(12)
     if kind == 0:
         return Command("speed", (float(draw.uniform(0.7, 1.2)),), {}, frozenset())
@@ -72,7 +73,7 @@ def replayed_command(names: list[str], draw: np.random.Generator) -> Command:
         return Command("place", (draw.normal(size=3).tolist(), float(draw.normal())), {}, frozenset())
     if kind == 3:
         return Command("in_place", (bool(draw.integers(2)),), {}, frozenset())
-    return random_command(names, draw)
+    return random_target(names, draw)
 
 
 def start(stage: Stage) -> Characters:

@@ -8,7 +8,7 @@ transition.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +26,9 @@ FRAMES = 360
 LIKELY = 0.04  # probability of a command in a frame
 TOGETHER = 100  # scenes played at the same time
 MOST = 1.5  # allowed speed as a multiple of the reference
+
+
+Draw = Callable[[Sequence[str], np.random.Generator], "Command"]
 
 
 class Fastest(NamedTuple):
@@ -46,10 +49,15 @@ def pops(stage: Stage, scenes: int, *, locked: bool = False) -> Findings:
 
     References are never locked.
     """
-    fastest = fastest_of_scenes(stage, range(scenes), locked=locked)
-    larger = np.maximum(fastest.clips, fastest.steady)
     feet = ", feet locked" if locked else ""
     findings = Findings(f"{scenes} random scenes of {FRAMES / RATE:g} s{feet}: speed of the fastest joint")
+    add_ratios(findings, fastest_of_scenes(stage, range(scenes), random_command, locked=locked))
+    return findings
+
+
+def add_ratios(findings: Findings, fastest: Fastest) -> None:
+    """Adds the speeds of scenes, relative to those of their clips and of steady playback."""
+    larger = np.maximum(fastest.clips, fastest.steady)
     for label, ratios in (
         ("speed / clips alone", fastest.played / fastest.clips),
         ("speed / steady playback", fastest.played / fastest.steady),
@@ -63,20 +71,21 @@ def pops(stage: Stage, scenes: int, *, locked: bool = False) -> Findings:
     findings.add(
         "largest velocity jump in steady playback / larger of both", float((fastest.steady_jump / larger).max())
     )
-    return findings
 
 
-def fastest_of_scenes(stage: Stage, seeds: Sequence[int], *, locked: bool = False) -> Fastest:
+def fastest_of_scenes(stage: Stage, seeds: Sequence[int], draw_command: Draw, *, locked: bool = False) -> Fastest:
     """Plays one random scene per seed."""
     fastest = {clip.name: fastest_of_clip(stage, clip.name) for clip in stage.bank.clips}
     parts = [
-        play_together(stage, fastest, seeds[first : first + TOGETHER], locked=locked)
+        play_together(stage, fastest, seeds[first : first + TOGETHER], draw_command, locked=locked)
         for first in range(0, len(seeds), TOGETHER)
     ]
     return Fastest(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
-def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int], *, locked: bool) -> Fastest:
+def play_together(
+    stage: Stage, fastest: dict[str, float], seeds: Sequence[int], draw_command: Draw, *, locked: bool
+) -> Fastest:
     """Plays scenes at the same time. `fastest` has the speed of the fastest joint of each clip alone."""
     draws, names = [np.random.default_rng(seed) for seed in seeds], list(fastest)
     characters, watch, clips = Characters(stage, RATE), Watch(len(seeds)), []
@@ -89,7 +98,7 @@ def play_together(stage: Stage, fastest: dict[str, float], seeds: Sequence[int],
     for _ in range(FRAMES):
         for row, draw in enumerate(draws):
             if draw.random() < LIKELY:
-                command = random_command(names, draw)
+                command = draw_command(names, draw)
                 command.give(characters, row)
                 clips[row] |= command.clips
         now = slot_contents(characters.state)

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from bench.characters.joint_speeds import RATE, Watch, character_positions
 from motionsplice.runtime.character import Characters, States
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.aim import PARTS
 from motionsplice.runtime.stage import Stage
 
 FRAMES = 240  # of steady playback
 AT_ONCE = 2000  # characters, to limit memory
+WANTED = np.array([col.WANTED_WEIGHT, col.WANTED_SPINE, col.WANTED_STEADY])
 LEGS = col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS * np.arange(col.MOST_LOCOMOTIONS)
 LAYERS = col.FIRST_ACTION + col.ACTION_COLUMNS * np.arange(col.MOST_ACTIONS)
 
@@ -47,6 +49,9 @@ def steady_rows(row: States) -> Iterator[States]:
         alone[LEGS + col.LASTING] = alone[LAYERS + col.LASTING] = alone[LAYERS + col.LEAVING] = 0.0
         alone[LEGS + col.SHARE] = alone[LEGS + col.WEIGHT]
         alone[LAYERS + col.LOOP] = 1.0
+        for part in PARTS.values():
+            alone[part + col.CHANGED : part + col.AIM_COLUMNS] = 0.0
+            alone[[part + col.SHOWN, part + col.SPINE, part + col.STEADY]] = alone[part + WANTED]
         for actions in range(int(row[col.ACTIONS]) + 1):
             under = alone.copy()
             under[col.ACTIONS] = actions

@@ -8,6 +8,7 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action_kernels import advance_actions
+from motionsplice.runtime.characters.aim_kernels import advance_aims
 from motionsplice.runtime.characters.arrays import Ground
 from motionsplice.runtime.characters.feet_kernels import (
     LONGEST,
@@ -112,6 +113,8 @@ def advance_fades(s: Array, c: int, seconds: float, follow: float) -> None:
         drop_actions(s, c)
     if s[c + col.HANDS] > 0.0:
         advance_hands(s, c, seconds, follow)
+    if s[c + col.AIMED] > 0.0:
+        advance_aims(s, c, seconds)
 
 
 @kernel

@@ -11,7 +11,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Legs, Limbs
-from motionsplice.runtime.characters.clip_references import Numbers, newest_mix
+from motionsplice.runtime.characters.clip_references import States, newest_mix
 from motionsplice.runtime.requests import known, time_fault
 
 BLEND = 0.3  # seconds, default duration of a fade
@@ -58,16 +58,17 @@ def shares_of(bank: Bank, locomotion: Locomotion) -> dict[int, float]:
     return {bank.number(name): weight / total for name, weight in given.items()}
 
 
-def goals_of(bank: Bank, row: NDArray[np.float64], given: Mapping[int, float]) -> tuple[Numbers, list[float]]:
-    """Returns the columns of a row with the goals of its newest mix, and their values for weights by clip number.
-
-    Raises SettingsError if a clip is not mixed.
-    """
-    clips, at = newest_mix(row)
-    if missing := given.keys() - set(clips):
-        name = bank.numbered[min(missing)].name
-        raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
-    return at, [given.get(clip, 0.0) for clip in clips]
+def change_mix(bank: Bank, state: States, rows: NDArray[np.int64], weights: Mapping[str, float]) -> None:
+    """Changes the weights of each row's newest group. Raises UnknownClipError or SettingsError, and changes nothing."""
+    given, goals = shares_of(bank, weights), []
+    for row in rows:
+        clips, at = newest_mix(state[row])
+        if missing := given.keys() - set(clips):
+            name = bank.numbered[min(missing)].name
+            raise SettingsError(f"{name!r} is not one of the locomotions being mixed", mend="Play it first")
+        goals.append((row, at, [given.get(clip, 0.0) for clip in clips]))
+    for row, at, shares in goals:
+        state[row, at] = shares
 
 
 def mask_of(limbs: Limbs, name: str) -> int:

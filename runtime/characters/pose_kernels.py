@@ -1,7 +1,7 @@
 """Evaluates the poses of characters by mixing their slots.
 
 Lower bodies are mixed first, so that each action is spliced onto the mixed lower body. Upper bodies are mixed next,
-part by part. One locomotion and one action without a fade take a path without mixing.
+part by part. One locomotion and one action without a fade take a path without mixing. Poses are then turned to targets.
 """
 
 from __future__ import annotations
@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
 from motionsplice.runtime.characters.arrays import Legs, Limbs, Mixing
+from motionsplice.runtime.characters.chains import Chains
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
@@ -32,6 +34,7 @@ from motionsplice.runtime.simd.compiled import ZERO, Array, Index, inlined, kern
 def evaluate_characters(
     bank: BankArrays,
     limbs: Limbs,
+    chains: Chains,
     legs: Legs,
     s: Array,
     share: float,
@@ -67,8 +70,11 @@ def evaluate_characters(
                         turn_limbs(bank, limbs, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
         for character in range(first, stop):
-            if s[character * col.COLUMNS + col.LOCKED] > 0.0:
-                lock_feet(legs, s, character * col.COLUMNS, character, roots, rotations)
+            c = character * col.COLUMNS
+            if s[c + col.AIMED] > 0.0:
+                turn_to_targets(chains, s, c, character, roots, rotations)
+            if s[c + col.LOCKED] > 0.0:
+                lock_feet(legs, s, c, character, roots, rotations)
         first = stop
 
 

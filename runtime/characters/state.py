@@ -2,7 +2,8 @@
 
 A row is float64 numbers and nothing else, so a character is saved, copied and restored with its row. A character plays
 three stacks of slots: locomotions, in groups that are mixed by weight; actions over them; hands over both. Each slot is
-faded in over the slots below it. One group, one action and one hands slot may wait until they can begin.
+faded in over the slots below it. One group, one action and one hands slot may wait until they can begin. Over all of
+them, four parts of the body may each be turned toward a target.
 """
 
 from __future__ import annotations
@@ -53,13 +54,24 @@ HANDS_WAIT = NEXT_HANDS + HANDS_COLUMNS
 # heading, and for how long it has stood, seconds
 LOCK, LOCKED, HOLDS = range(HANDS_WAIT + 1, HANDS_WAIT + 4)
 HOLD_COLUMNS = 3
-COLUMNS = HOLDS + 2 * HOLD_COLUMNS
+# number of parts that are turned; for each part what is wanted: the kind of target, point (metres) or direction in the
+# world, weight, shares of spine and steadiness, limits (radians), duration of changes (seconds)
+AIMED = HOLDS + 2 * HOLD_COLUMNS
+TARGET, TO, WANTED_WEIGHT, WANTED_SPINE, WANTED_STEADY, MOST_YAW, MOST_PITCH, SETTLING = 0, 1, 4, 5, 6, 7, 8, 9
+# and what is shown: whether the target has changed since; the target's yaw and pitch from the heading; weight and
+# shares, which follow those that are wanted, and by how much yaw and pitch still differ, each with two derivatives
+CHANGED, YAW, PITCH, SHOWN, SPINE, STEADY, YAW_LEFT, PITCH_LEFT = 10, 11, 12, 13, 16, 19, 22, 25
+AIM_COLUMNS = 28
+FIRST_AIM = AIMED + 1
+COLUMNS = FIRST_AIM + 4 * AIM_COLUMNS
 
 BARE = -1  # the clip's own hands
 
 OWN = 0  # kind of an action slot: the locomotion's own upper body; other kinds are NAIVE and SPLICE
 NEVER, NOW, IN_PHASE, ON_LEFT, ON_RIGHT, ON_FOOT = range(6)
 LINEAR, SMOOTH, EASE_IN, EASE_OUT = range(4)
+NOTHING, DIRECTION, POINT = range(3)  # kinds of targets
+CHEST, LEFT, RIGHT, GAZE = (FIRST_AIM + part * AIM_COLUMNS for part in range(4))  # what is turned toward a target
 LEFT_DOWN, LEFT_UP, RIGHT_DOWN, RIGHT_UP, STRIDE, LOCOMOTION_ENDED, ACTION_BEGAN, ACTION_ENDED = (
     1 << bit for bit in range(8)
 )

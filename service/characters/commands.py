@@ -11,6 +11,7 @@ import orjson
 
 from motionsplice.motion.axes import Axes
 from motionsplice.motion.errors import did_you_mean
+from motionsplice.runtime.characters.aim import FARTHEST, LARGEST_PITCH, LARGEST_YAW, AimPart
 from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
 from motionsplice.runtime.requests import Posture
 from motionsplice.sending.receiver import Kind
@@ -57,7 +58,7 @@ def _names(kind: Any) -> tuple[Check, str]:
     return _one_of(*get_args(kind)), f"one of {', '.join(get_args(kind))}"
 
 
-TIMES, FAR = _number(0.0, 1e9), _number(-1e9, 1e9)
+TIMES, FAR, SHARE = _number(0.0, 1e9), _number(-FARTHEST, FARTHEST), _number(0.0, 1.0)
 KEYS: Mapping[str, tuple[Check, str]] = {
     "locomotion": (lambda value: _is_text(value) or _is_mix(value), "a clip name, or a map of clip names to weights"),
     "weights": (_is_mix, "a map of clip names to weights"),
@@ -68,11 +69,21 @@ KEYS: Mapping[str, tuple[Check, str]] = {
     "curve": _names(Curve),
     "when": _names(When),
     "mask": _names(Mask),
-    "weight": (_number(0.0, 1.0), "a number from 0 to 1"),
+    "weight": (SHARE, "a number from 0 to 1"),
     "own_clock": (
         lambda value: isinstance(value, bool) or _are(2, TIMES)(value),
         "true, false or two times of the action in seconds",
     ),
+    "point": (lambda value: value is None or _are(3, FAR)(value), "a list of three numbers, or null for none"),
+    "direction": (
+        lambda value: value is None or (_are(3, FAR)(value) and any(value)),
+        "a list of three numbers that are not all 0, or null for none",
+    ),
+    "part": _names(AimPart),
+    "spine": (SHARE, "a number from 0 to 1"),
+    "steady": (SHARE, "a number from 0 to 1"),
+    "max_yaw": (_number(0.0, LARGEST_YAW), f"radians from 0 to {LARGEST_YAW:.2f}"),
+    "max_pitch": (_number(0.0, LARGEST_PITCH), f"radians from 0 to {LARGEST_PITCH:.2f}"),
     "position": (_are(3, FAR), "a list of three numbers"),
     "heading": (FAR, "a number of radians"),
     "in_place": (lambda value: isinstance(value, bool), "true or false"),
@@ -100,6 +111,8 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "act": ("action",),
     "stop": (),
     "wear": ("hands",),
+    "look": (),
+    "aim": (),
     "mix": ("weights",),
     "weight": ("weight",),
     "speed": ("speed",),
@@ -110,6 +123,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "remove": (),
     "set": (),
 }
+TARGETED = ("look", "aim")
 OPTIONAL: Mapping[str, tuple[str, ...]] = {
     "create": ("time", "loop", "speed", "position", "heading", "in_place", "lock_feet"),
     "play": ("time", "loop", "blend", "curve"),
@@ -118,6 +132,8 @@ OPTIONAL: Mapping[str, tuple[str, ...]] = {
     ),
     "stop": ("blend", "curve"),
     "wear": ("blend", "curve", "weight"),
+    "look": ("point", "direction", "blend", "weight", "spine", "steady", "max_yaw", "max_pitch"),
+    "aim": ("point", "direction", "part", "blend", "weight", "steady", "max_yaw", "max_pitch"),
     "place": ("heading",),
     "set": ("rate", "ahead", "events"),
 }
@@ -162,6 +178,8 @@ def checked(listed: list[Any], axes: Axes) -> list[Command]:
 def _in_our_axes(values: Mapping[str, Any], axes: Axes) -> Mapping[str, Any]:
     converters: Mapping[str, Callable[[Any], Any]] = {
         "position": axes.metres,
+        "point": lambda point: point and axes.metres(point),
+        "direction": lambda direction: direction and axes.metres(direction),
         "heading": lambda heading: axes.turn * heading,
     }
     return {key: converters[key](value) if key in converters else value for key, value in values.items()}
@@ -189,6 +207,14 @@ def _command(fields: object) -> Command:
     for key in needed:
         if key not in values:
             raise RequestError(f"{key}: missing, but {do} requires it")
+    if do in TARGETED and ("point" in values) == ("direction" in values):
+        raise RequestError(f"{do} requires a point or a direction, and not both", mend="Give one of them; null ends it")
+    if None in (values.get("point", ""), values.get("direction", "")) and values.keys() - {
+        "point",
+        "direction",
+        "blend",
+    }:
+        raise RequestError(f"{do}: null ends it, and may have no other key than blend")
     return Command(do, () if do == "set" else _ids(fields.get("id")), values)
 
 

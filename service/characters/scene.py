@@ -5,13 +5,14 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Self, get_args
+from typing import Any, Self, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters.action import Action
+from motionsplice.runtime.characters.aim import Aim, Look
 from motionsplice.runtime.characters.state import (
     ACTION_BEGAN,
     ACTION_ENDED,
@@ -28,6 +29,7 @@ from motionsplice.service.serving import Edition
 
 FEW = 20_000  # characters times frames that are evaluated within a few milliseconds
 LONGEST_STEP = 0.1  # seconds by which characters are advanced at once
+Target = TypeVar("Target", Look, Aim)
 DEFAULT_EVENTS = ACTION_BEGAN | ACTION_ENDED | LOCOMOTION_ENDED
 
 
@@ -122,6 +124,10 @@ class Scene:
             return
         if command.do == "act":
             self.characters.act(rows, _action(**command.values))
+        elif command.do == "look":
+            self.characters.look(rows, _target(Look, command.values), **_blend(command.values))
+        elif command.do == "aim":
+            self.characters.aim(rows, _target(Aim, command.values), **_blend(command.values))
         else:
             getattr(self.characters, command.do)(rows, **command.values)
 
@@ -174,6 +180,16 @@ def composed(first: NDArray[np.float64], then: NDArray[np.float64]) -> NDArray[n
     left, up, ahead, turn = then.T
     sin, cos = np.sin(first[:, 3]), np.cos(first[:, 3])
     return first + np.column_stack((cos * left + sin * ahead, up, cos * ahead - sin * left, turn))
+
+
+def _target(kind: type[Target], values: Mapping[str, Any]) -> Target | None:
+    """Returns the target of a command `look` or `aim`; None if it is null."""
+    fields = {key: value for key, value in values.items() if key != "blend"}
+    return None if None in (fields.get("point", ""), fields.get("direction", "")) else kind(**fields)
+
+
+def _blend(values: Mapping[str, Any]) -> dict[str, float]:
+    return {"blend": values["blend"]} if "blend" in values else {}
 
 
 def _action(action: str, own_clock: bool | list[float] | None = None, **values: Any) -> Action:

@@ -1,7 +1,7 @@
 import { command } from './commands.js';
 import { Pose } from './pose.js';
 
-/** @import { ActOptions, Command, Fade, Locomotion, PlayOptions, Position, Receiver, WearOptions } from './commands.js' */
+/** @import { ActOptions, AimOptions, AimTarget, Command, Fade, Locomotion, LookOptions, PlayOptions, Position, Receiver, WearOptions } from './commands.js' */
 /** @import { Memory } from './memory.js' */
 /** @import { Moment } from './playback.js' */
 /** @import { Target } from './rest.js' */
@@ -87,6 +87,26 @@ export class Character {
    */
   wear(hands, options) {
     return this.#do('wear', { hands, ...options });
+  }
+
+  /**
+   * Turns head, neck and spine toward a point or a direction; null ends it.
+   *
+   * @param {AimTarget | null} target
+   * @param {LookOptions} [options]
+   */
+  look(target, options) {
+    return this.#do('look', { ...(target ?? { point: null }), ...options });
+  }
+
+  /**
+   * Turns the chest or an arm toward a point or a direction; null ends it for all parts.
+   *
+   * @param {AimTarget | null} target
+   * @param {AimOptions} [options]
+   */
+  aim(target, options) {
+    return this.#do('aim', { ...(target ?? { point: null }), ...options });
   }
 
   /**

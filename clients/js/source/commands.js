@@ -14,6 +14,10 @@
  * @typedef {{ when?: When, start?: number, blendOut?: number, weight?: number, loop?: boolean,
  *   ownClock?: boolean | readonly [number, number], mask?: Mask, method?: 'splice' | 'naive', posture?: Posture } & Fade} ActOptions
  * @typedef {{ weight?: number } & Fade} WearOptions
+ * @typedef {{ point: Position } | { direction: Position }} AimTarget
+ * @typedef {{ blend?: number, weight?: number, steady?: number, maxYaw?: number, maxPitch?: number }} TargetOptions
+ * @typedef {{ spine?: number } & TargetOptions} LookOptions
+ * @typedef {{ part?: 'chest' | 'left_arm' | 'right_arm' } & TargetOptions} AimOptions
  * @typedef {'action_began' | 'action_ended' | 'locomotion_ended' | 'left_down' | 'left_up' | 'right_down' | 'right_up' | 'stride'} CharacterEvent
  * @typedef {'vmc' | 'livelink'} Receiver
  * @typedef {{ rate?: number, ahead?: number, events?: readonly CharacterEvent[] }} Settings

@@ -9,6 +9,11 @@ export class Memory {
   /** @type {Command | undefined} */
   act = undefined;
 
+  /** @type {Command | undefined} */
+  look = undefined;
+  /** What each part aims at. @type {Map<unknown, Command>} */
+  aims = new Map();
+
   /**
    * @param {Command} created
    * @param {number} id
@@ -39,6 +44,9 @@ export class Memory {
     else if (name === 'weight' && this.act) this.act.weight = values.weight;
     else if (name === 'stop') this.act = undefined;
     else if (name === 'wear') this.wear = values.hands === null ? undefined : { ...done, id: this.id };
+    else if (name === 'look') this.look = ends(values) ? undefined : { ...done, id: this.id };
+    else if (name === 'aim' && ends(values)) this.aims.clear();
+    else if (name === 'aim') this.aims.set(values.part ?? 'chest', { ...done, id: this.id });
     else if (name === 'place') this.placed = { number: frame, ground: groundOf(done) };
     if (name === 'place' || name === 'in_place') this.jumps.push(frame);
   }
@@ -74,6 +82,8 @@ export class Memory {
     /** @type {Command[]} */
     const commands = [{ ...create, do: 'create', position: [x, y, z], heading }];
     if (this.wear) commands.push(this.wear);
+    if (this.look) commands.push(this.look);
+    commands.push(...this.aims.values());
     if (this.act && this.act.loop !== false) {
       const { when, start, ...act } = this.act;
       commands.push({ ...act, do: 'act' });
@@ -90,6 +100,11 @@ export class Memory {
     this.placed = { number: frame, ground: this.placed.ground };
     this.jumps = [frame];
   }
+}
+
+/** Whether a command `look` or `aim` ends it. @param {{ point?: unknown, direction?: unknown }} values */
+function ends({ point, direction }) {
+  return point === null || direction === null;
 }
 
 /** @param {Command} values */

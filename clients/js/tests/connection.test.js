@@ -108,6 +108,9 @@ test('all commands are those of the protocol', async () => {
   await record(hero.weight(0.5));
   await record(hero.stop({ blend: 2 }));
   await record(hero.wear('gloves', { weight: 1 }));
+  await record(hero.look({ point: [1, 2, 3] }, { maxYaw: 1 }));
+  await record(hero.aim({ direction: [0, 0, 1] }, { part: 'left_arm', blend: 1 }));
+  await record(hero.aim(null));
   await record(hero.place([1, 0, 1], { heading: 1 }));
   await record(hero.inPlace());
   await record(hero.sendTo('vmc', 'livelink'));
@@ -119,6 +122,9 @@ test('all commands are those of the protocol', async () => {
     { do: 'weight', id: 7, weight: 0.5 },
     { do: 'stop', id: 7, blend: 2 },
     { do: 'wear', id: 7, hands: 'gloves', weight: 1 },
+    { do: 'look', id: 7, point: [1, 2, 3], max_yaw: 1 },
+    { do: 'aim', id: 7, direction: [0, 0, 1], part: 'left_arm', blend: 1 },
+    { do: 'aim', id: 7, point: null },
     { do: 'place', id: 7, position: [1, 0, 1], heading: 1 },
     { do: 'in_place', id: 7, in_place: true },
     { do: 'send', id: 7, to: ['vmc', 'livelink'] },
@@ -134,7 +140,8 @@ test('a lost connection is opened again, and its characters are made again where
   const seen = [];
   for (const name of ['disconnected', 'reconnected', 'closed']) service.on(name, (event) => seen.push([name, event]));
   const commands = [hero.act('carry_box', { when: 'left_foot', mask: 'arms' }), hero.speed(0.5), service.set({ rate: 30, events: ['stride'] }),
-    service.characters.get(4294967295).act('wave', { loop: false }), hero.mix({ curve: 2 }), hero.wear('gloves')];
+    service.characters.get(4294967295).act('wave', { loop: false }), hero.mix({ curve: 2 }), hero.wear('gloves'),
+    hero.look({ point: [1, 2, 3] }), hero.aim({ point: [1, 2, 3] }), hero.aim(null), hero.aim({ direction: [0, 0, 1] }, { part: 'left_arm' })];
   await Promise.resolve();
   commands.forEach(() => socket.done(121));
   await Promise.all(commands);
@@ -152,9 +159,10 @@ test('a lost connection is opened again, and its characters are made again where
   assert.equal(again.url.searchParams.get('rate'), '30');
   again.hear(WELCOME);
   assert.deepEqual(again.sent[0], { do: 'set', events: ['stride'], ref: again.sent[0].ref });
-  const [create, wear, act] = again.sent[1];
+  const [create, wear, look, aim, act] = again.sent[1];
   const { position, heading, ref, ...others } = create;
   assert.deepEqual(others, { do: 'create', id: 7, locomotion: { curve: 2 }, speed: 0.5, in_place: false });
+  assert.deepEqual([look, aim], [{ do: 'look', id: 7, point: [1, 2, 3] }, { do: 'aim', id: 7, direction: [0, 0, 1], part: 'left_arm' }]);
   assert.deepEqual([wear, act], [{ do: 'wear', id: 7, hands: 'gloves' }, { do: 'act', id: 7, action: 'carry_box', mask: 'arms' }]);
   // two steps of the golden file from [1, 2, 3], heading 0.5
   assert.ok(Math.hypot(position[0] - 1, position[1] - 2, position[2] - 3) < 0.1 && position[2] > 3);

@@ -6,6 +6,11 @@ import type { Character, Connection } from 'motionsplice';
 const service: Connection = await connect('http://127.0.0.1:8000', { token: 'x', axes: 'gltf', parts: 'both', encoding: 'int16', rate: 60, ahead: 4 });
 const hero: Character = await service.create({ walk: 0.5, run: 0.5 }, { position: [1, 0, 2], heading: 1, inPlace: true });
 const frame: number = await hero.act('wave', { when: 'left_foot', blendOut: 0.2, ownClock: [0, 1], mask: 'arms', posture: 'running' });
+await hero.look({ point: [1, 1.6, 4] }, { maxYaw: 1 });
+await hero.aim({ direction: [0, 0, 1] }, { part: 'right_arm', steady: 1 });
+await hero.look(null, { blend: 1 });
+// @ts-expect-error: look has no part
+void hero.look({ point: [1, 1.6, 4] }, { part: 'chest' });
 const end: () => void = service.on('action_began', ({ ids, action }) => console.log(ids.map((id) => id + 1), action.length, frame));
 service.on('reconnected', ({ failed }) => failed.forEach(({ id, error }) => console.log(id, error.type)));
 service.on('frames', (frames: Frames) => frames.ids?.length);

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from bench.characters.gaits import phases
 from bench.characters.joint_speeds import RATE, Watch
 from bench.characters.replay import perform, record, replay
-from bench.characters.scenes import MOST, fastest_of_scenes, pops
+from bench.characters.scenes import MOST, fastest_of_scenes, pops, random_command
 from bench.characters.steady import LAYERS, LEGS, is_fading, slot_contents, steady_rows
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
@@ -45,14 +45,14 @@ def real_stage(real_motion: Path, tmp_path_factory: pytest.TempPathFactory) -> S
 @settings(max_examples=20, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(seeds)
 def test_no_joint_pops(stage: Stage, seeds: list[int]) -> None:
-    fastest = fastest_of_scenes(stage, seeds)
+    fastest = fastest_of_scenes(stage, seeds, random_command)
     assert np.all(fastest.played < MOST * np.maximum(fastest.clips, fastest.steady))
 
 
 @settings(max_examples=20, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(seeds)
 def test_no_joint_of_captured_motion_pops(real_stage: Stage, seeds: list[int]) -> None:
-    fastest = fastest_of_scenes(real_stage, seeds)
+    fastest = fastest_of_scenes(real_stage, seeds, random_command)
     assert np.all(fastest.played < MOST * np.maximum(fastest.clips, fastest.steady))
     assert np.all(fastest.jump < MOST * np.maximum(fastest.clips, fastest.steady_jump))
 

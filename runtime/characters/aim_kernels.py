@@ -1,0 +1,113 @@
+"""Targets of characters: which way they lie, how far a body turns to them, and how it gets there smoothly.
+
+Directions are a yaw to the left and a pitch upward from the character's heading, radians.
+"""
+
+from __future__ import annotations
+
+import math
+
+from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.kernels.turns import Turn
+from motionsplice.runtime.simd.compiled import Array, inlined, kernel
+
+SOFT = math.radians(10.0)  # this far below a limit, turns begin to stay behind the target
+STEEP = 0.17  # the horizontal part of a direction (of 80 degrees up or down) below which its yaw counts less and less
+NEAR = 0.1  # metres: targets that are nearer than this turn nobody
+SETTLED = 1e-4  # of a weight, or of an angle: less is no longer seen
+PACE = 7.0  # changes settle to 3 % of themselves within their duration
+
+
+@kernel
+def advance_aims(s: Array, c: int, seconds: float) -> None:
+    """Advances what is shown of each target toward what is wanted; forgets targets that have faded out."""
+    count = 0.0
+    for part in range(4):
+        slot = c + col.FIRST_AIM + part * col.AIM_COLUMNS
+        if s[slot + col.TARGET] != col.NOTHING:
+            advance_aim(s, slot, seconds)
+            count += 1.0 if s[slot + col.TARGET] != col.NOTHING else 0.0
+    s[c + col.AIMED] = count
+
+
+@inlined
+def advance_aim(s: Array, slot: int, seconds: float) -> None:
+    lasting = s[slot + col.SETTLING]
+    pace = PACE / lasting if lasting > 0.0 else 0.0
+    for number in range(3):  # weight, spine, steady
+        wanted, at = s[slot + col.WANTED_WEIGHT + number], slot + col.SHOWN + 3 * number
+        s[at] -= wanted
+        settle(s, at, pace, seconds)
+        s[at] = min(max(s[at] + wanted, 0.0), 1.0)
+    settle(s, slot + col.YAW_LEFT, pace, seconds)
+    settle(s, slot + col.PITCH_LEFT, pace, seconds)
+    if s[slot + col.SHOWN] == 0.0 and s[slot + col.WANTED_WEIGHT] == 0.0:
+        s[slot + col.TARGET] = col.NOTHING
+
+
+@inlined
+def settle(s: Array, at: int, pace: float, seconds: float) -> None:
+    """Moves a difference, followed by its first two derivatives, toward 0, without a jump in any of them.
+
+    Three low-pass filters in a row of the same `pace` per second, solved exactly.
+    """
+    left, speed, change = s[at], s[at + 1], s[at + 2]
+    if left == 0.0 and speed == 0.0 and change == 0.0:
+        return
+    b, c, decay = speed + pace * left, 0.5 * change + pace * speed + 0.5 * pace * pace * left, math.exp(-pace * seconds)
+    left = (left + (b + c * seconds) * seconds) * decay
+    slope = (b + 2.0 * c * seconds) * decay
+    speed = slope - pace * left
+    change = 2.0 * c * decay - pace * (slope + speed)
+    if pace == 0.0 or (abs(left) < SETTLED and abs(speed) < pace * SETTLED):
+        left = speed = change = 0.0
+    s[at], s[at + 1], s[at + 2] = left, speed, change
+
+
+@inlined
+def way_to(s: Array, slot: int, x: float, y: float, z: float, is_first: bool) -> Turn:
+    """Returns the turn of Z that is shown of a target at x, y, z: upward, then to the left, within a slot's limits.
+
+    Up to SOFT below a limit this is the target's own direction. Behind the back the yaw falls to 0 again, so that it
+    does not jump from one side to the other. The first of several calls for a frame, `is_first`, remembers the way, so
+    that after a change of the target what is shown begins where it was.
+    """
+    level = math.sqrt(x * x + z * z)
+    length = math.sqrt(level * level + y * y)
+    wanted_yaw, wanted_pitch, most = math.atan2(x, z), math.atan2(y, level), s[slot + col.MOST_YAW]
+    near = smooth(length / NEAR) if s[slot + col.TARGET] == col.POINT else 1.0
+    behind = smooth((math.pi - abs(wanted_yaw)) / (math.pi - max(most, 0.5 * math.pi)))
+    steep = smooth(level / (STEEP * length)) if length > 0.0 else 0.0
+    yaw = math.copysign(near * steep * behind * soft(abs(wanted_yaw), most), wanted_yaw)
+    pitch = math.copysign(near * soft(abs(wanted_pitch), s[slot + col.MOST_PITCH]), wanted_pitch)
+    if is_first:
+        if s[slot + col.CHANGED] > 0.0:
+            s[slot + col.YAW_LEFT] += s[slot + col.YAW] - yaw
+            s[slot + col.PITCH_LEFT] += s[slot + col.PITCH] - pitch
+            s[slot + col.CHANGED] = 0.0
+        s[slot + col.YAW], s[slot + col.PITCH] = yaw, pitch
+    yaw, pitch = yaw + s[slot + col.YAW_LEFT], pitch + s[slot + col.PITCH_LEFT]
+    if yaw == wanted_yaw and pitch == wanted_pitch and steep == 1.0:  # without sines: the usual case, in half the time
+        cy, cp = math.sqrt(0.5 + 0.5 * z / level), math.sqrt(0.5 + 0.5 * level / length)
+        sy, sp = 0.5 * x / (level * cy), 0.5 * y / (length * cp)
+    else:
+        sy, cy, sp, cp = math.sin(0.5 * yaw), math.cos(0.5 * yaw), math.sin(0.5 * pitch), math.cos(0.5 * pitch)
+    return -cy * sp, sy * cp, sy * sp, cy * cp
+
+
+@inlined
+def soft(angle: float, most: float) -> float:
+    """Returns an angle that is 0 or more, bent so that it never exceeds `most`."""
+    bend = min(SOFT, 0.5 * most)
+    over = angle - (most - bend)
+    if over <= 0.0:
+        return angle
+    over = over / bend if bend > 0.0 else 2.0
+    return most - bend + bend * (over - 0.25 * over * over if over < 2.0 else 1.0)
+
+
+@inlined
+def smooth(t: float) -> float:
+    """Returns a smooth step from 0 to 1."""
+    t = min(max(t, 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)

@@ -1,0 +1,102 @@
+"""The chains of joints that turn toward a target: trunk, neck and arms, and where they point by themselves."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import common_ancestor
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.simd.compiled import Array
+
+TRUNK, LEFT_ARM, RIGHT_ARM, NECK = range(4)
+FORWARD = [0.0, 0.0, 1.0]
+
+
+class Chains(NamedTuple):
+    """Four chains: the trunk from the root to the joint where the arms branch, both arms, and neck with head.
+
+    Attributes:
+        lengths: [4], number of joints of each chain.
+        firsts: [4], the first joint of the trunk that turns; the shoulder of each arm; for the neck, the joint of the
+            trunk on which it hangs.
+        columns: [4, longest], the first column of each joint in a pose.
+        offsets: [4, longest, 3], of each joint from its parent, metres.
+        gaze: [3], where the head points in its own frame, on average of the baseline's stride: ahead.
+        eyes: [3], the head in the frame of the joint on which the neck hangs, on average of the same stride, metres.
+        shoulders: [3], the middle of the shoulders in the frame of the last joint of the trunk, likewise.
+        world: [joints of the trunk, 11], scratch memory: rotation, place, and by how much the rotation was turned.
+    """
+
+    lengths: Array
+    firsts: Array
+    columns: Array
+    offsets: Array
+    gaze: Array
+    eyes: Array
+    shoulders: Array
+    world: Array
+
+
+def chains_of(bank: Bank) -> Chains:
+    """Returns the chains of a bank's rig. Without neck and head, the chain NECK is empty."""
+    skeleton, roles = bank.skeleton, bank.roles
+    chest = common_ancestor(skeleton.parents, (roles.left_shoulder, roles.right_shoulder))
+    trunk = skeleton.chain(chest)[::-1]
+    head = next(joint for joint in (roles.head, roles.neck, chest) if joint >= 0)
+    neck = skeleton.chain(head)[::-1]
+    branch = max(at for at, joint in enumerate(trunk) if joint in neck)
+    parts = [
+        trunk,
+        below(skeleton.chain(roles.left_wrist), chest),
+        below(skeleton.chain(roles.right_wrist), chest),
+        neck[branch + 1 :],
+    ]
+    longest = max(len(part) for part in parts)
+    columns, offsets = np.zeros((4, longest), np.uint64), np.zeros((4, longest, 3))
+    for number, part in enumerate(parts):
+        columns[number, : len(part)] = [4 * joint for joint in part]
+        offsets[number, : len(part)] = skeleton.offsets[part]
+    shoulders = parts[LEFT_ARM].index(roles.left_shoulder), parts[RIGHT_ARM].index(roles.right_shoulder)
+    return Chains(
+        np.array([len(part) for part in parts]),
+        np.array([trunk.index(roles.pelvis), *shoulders, branch]),
+        columns,
+        offsets,
+        *neutral(bank, trunk[branch], chest, head),
+        np.zeros((len(trunk), 11)),
+    )
+
+
+def below(chain: list[int], joint: int) -> list[int]:
+    """Returns the joints of a chain, which goes up, that are below a joint of it, from there down."""
+    return chain[: chain.index(joint)][::-1]
+
+
+def neutral(bank: Bank, branch: int, chest: int, head: int) -> tuple[Floats, Floats, Floats]:
+    """Returns gaze, eyes and shoulders of `Chains`, as means over the baseline's stride.
+
+    They come from motion, not from the bind pose: an angle of the head in the bind pose, or local axes that are not
+    those of the world, do not matter.
+    """
+    clip, roles = bank.motion(bank.baseline.clip), bank.roles
+    first = min(round(bank.baseline.start * clip.rate), clip.frame_count - 1)
+    stride = slice(first, max(round(bank.baseline.end * clip.rate), first + 1))
+    positions, world = world_transforms(bank.skeleton, clip.root_positions[stride], clip.rotations[stride])
+    ahead = quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], bank.root_path(clip.name)[stride, 3]), FORWARD)
+    middle = 0.5 * (positions[:, roles.left_shoulder] + positions[:, roles.right_shoulder])
+    return (
+        quaternion.unit(in_frame(world[:, head], ahead)),
+        in_frame(world[:, branch], positions[:, head] - positions[:, branch]),
+        in_frame(world[:, chest], middle - positions[:, chest]),
+    )
+
+
+def in_frame(frames: Floats, vectors: Floats) -> NDArray[np.float64]:
+    """Returns the mean [3] of vectors [F, 3] of the world, in frames [F, 4]."""
+    return np.asarray(quaternion.rotate(quaternion.conjugate(frames), vectors).mean(axis=0))

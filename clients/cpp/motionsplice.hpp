@@ -120,6 +120,7 @@ struct ClipEntry {
     double mean_mismatch = 0.0, worst_mismatch = 0.0, shoulder_motion = 0.0;
     std::int64_t first_row = 0, frame_count = 0, row_count = 0, first_cell = 0, cell_count = 0, loop = 0;
     bool gait = false;
+    bool mirrored = false;  ///< whether it is a mirror image, which has the rows of its clip; not in the manifest
 
     /// Seconds from the first frame to the last, without the seam.
     double duration() const { return static_cast<double>(frame_count - 1) / rate; }
@@ -165,6 +166,13 @@ struct Half {
     void lay_out(std::int64_t first_column, int first_joint);
 };
 
+/// How the sampled rotations of a half are mirrored: the lane of each one's twin, and the matrix that turns the twin's
+/// rotation into its own.
+struct Images {
+    std::vector<int> twins;
+    std::vector<std::array<float, 16>> matrices;
+};
+
 /// Two neighbouring rows of a table, and the share of the second one.
 struct Between {
     std::int64_t row = 0;
@@ -186,13 +194,20 @@ public:
     /// The same from elsewhere, such as an engine's archive; `name` stands for the folder in errors.
     static Bank open(const Files& files, const std::string& name, Error& error);
 
-    /// Returns the number of a clip: its index in `clips()`; NOT_FOUND if the name is unknown.
+    /// Returns the number of a clip: its index in `clips()`; NOT_FOUND if the name is unknown. `walk~mirror` names the
+    /// mirror image of `walk`, whose number is larger by the size of `clips()`. If the rig has no mirror image, the
+    /// number is refused by the evaluator.
     int find(std::string_view clip) const;
+    /// Returns the entry of a clip or of its mirror image by its number, which must not be NOT_FOUND.
+    const ClipEntry& clip(int number) const { return numbered_[std::size_t(number)]; }
     /// Returns the number of a hands clip: its index in `hand_clips()`; NOT_FOUND if the name is unknown.
     int find_hands(std::string_view name) const;
 
     int joint_count() const { return static_cast<int>(skeleton_.names.size()); }
     const Skeleton& skeleton() const { return skeleton_; }
+    /// Whether clips have mirror images: not if left and right limbs hang on different joints.
+    bool has_mirror_images() const { return !upper_images_.twins.empty(); }
+    /// The clips, without their mirror images.
     const std::vector<ClipEntry>& clips() const { return clips_; }
     const std::vector<HandsEntry>& hands() const { return hands_; }
     /// Names of all hands clips, sorted.
@@ -203,26 +218,33 @@ public:
 private:
     friend class Evaluator;
     using Digests = std::array<std::string, 10>;
+    using Turn = std::array<double, 4>;
 
     bool read(const Files& files, const std::string& name, Error& error);
     std::string read_body(const detail::Bytes& manifest, Digests& digests);
     std::string read_skeleton(const detail::Value& rig);
     std::string read_clips(const detail::Value& body);
     std::string read_roles(const detail::Value& map);
+    std::string read_mirror(const detail::Value& map);
+    bool mirror_half(const detail::Half& half, const std::vector<std::int64_t>& twins, const std::vector<Turn>& turns,
+                     detail::Images& images) const;
     std::string clips_fault(const std::string& baseline);
     std::string hands_fault();
     void lay_out(std::int64_t left_elbow, std::int64_t right_elbow);
+    int find_own(std::string_view clip) const;
+    int own(int clip) const { return clip - (this->clip(clip).mirrored ? static_cast<int>(clips_.size()) : 0); }
     std::string load(std::size_t table, const detail::Bytes& file);
     std::string contents_fault(std::size_t table) const;
     std::int64_t hand_row(int hands, int clip) const;
     detail::Between between(int clip, double frame, double last) const;
-    double phase_at(detail::Between at) const;
+    double phase_at(int clip, detail::Between at) const;
     double guess(int clip, double phase) const;
     double frame_at(int clip, double phase, double near) const;
+    std::array<double, 6> posture(int clip) const;
 
     std::string digest_;
     Skeleton skeleton_;
-    std::vector<ClipEntry> clips_;
+    std::vector<ClipEntry> clips_, numbered_;  // the latter: clips, then mirror images
     std::vector<HandsEntry> hands_;
     std::vector<std::string> hand_clips_;
     std::vector<int> by_name_;                                   // clips, sorted by name
@@ -230,6 +252,9 @@ private:
     std::int64_t pelvis_ = 0, points_ = 0, cloud_width_ = 0;
     std::int64_t rows_ = 0, cells_ = 0, hand_rows_ = 0;
     detail::Half lower_half_, upper_half_, hands_half_;
+    std::vector<int> lanes_of_hands_;             // in the upper half
+    detail::Images lower_images_, upper_images_;  // empty if the rig has no mirror image
+    std::array<std::array<double, 3>, 3> cloud_image_{};
     detail::Table<float> lower_, upper_, frame_of_phase_, hand_table_;
     detail::Table<double> phase_of_frame_, paths_, postures_, hand_frames_;
     detail::Table<std::uint8_t> contacts_;
@@ -273,12 +298,15 @@ private:
     struct Character;
     struct Torsos;
 
-    bool exists(int clip) const { return clip >= 0 && clip < static_cast<int>(bank_->clips_.size()); }
+    bool exists(int clip) const;
     Error fault(const Splice& splice, double time, bool remembers) const;
     void look_up(const Splice* splices, const double* times, int count, Character* characters) const;
     void prefetch_upper(const Splice& splice, Character& character) const;
     void sample(const Character& character, float* rotations, float* root_position);
     void correlate(const Character& character, int k, Torsos& torsos) const;
+    void correlate_mirrored(const Character& character, int k, Torsos& torsos) const;
+    std::array<double, 3> point(const float* rows, std::int64_t columns, double share, bool mirrored,
+                                std::int64_t number) const;
     void turn_pelves(const Splice* splices, const Character* characters, int count, Torsos& torsos,
                      Memory* memories) const;
     void follow_posture(const Character& character, const double* stored, int k, const Torsos& torsos,
@@ -287,8 +315,9 @@ private:
     RootMotion walk(int clip, double from, double to) const;
 
     const Bank* bank_;
-    std::vector<float> lower_lanes_, upper_lanes_, hand_lanes_;  // sampled rotations of one character: [4, width]
-    std::vector<float> world_;                                   // [J, 7, LANES]
+    // sampled rotations of one character: [4, width]; spare_lanes_ are a copy of those that are being mirrored
+    std::vector<float> lower_lanes_, upper_lanes_, hand_lanes_, spare_lanes_;
+    std::vector<float> world_;  // [J, 7, LANES]
 };
 
 // ------------------------------------------------------------------------------------------------------------- details
@@ -304,7 +333,9 @@ constexpr double IN_STEP = 1e-3;                           // cycles by which an
 constexpr double LEAST_GAP = 1e-3;                         // of a clear rotation, see docs/bank.md
 constexpr std::int64_t MOST_ROWS = std::int64_t(1) << 40;  // sums and products of counts stay far from overflow
 constexpr std::size_t LARGEST_MANIFEST = std::size_t(64) << 20;  // bytes
-constexpr int VERSION = 5;
+constexpr int VERSION = 6;
+constexpr std::string_view MIRRORED = "~mirror";  // ends the name of a mirror image
+constexpr double HALF_A_CYCLE = 0.5;              // a mirror image is this much later in phase than its clip
 constexpr const char* FORMAT = "motionsplice bank";
 constexpr const char* REBUILD = "Build it again with `motionsplice precompute`";
 
@@ -413,7 +444,7 @@ inline bool is_utf8(std::string_view text) {
 
 /// A value in MessagePack bytes: a view that copies nothing. `next` is where the value after it begins.
 struct Value {
-    enum class Type { invalid, other, boolean, integer, real, text, binary, array, map };
+    enum class Type { invalid, nil, other, boolean, integer, real, text, binary, array, map };
 
     Type type = Type::invalid;
     std::uint64_t size = 0;           // bytes, items of an array, or pairs of a map
@@ -446,7 +477,7 @@ struct Value {
             value.type = lead < 0x90 ? Type::map : lead < 0xa0 ? Type::array : Type::text;
             value.size = lead & (lead < 0xa0 ? 15u : 31u);
         } else if (lead == 0xc0) {
-            value.type = Type::other;
+            value.type = Type::nil;
         } else if (lead == 0xc2 || lead == 0xc3) {
             value.type = Type::boolean;
             value.integer = lead - 0xc2;
@@ -552,9 +583,10 @@ inline bool get(const Value& value, double& out) {
     return value.type == Value::Type::real && std::isfinite(value.real);
 }
 
-inline bool get(const Value& value, std::array<double, 3>& out) {
+template <std::size_t N>
+bool get(const Value& value, std::array<double, N>& out) {
     std::size_t at = 0;
-    return value.size == 3 && value.each([&](const Value& item) { return get(item, out[at++]); });
+    return value.size == N && value.each([&](const Value& item) { return get(item, out[at++]); });
 }
 
 /// Grows with the items that are really there, not by the count that the bytes claim.
@@ -743,6 +775,34 @@ inline void slerp(const float* a, const float* b, std::int64_t width, float t, f
     }
 }
 
+/// Mirrors planes [4, width] of rotations, from a copy of them in `spare`.
+inline void mirror(const Images& images, const float* spare, float* lanes) {
+    const std::size_t width = images.twins.size();
+    for (std::size_t lane = 0; lane < width; ++lane) {
+        const float* twin = spare + images.twins[lane];
+        const float x = twin[0], y = twin[width], z = twin[2 * width], w = twin[3 * width];
+        const float* m = images.matrices[lane].data();
+        for (std::size_t c = 0; c < 4; ++c, m += 4) {
+            lanes[c * width + lane] = (m[0] * x + m[1] * y) + (m[2] * z + m[3] * w);
+        }
+    }
+}
+
+/// Returns the matrix [4, 4] that takes the rotation q of a joint's twin to the joint's: `above^-1 f(q) turn`.
+inline std::array<float, 16> image(const std::array<double, 4>& above, const std::array<double, 4>& turn) {
+    const Quaternions<4> flip{{1.0, 0.0, 0.0, 0.0}, {0.0, -1.0, 0.0, 0.0}, {0.0, 0.0, -1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}};
+    Quaternions<4> parent, own;
+    for (int k = 0; k < 4; ++k) parent.set(k, above.data()), own.set(k, turn.data());
+    const Quaternions<4> columns = product(product(inverse(parent), flip), own);
+    std::array<float, 16> matrix;
+    for (std::size_t k = 0; k < 4; ++k) {
+        double column[4];
+        columns.get(static_cast<int>(k), column);
+        for (std::size_t c = 0; c < 4; ++c) matrix[4 * c + k] = static_cast<float>(column[c]);
+    }
+    return matrix;
+}
+
 /// Correlations of pairs of clouds, one pair of each character of a block: m[i][j] = sum target_i source_j.
 template <int N>
 struct Correlations {
@@ -909,7 +969,8 @@ inline std::string Bank::read_body(const detail::Bytes& manifest, Digests& diges
                            digests[table].find_first_not_of("0123456789abcdef") == std::string::npos;
         if (!found) return "the manifest has no digest of table " + detail::quoted(detail::TABLES[table]);
     }
-    return read_roles(body["roles"]);
+    if (const std::string problem = read_roles(body["roles"]); !problem.empty()) return problem;
+    return read_mirror(body["mirror"]);
 }
 
 /// Reads the skeleton. Like all that follow, returns a problem; empty if there is none.
@@ -1002,6 +1063,67 @@ inline std::string Bank::read_roles(const detail::Value& map) {
     return "";
 }
 
+/// Adds the mirror images of the clips, and reads how the rig is mirrored.
+inline std::string Bank::read_mirror(const detail::Value& map) {
+    numbered_ = clips_;
+    for (const ClipEntry& clip : clips_) {
+        ClipEntry& image = numbered_.emplace_back(clip);
+        image.name += detail::MIRRORED;
+        image.first_phase += detail::HALF_A_CYCLE, image.last_phase += detail::HALF_A_CYCLE;
+        image.mirrored = true;
+    }
+    if (map.type == detail::Value::Type::nil) return "";
+    std::vector<std::int64_t> twins;
+    std::vector<Turn> turns;
+    const std::string problem = detail::Fields(map)("twins", twins)("turns", turns).fault();
+    if (!problem.empty()) return problem;
+    const std::size_t count = skeleton_.names.size(), pelvis = std::size_t(pelvis_);
+    if (twins.size() != count || turns.size() != count) {
+        return "the manifest's mirror does not fit " + std::to_string(count) + " joints";
+    }
+    const bool middle = twins[pelvis] == -1 || twins[pelvis] == pelvis_;
+    if (!middle || !mirror_half(lower_half_, twins, turns, lower_images_) ||
+        !mirror_half(upper_half_, twins, turns, upper_images_)) {
+        return "the mirror has a twin in the other half of the body";
+    }
+    const double back[4] = {-turns[pelvis][0], -turns[pelvis][1], -turns[pelvis][2], turns[pelvis][3]};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        std::array<double, 3> unit{};
+        unit[axis] = axis == 0 ? -1.0 : 1.0;
+        const std::array<double, 3> column = detail::rotated(back, unit);
+        for (std::size_t i = 0; i < 3; ++i) cloud_image_[i][axis] = column[i];
+    }
+    return "";
+}
+
+/// Finds how a half is mirrored. Returns whether the twins of its joints lie in it.
+inline bool Bank::mirror_half(const detail::Half& half, const std::vector<std::int64_t>& twins,
+                              const std::vector<Turn>& turns, detail::Images& images) const {
+    constexpr Turn IDENTITY = {0.0, 0.0, 0.0, 1.0};
+    const auto above = [&](std::size_t joint) {
+        return joint == 0 ? IDENTITY : turns[std::size_t(skeleton_.parents[joint])];
+    };
+    std::vector<int> lanes(twins.size(), -1);  // of the half's joints
+    for (std::size_t i = 0; i < half.joints.size(); ++i) {
+        lanes[std::size_t(half.joints[i])] = static_cast<int>(detail::FIRST_JOINT + i);
+    }
+    for (int lane = 0; lane < half.width; ++lane) images.twins.push_back(lane);
+    images.matrices.assign(images.twins.size(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+    const auto pelvis = static_cast<std::size_t>(pelvis_);
+    images.matrices[detail::PELVIS] = detail::image(above(pelvis), turns[pelvis]);
+    images.matrices[detail::POSTURE_FRAME] = detail::image(above(pelvis), IDENTITY);
+    images.matrices[detail::TORSO_OFFSET] = detail::image(IDENTITY, IDENTITY);
+    for (const int number : half.joints) {
+        const auto joint = static_cast<std::size_t>(number), lane = static_cast<std::size_t>(lanes[joint]);
+        const std::int64_t twin = twins[joint];
+        if (twin == -1) continue;
+        if (twin < 0 || twin >= joint_count() || lanes[std::size_t(twin)] < 0) return false;
+        images.twins[lane] = lanes[std::size_t(twin)];
+        images.matrices[lane] = detail::image(above(joint), turns[joint]);
+    }
+    return true;
+}
+
 inline std::string Bank::clips_fault(const std::string& baseline) {
     for (const ClipEntry& clip : clips_) {
         const double cycles = clip.last_phase - clip.first_phase;
@@ -1022,7 +1144,7 @@ inline std::string Bank::clips_fault(const std::string& baseline) {
     if (clips_.empty() || std::adjacent_find(by_name_.begin(), by_name_.end(), same) != by_name_.end()) {
         return "the bank has no clips, or two clips of the same name";
     }
-    return find(baseline) == NOT_FOUND ? "the baseline is a clip that does not exist" : "";
+    return find_own(baseline) == NOT_FOUND ? "the baseline is a clip that does not exist" : "";
 }
 
 inline std::string Bank::hands_fault() {
@@ -1030,7 +1152,7 @@ inline std::string Bank::hands_fault() {
     std::sort(hand_clips_.begin(), hand_clips_.end());
     hand_clips_.erase(std::unique(hand_clips_.begin(), hand_clips_.end()), hand_clips_.end());
     for (const HandsEntry& one : hands_) {
-        const int body = find(one.body);
+        const int body = find_own(one.body);
         if (body == NOT_FOUND || one.first_row != hand_rows_ || hand_rows_ > detail::MOST_ROWS) {
             return "the entry of hands " + detail::quoted(one.name) + " on " + detail::quoted(one.body) +
                    " does not match the tables";
@@ -1054,7 +1176,10 @@ inline void Bank::lay_out(std::int64_t left_elbow, std::int64_t right_elbow) {
         above[joint] = number == pelvis_ || (parent >= 0 && above[std::size_t(parent)]);
         driven[joint] = number == left_elbow || number == right_elbow || (parent >= 0 && driven[std::size_t(parent)]);
         if (number == pelvis_) continue;
-        if (above[joint] && driven[joint]) hands_half_.joints.push_back(static_cast<int>(joint));
+        if (above[joint] && driven[joint]) {
+            hands_half_.joints.push_back(static_cast<int>(joint));
+            lanes_of_hands_.push_back(static_cast<int>(detail::FIRST_JOINT + upper_half_.joints.size()));
+        }
         (above[joint] ? upper_half_ : lower_half_).joints.push_back(static_cast<int>(joint));
     }
     cloud_width_ = detail::whole(points_, detail::LANES);
@@ -1121,6 +1246,15 @@ inline std::string Bank::contents_fault(std::size_t table) const {
 }
 
 inline int Bank::find(std::string_view clip) const {
+    const int own = find_own(clip), count = static_cast<int>(clips_.size());
+    const std::size_t length = clip.size() - std::min(clip.size(), detail::MIRRORED.size());
+    if (own != NOT_FOUND || clip.substr(length) != detail::MIRRORED) return own;
+    const int image_of = find_own(clip.substr(0, length));
+    return image_of == NOT_FOUND ? NOT_FOUND : image_of + count;
+}
+
+/// Returns the number of a clip that is no mirror image.
+inline int Bank::find_own(std::string_view clip) const {
     const auto before = [&](int number, std::string_view name) { return clips_[std::size_t(number)].name < name; };
     const auto found = std::lower_bound(by_name_.begin(), by_name_.end(), clip, before);
     return found != by_name_.end() && clips_[std::size_t(*found)].name == clip ? *found : NOT_FOUND;
@@ -1133,7 +1267,7 @@ inline int Bank::find_hands(std::string_view name) const {
 
 /// Returns the first row in the table of hands of a hands clip on a clip; -1 if it is not aligned to it.
 inline std::int64_t Bank::hand_row(int hands, int clip) const {
-    const std::pair<std::pair<int, int>, int> wanted = {{hands, clip}, 0};
+    const std::pair<std::pair<int, int>, int> wanted = {{hands, own(clip)}, 0};
     const auto found = std::lower_bound(hands_of_.begin(), hands_of_.end(), wanted);
     return found != hands_of_.end() && found->first == wanted.first ? hands_[std::size_t(found->second)].first_row : -1;
 }
@@ -1142,17 +1276,17 @@ inline std::int64_t Bank::hand_row(int hands, int clip) const {
 inline detail::Between Bank::between(int clip, double frame, double last) const {
     frame = frame > 0.0 ? std::min(frame, last) : 0.0;  // NaN becomes 0 too
     const double before = std::min(std::floor(frame), last - 1.0);
-    return {clips_[std::size_t(clip)].first_row + static_cast<std::int64_t>(before), frame - before};
+    return {this->clip(clip).first_row + static_cast<std::int64_t>(before), frame - before};
 }
 
-inline double Bank::phase_at(detail::Between at) const {
+inline double Bank::phase_at(int clip, detail::Between at) const {
     const double* phase = phase_of_frame_.data() + at.row;
-    return phase[0] + at.share * (phase[1] - phase[0]);
+    return phase[0] + at.share * (phase[1] - phase[0]) + (this->clip(clip).mirrored ? detail::HALF_A_CYCLE : 0.0);
 }
 
 /// Returns a clip's frame at a phase, as exactly as the cells of frame_of_phase allow.
 inline double Bank::guess(int number, double phase) const {
-    const ClipEntry& clip = clips_[std::size_t(number)];
+    const ClipEntry& clip = this->clip(number);
     const double last = static_cast<double>(clip.cell_count - 1);
     double cell = (phase - clip.first_phase) * last / (clip.last_phase - clip.first_phase);
     cell = cell > 0.0 ? std::min(cell, last) : 0.0;
@@ -1163,14 +1297,22 @@ inline double Bank::guess(int number, double phase) const {
 
 /// Returns a clip's exact frame at a phase, found from a frame near it; 0 or the last row if the phase lies outside.
 inline double Bank::frame_at(int number, double phase, double near) const {
-    const ClipEntry& clip = clips_[std::size_t(number)];
+    const ClipEntry& clip = this->clip(number);
     const double* phases = phase_of_frame_.data() + clip.first_row;
     const double last = static_cast<double>(clip.row_count - 1);
+    phase -= clip.mirrored ? detail::HALF_A_CYCLE : 0.0;
     std::int64_t row = between(number, near, last).row - clip.first_row;
     while (row > 0 && phase < phases[row]) --row;
     while (row < clip.row_count - 2 && phase > phases[row + 1]) ++row;
     const double share = (phase - phases[row]) / (phases[row + 1] - phases[row]);
     return static_cast<double>(row) + std::min(std::max(share, 0.0), 1.0);
+}
+
+/// Returns the mean places of the left and of the right shoulder.
+inline std::array<double, 6> Bank::posture(int clip) const {
+    const double* p = postures_.data() + 6 * std::ptrdiff_t(own(clip));
+    if (this->clip(clip).mirrored) return {-p[3], p[4], p[5], -p[0], p[1], p[2]};
+    return {p[0], p[1], p[2], p[3], p[4], p[5]};
 }
 
 // ------------------------------------------------------------------------------------------------------- the evaluator
@@ -1182,6 +1324,7 @@ struct Evaluator::Character {
     int upper_clip = 0;              // the clip that gives the upper body
     std::int64_t hand_row = -1;      // the row of the hands; -1 without hands
     Method method = Method::none;
+    bool lower_mirrored = false, upper_mirrored = false;
 };
 
 /// What the pelves of a block are turned by.
@@ -1195,6 +1338,7 @@ inline Evaluator::Evaluator(const Bank& bank)
       lower_lanes_(std::size_t(4 * bank.lower_half_.width)),
       upper_lanes_(std::size_t(4 * bank.upper_half_.width)),
       hand_lanes_(std::size_t(4 * bank.hands_half_.width)),
+      spare_lanes_(std::max(lower_lanes_.size(), upper_lanes_.size())),
       world_(std::size_t(7 * detail::LANES) * bank.skeleton_.names.size()) {}
 
 inline Error Evaluator::pose(const Splice& splice, double time, float* rotations, float* root_position,
@@ -1238,6 +1382,11 @@ inline Error Evaluator::poses(const Splice* splices, const double* times, int co
     return Error();
 }
 
+inline bool Evaluator::exists(int clip) const {
+    const std::size_t count = bank_->has_mirror_images() ? bank_->numbered_.size() : bank_->clips_.size();
+    return clip >= 0 && static_cast<std::size_t>(clip) < count;
+}
+
 inline Error Evaluator::fault(const Splice& splice, double time, bool remembers) const {
     const auto settings = [](std::string problem, const char* mend) {
         return Error{Error::Kind::settings, "", "", std::move(problem), mend};
@@ -1253,9 +1402,12 @@ inline Error Evaluator::fault(const Splice& splice, double time, bool remembers)
     };
     const int action = splice.action == NOTHING ? splice.locomotion : splice.action;
     for (const int clip : {splice.locomotion, action}) {
-        if (!exists(clip)) {
-            return settings("the bank has no clip number " + std::to_string(clip), "Find its number with Bank::find");
+        if (exists(clip)) continue;
+        if (clip >= 0 && static_cast<std::size_t>(clip) < bank_->numbered_.size()) {
+            return settings("the bank has no clip " + detail::quoted(bank_->clip(clip).name),
+                            "Its rig has no mirror image, because left and right limbs hang on different joints");
         }
+        return settings("the bank has no clip number " + std::to_string(clip), "Find its number with Bank::find");
     }
     if (splice.method > Method::splice || splice.posture > Posture::running) {
         return settings("unknown method or posture", "Use the values of Method and Posture");
@@ -1267,12 +1419,12 @@ inline Error Evaluator::fault(const Splice& splice, double time, bool remembers)
     }
     const int upper = splice.method == Method::none ? splice.locomotion : action;
     if (splice.hands != NOTHING && bank_->hand_row(splice.hands, upper) < 0) {
-        const std::string name = detail::quoted(bank_->clips_[std::size_t(upper)].name);
+        const std::string name = detail::quoted(bank_->clip(upper).name);
         return settings("hands number " + std::to_string(splice.hands) + " are not aligned to clip " + name,
                         "Find their number with Bank::find_hands");
     }
-    const ClipEntry& below = bank_->clips_[std::size_t(splice.locomotion)];
-    const ClipEntry& above = bank_->clips_[std::size_t(action)];
+    const ClipEntry& below = bank_->clip(splice.locomotion);
+    const ClipEntry& above = bank_->clip(action);
     if (!within(time, below.last_frame(), below.rate)) return outside("time", time, below, below.end());
     const double last = static_cast<double>(above.frame_count - 1);
     if (!within(splice.start, last, above.rate)) return outside("start", splice.start, above, above.duration());
@@ -1283,7 +1435,7 @@ inline void Evaluator::prefetch_upper(const Splice& splice, Character& character
     const Bank& bank = *bank_;
     detail::prefetch(bank.upper_.data(), character.upper.row, bank.upper_half_);
     if (splice.hands == NOTHING) return;
-    const std::int64_t row = character.upper.row - bank.clips_[std::size_t(character.upper_clip)].first_row;
+    const std::int64_t row = character.upper.row - bank.clip(character.upper_clip).first_row;
     character.hand_row = bank.hand_row(splice.hands, character.upper_clip) + row;
     detail::prefetch(bank.hand_table_.data(), character.hand_row, bank.hands_half_);
 }
@@ -1294,18 +1446,21 @@ inline void Evaluator::look_up(const Splice* splices, const double* times, int c
     const Bank& bank = *bank_;
     for (int k = 0; k < count; ++k) {
         const Splice& splice = splices[k];
-        const ClipEntry& below = bank.clips_[std::size_t(splice.locomotion)];
+        const ClipEntry& below = bank.clip(splice.locomotion);
         Character& character = characters[k];
         character.method = splice.action == NOTHING ? Method::none : splice.method;
         character.upper_clip = character.method == Method::none ? splice.locomotion : splice.action;
         character.lower = bank.between(splice.locomotion, times[k] * below.rate, below.last_frame());
         detail::prefetch(bank.lower_.data(), character.lower.row, bank.lower_half_);
-        const ClipEntry& above = bank.clips_[std::size_t(character.upper_clip)];
+        const ClipEntry& above = bank.clip(character.upper_clip);
+        character.lower_mirrored = below.mirrored, character.upper_mirrored = above.mirrored;
         const double last = static_cast<double>(above.frame_count - 1);
         if (character.method == Method::splice) {
-            const double first = bank.phase_at(bank.between(character.upper_clip, splice.start * above.rate, last));
+            const detail::Between start = bank.between(character.upper_clip, splice.start * above.rate, last);
+            const double first = bank.phase_at(character.upper_clip, start);
             const double shift = std::ceil(first - below.first_phase - detail::IN_STEP);
-            character.phase = bank.phase_at(character.lower) + shift + static_cast<double>(splice.cycles);
+            character.phase = bank.phase_at(splice.locomotion, character.lower) + shift;
+            character.phase += static_cast<double>(splice.cycles);
             const double loop = static_cast<double>(above.loop), beyond = character.phase - above.last_phase;
             if (loop > 0.0 && beyond > 0.0) character.phase -= loop * std::ceil(beyond / loop);
         } else {
@@ -1324,7 +1479,7 @@ inline void Evaluator::look_up(const Splice* splices, const double* times, int c
     for (int k = 0; k < count; ++k) {
         Character& character = characters[k];
         if (character.method != Method::splice) continue;
-        const double last = static_cast<double>(bank.clips_[std::size_t(character.upper_clip)].row_count - 1);
+        const double last = static_cast<double>(bank.clip(character.upper_clip).row_count - 1);
         const double frame = bank.frame_at(character.upper_clip, character.phase, character.near);
         character.upper = bank.between(character.upper_clip, frame, last);
         prefetch_upper(splices[k], character);
@@ -1348,17 +1503,30 @@ inline void Evaluator::sample(const Character& character, float* rotations, floa
         const float here = root[axis], there = root[axis + lower.columns];
         root_position[axis] = here + static_cast<float>(character.lower.share) * (there - here);
     }
+    const auto mirror = [this](const detail::Images& images, std::vector<float>& lanes) {
+        std::copy(lanes.begin(), lanes.end(), spare_lanes_.begin());
+        detail::mirror(images, spare_lanes_.data(), lanes.data());
+    };
     slerp(bank.lower_.data(), character.lower.row, lower, character.lower.share, lower_lanes_.data());
+    if (character.lower_mirrored) {
+        root_position[0] = -root_position[0];
+        mirror(bank.lower_images_, lower_lanes_);
+    }
     slerp(bank.upper_.data(), character.upper.row, upper, character.upper.share, upper_lanes_.data());
+    if (character.hand_row >= 0) {
+        slerp(bank.hand_table_.data(), character.hand_row, hands, character.upper.share, hand_lanes_.data());
+        const std::size_t from = hand_lanes_.size() / 4, to = upper_lanes_.size() / 4;
+        for (std::size_t i = 0; i < hands.joints.size(); ++i) {
+            const auto lane = static_cast<std::size_t>(bank.lanes_of_hands_[i]);
+            for (std::size_t c = 0; c < 4; ++c) upper_lanes_[c * to + lane] = hand_lanes_[c * from + i];
+        }
+    }
+    if (character.upper_mirrored) mirror(bank.upper_images_, upper_lanes_);
     for (std::size_t i = 0; i < lower.joints.size(); ++i) {
         put(lower_lanes_, detail::FIRST_JOINT + i, rotations + 4 * lower.joints[i]);
     }
     for (std::size_t i = 0; i < upper.joints.size(); ++i) {
         put(upper_lanes_, detail::FIRST_JOINT + i, rotations + 4 * upper.joints[i]);
-    }
-    if (character.hand_row >= 0) {
-        slerp(bank.hand_table_.data(), character.hand_row, hands, character.upper.share, hand_lanes_.data());
-        for (std::size_t i = 0; i < hands.joints.size(); ++i) put(hand_lanes_, i, rotations + 4 * hands.joints[i]);
     }
     const bool naive = character.method == Method::naive;
     put(naive ? upper_lanes_ : lower_lanes_, detail::PELVIS, rotations + 4 * bank.pelvis_);
@@ -1404,6 +1572,45 @@ inline void Evaluator::correlate(const Character& character, int k, Torsos& tors
     set(torsos.frames, lower_lanes_, detail::POSTURE_FRAME);
     set(torsos.own_offsets, lower_lanes_, detail::TORSO_OFFSET);
     set(torsos.their_offsets, upper_lanes_, detail::TORSO_OFFSET);
+    if (character.lower_mirrored || character.upper_mirrored) correlate_mirrored(character, k, torsos);
+}
+
+/// Writes the correlation of two clouds, of which either may be mirrored, into lane k.
+inline void Evaluator::correlate_mirrored(const Character& character, int k, Torsos& torsos) const {
+    const std::int64_t lower_columns = bank_->lower_half_.columns, upper_columns = bank_->upper_half_.columns;
+    const float* lower = bank_->lower_.data() + character.lower.row * lower_columns;
+    const float* upper = bank_->upper_.data() + character.upper.row * upper_columns;
+    double sums[3][3] = {};
+    for (std::int64_t number = 0; number < bank_->points_; ++number) {
+        const auto a = point(lower, lower_columns, character.lower.share, character.lower_mirrored, number);
+        const auto b = point(upper, upper_columns, character.upper.share, character.upper_mirrored, number);
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) sums[i][j] += a[i] * b[j];
+        }
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) torsos.clouds.m[i][j][k] = sums[i][j];
+    }
+}
+
+/// Returns a point of the upper cloud between two rows, or of its mirror image, in which the shoulders, the last two
+/// points, change places.
+inline std::array<double, 3> Evaluator::point(const float* rows, std::int64_t columns, double share, bool mirrored,
+                                              std::int64_t number) const {
+    const std::int64_t count = bank_->points_;
+    const float* cloud = rows + detail::CLOUD + (mirrored && number >= count - 2 ? 2 * count - 3 - number : number);
+    std::array<double, 3> at;
+    for (std::int64_t axis = 0; axis < 3; ++axis) {
+        const float* here = cloud + axis * bank_->cloud_width_;
+        at[std::size_t(axis)] = here[0] + share * (double(here[columns]) - here[0]);
+    }
+    if (!mirrored) return at;
+    std::array<double, 3> image;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::array<double, 3>& row = bank_->cloud_image_[i];
+        image[i] = row[0] * at[0] + row[1] * at[1] + row[2] * at[2];
+    }
+    return image;
 }
 
 /// Turns the pelves of a block from the locomotion's rotations to the splices'.
@@ -1426,14 +1633,17 @@ inline void Evaluator::turn_pelves(const Splice* splices, const Character* chara
         if (characters[k].method != Method::splice || posture == Posture::relative) continue;
         postures.set(k, IDENTITY);
         if (posture == Posture::off) continue;
-        const double* wanted = bank_->postures_.data() + 6 * std::ptrdiff_t(splices[k].action);
-        const double* given = bank_->postures_.data() + 6 * std::ptrdiff_t(splices[k].locomotion);
+        const std::array<double, 6> wanted = bank_->posture(splices[k].action);
+        const std::array<double, 6> stored = bank_->posture(splices[k].locomotion);
+        const double* given = stored.data();
         if (posture == Posture::running) {
             follow_posture(characters[k], given, k, torsos, memories[k]);
             given = memories[k].mean;
         }
         for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) shoulders.m[i][j][k] = wanted[i] * given[j] + wanted[3 + i] * given[3 + j];
+            for (int j = 0; j < 3; ++j) {
+                shoulders.m[i][j][k] = wanted[std::size_t(i)] * given[j] + wanted[std::size_t(3 + i)] * given[3 + j];
+            }
         }
         any = true;
     }
@@ -1459,14 +1669,11 @@ inline void Evaluator::follow_posture(const Character& character, const double* 
     double turn[4];
     product(inverse(torsos.frames), torsos.pelves).get(k, turn);
     const std::int64_t columns = bank_->upper_half_.columns;
-    const float* cloud = bank_->upper_.data() + character.upper.row * columns + detail::CLOUD;
-    for (std::int64_t side = 0; side < 2; ++side) {
-        std::array<double, 3> shoulder;
-        for (std::int64_t axis = 0; axis < 3; ++axis) {  // the shoulders are the last two points
-            const float* here = cloud + axis * bank_->cloud_width_ + bank_->points_ - 2 + side;
-            shoulder[std::size_t(axis)] = here[0] + character.upper.share * (double(here[columns]) - here[0]);
-        }
-        shoulder = detail::rotated(turn, shoulder);
+    const float* rows = bank_->upper_.data() + character.upper.row * columns;
+    for (std::int64_t side = 0; side < 2; ++side) {  // the shoulders are the last two points
+        const std::int64_t number = bank_->points_ - 2 + side;
+        const std::array<double, 3> own = point(rows, columns, character.upper.share, character.upper_mirrored, number);
+        const std::array<double, 3> shoulder = detail::rotated(turn, own);
         for (std::int64_t axis = 0; axis < 3; ++axis) {
             double& mean = memory.mean[3 * side + axis];
             mean += memory.share * (shoulder[std::size_t(axis)] - mean);
@@ -1531,11 +1738,12 @@ inline void Place::move(const RootMotion& motion) {
 
 /// Returns the root path at a real-valued frame: x, height of the ground, z and heading.
 inline std::array<double, 4> Evaluator::path(int clip, double frame) const {
-    const double last = static_cast<double>(bank_->clips_[std::size_t(clip)].row_count - 1);
-    const detail::Between at = bank_->between(clip, frame, last);
+    const ClipEntry& entry = bank_->clip(clip);
+    const detail::Between at = bank_->between(clip, frame, static_cast<double>(entry.row_count - 1));
     const double* here = bank_->paths_.data() + 4 * at.row;
     std::array<double, 4> out;
     for (std::size_t i = 0; i < 4; ++i) out[i] = here[i] + at.share * (here[i + 4] - here[i]);
+    if (entry.mirrored) out[0] = -out[0], out[3] = -out[3];
     return out;
 }
 
@@ -1550,7 +1758,7 @@ inline RootMotion Evaluator::walk(int clip, double from, double to) const {
 
 inline RootMotion Evaluator::root_motion(int number, double time, double seconds) const {
     if (!exists(number)) return RootMotion();
-    const ClipEntry& clip = bank_->clips_[std::size_t(number)];
+    const ClipEntry& clip = bank_->clip(number);
     const double last = clip.last_frame(), from = std::min(std::max(time * clip.rate, 0.0), last);
     double to = from + std::max(seconds, 0.0) * clip.rate;
     RootMotion total;
@@ -1577,7 +1785,7 @@ inline RootMotion Evaluator::root_motion(int number, double time, double seconds
 
 inline void Evaluator::put(const Place& place, int clip, double time, float* rotations, float* root_position) const {
     if (!exists(clip)) return;
-    const std::array<double, 4> at = path(clip, time * bank_->clips_[std::size_t(clip)].rate);
+    const std::array<double, 4> at = path(clip, time * bank_->clip(clip).rate);
     const double angle = place.heading - at[3], sine = std::sin(angle), cosine = std::cos(angle);
     const double x = root_position[0] - at[0], z = root_position[2] - at[2];
     root_position[0] = static_cast<float>(place.x + cosine * x + sine * z);

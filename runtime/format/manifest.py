@@ -252,10 +252,11 @@ def _contents(
 
 
 def _mirror(fields: Mapping[str, Any], joints: int) -> Mirror:
-    twins, turns = np.array(fields["twins"], np.int64), np.array(fields["turns"], np.float64)
-    if twins.shape != (joints,) or turns.shape != (joints, 4) or not np.isfinite(turns).all():
+    twins, turns = tuple(fields["twins"]), [tuple(turn) for turn in fields["turns"]]
+    fits = len(fields) == 2 and len(twins) == len(turns) == joints and _fits(twins, tuple, int)
+    if not fits or not all(len(turn) == 4 and all(_fits(one, float) for one in turn) for turn in turns):
         raise BankError(f"the manifest's mirror does not fit {joints} joints", mend=REBUILD)
-    return Mirror(twins, turns)
+    return Mirror(np.array(twins, np.int64), np.array(turns, np.float64))
 
 
 def _entries(kind: type[Entry], records: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:

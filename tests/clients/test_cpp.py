@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError
+from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeError, UnknownClipError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
@@ -32,19 +32,19 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def drawn(bank: Bank, count: int, seed: int) -> Requests:
-    """Random requests: all methods, postures and hands, any time of a clip, some at its very ends."""
+    """Random requests: all clips and mirror images, methods, postures, hands, any time of a clip, some at its ends."""
     draw, requests = np.random.default_rng(seed), Requests.empty(count)
-    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.clips), (2, count))
+    requests.locomotion[:], requests.action[:] = draw.integers(0, len(bank.numbered), (2, count))
     requests.method[:] = draw.choice(list(METHODS.values()), count, p=[0.1, 0.2, 0.7])
     requests.posture[:] = draw.choice(list(POSTURES.values()), count)
     requests.cycles[:] = draw.integers(-3, 9, count) * draw.integers(0, 2, count)
-    durations = np.array([clip.duration for clip in bank.clips])
+    durations = np.array([clip.duration for clip in bank.numbered])
     shares = np.clip(draw.uniform(-0.2, 1.2, (2, count)), 0.0, 1.0)
     requests.time[:] = shares[0] * durations[requests.locomotion]
     requests.start[:] = shares[1] * durations[requests.action] * draw.integers(0, 2, count)
     for request in requests.records:
-        upper = bank.clips[request["locomotion" if request["method"] == METHODS["none"] else "action"]].name
-        aligned = [bank.hand_number(one.name) for one in bank.hands if one.body == upper]
+        upper = request["locomotion" if request["method"] == METHODS["none"] else "action"] % len(bank.clips)
+        aligned = [bank.hand_number(one.name) for one in bank.hands if one.body == bank.clips[upper].name]
         request["hands"] = 1 + draw.choice(aligned) if aligned and draw.random() < 0.7 else 0
     return requests
 
@@ -105,7 +105,7 @@ def test_one_character_is_evaluated_as_in_a_batch(bank: Bank, program: Path) -> 
 def test_a_walking_character_has_the_root_motion_and_the_place_of_characters(
     bank: Bank, program: Path, seconds: float
 ) -> None:
-    loops = [clip for clip in bank.clips if clip.loop]
+    loops = [clip for clip in bank.numbered if clip.loop]
     assert loops
     for clip in loops:
         steps = 1000 if seconds < 1.0 else 5
@@ -134,6 +134,31 @@ def test_a_clip_without_a_loop_stops_at_its_end(program: Path, tmp_path: Path) -
     [line] = cpp.run(program, cpp.written(bank, tmp_path / "bank"), f"walk 0 {duration / 2} 100 1")
     assert float(line.split()[4]) == pytest.approx(duration)
     assert line.split()[5] == "0"
+
+
+def test_names_are_found_as_by_the_bank(bank: Bank, program: Path) -> None:
+    known, unknown = [clip.name for clip in bank.numbered], ["~mirror", "walk~mirror~mirror", "absent~mirror", "walk~"]
+    lines = cpp.run(program, bank.path, "".join(f"find {name}\n" for name in [*known, *unknown]))
+    assert lines[len(known) :] == ["-1"] * len(unknown)
+    for clip, line in zip(bank.numbered, lines[: len(known)], strict=True):
+        number, first, last, name = line.split(maxsplit=3)
+        assert (int(number), name) == (bank.number(clip.name), clip.name)
+        np.testing.assert_allclose([float(first), float(last)], [clip.first_phase, clip.last_phase], rtol=1e-8)
+    for name in unknown:
+        with pytest.raises(UnknownClipError):
+            bank.number(name)
+
+
+def test_a_rig_without_a_mirror_image_says_so(program: Path, tmp_path: Path) -> None:
+    bank = random_bank.random_bank(2, 12, 2, 4, "torso")
+    lame = replace(bank, manifest=replace(bank.manifest, mirror=None))
+    folder = cpp.written(lame, tmp_path / "bank")
+    agree(lame, program, folder, [drawn(lame, 20, 1)])
+    with pytest.raises(UnknownClipError) as error:
+        lame.number("clip 1~mirror")
+    commands = ["poses 1 0\n3 0 -2 0 2 1 0 0", "poses 1 0\n0 3 -2 0 2 1 0 0", "walk 3 0 0.1 1"]
+    for line in cpp.run(program, folder, "\n".join(commands)):
+        assert line == f"error settings {error.value}."
 
 
 @pytest.mark.parametrize(

@@ -107,26 +107,33 @@ def test_the_commands_of_the_readme_copy_all_that_the_plugin_needs(tmp_path: Pat
 
 @pytest.mark.parametrize(
     ("locomotion", "action", "posture"),
-    [("walk", "wave", "relative"), ("run", "carry_box", "running"), ("walk", "carry_box", "absolute")],
+    [
+        ("walk", "wave", "relative"),
+        ("run", "carry_box", "running"),
+        ("walk", "carry_box", "absolute"),
+        ("walk", "wave~mirror", "relative"),
+        ("run~mirror", "carry_box~mirror", "running"),
+    ],
 )
 @pytest.mark.parametrize("rate", [60.0, 24.0])
 def test_bones_are_where_the_runtime_places_them(
     bank: Bank, play: Path, locomotion: str, action: str, posture: Posture, rate: float
 ) -> None:
-    assert bank.clips[bank.number(locomotion)].loop
+    assert bank.clip(locomotion).loop
     settings = [f"set locomotion {locomotion}", f"set action {action}", f"set posture {POSTURES[posture]}"]
     lines = printed(play, bank.path, *settings, f"set rate {rate}", "character 700")
     positions, _ = played(bank, locomotion, Action(action, blend=0.0, posture=posture), rate, 700)
     np.testing.assert_allclose(placed(bank, values(lines, "frame")), UNREAL.positions(positions), atol=CLOSE)
 
 
-def test_hands_are_those_of_the_runtime(hands_bank: Bank, play: Path) -> None:
-    settings = ["set action counting", "set hands counting_hands"]
+@pytest.mark.parametrize("action", ["counting", "counting~mirror"])
+def test_hands_are_those_of_the_runtime(hands_bank: Bank, play: Path, action: str) -> None:
+    settings = [f"set action {action}", "set hands counting_hands"]
     lines = printed(play, hands_bank.path, *settings, "character 400")
-    positions, _ = played(hands_bank, "walk", Action("counting", blend=0.0), 60.0, 400, "counting_hands")
+    positions, _ = played(hands_bank, "walk", Action(action, blend=0.0), 60.0, 400, "counting_hands")
     pushed = placed(hands_bank, values(lines, "frame"))
     np.testing.assert_allclose(pushed, UNREAL.positions(positions), atol=CLOSE)
-    bare, _ = played(hands_bank, "walk", Action("counting", blend=0.0), 60.0, 400)
+    bare, _ = played(hands_bank, "walk", Action(action, blend=0.0), 60.0, 400)
     assert np.abs(pushed - UNREAL.positions(bare)).max() > 1.0
 
 
@@ -214,6 +221,17 @@ def test_errors_are_the_status_and_end_when_they_are_corrected(
     assert active == "Active"
     assert values(lines, "valid") == [False, True]
     assert values(lines, "log") == [refused]
+
+
+@pytest.mark.parametrize(("setting", "own"), [("locomotion", '"clip 0"'), ("action", "-")])
+def test_a_rig_without_a_mirror_image_is_the_status(play: Path, tmp_path: Path, setting: str, own: str) -> None:
+    bank = random_bank.random_bank(2, 8, 2, 3, "torso")
+    lame = replace(bank, manifest=replace(bank.manifest, mirror=None))
+    changes = [f'set {setting} "clip 1~mirror"', "until the", f"set {setting} {own}", "until Active", "stop"]
+    lines = printed(play, cpp.written(lame, tmp_path / "bank"), 'set locomotion "clip 0"', "start", "wait 2", *changes)
+    refused, active = values(lines, "status")
+    assert refused.startswith("the bank has no clip 'clip 1~mirror'. Its rig has no mirror image")
+    assert active == "Active"
 
 
 def test_a_damaged_bank_is_refused_and_its_file_named(bank: Bank, play: Path, tmp_path: Path) -> None:

@@ -115,6 +115,15 @@ def test_an_inconsistent_manifest_with_a_valid_digest_is_refused(copy: Path) -> 
         lambda body: body["skeleton"].update(end_parents=[999] * len(body["skeleton"]["end_parents"])),
         lambda body: body["skeleton"]["parents"].append(2**63),
         lambda body: body["skeleton"].update(names=list(range(len(body["skeleton"]["names"])))),
+        lambda body: body.pop("mirror"),
+        lambda body: body["mirror"].update(more=1),
+        lambda body: body["mirror"]["twins"].pop(),
+        lambda body: body["mirror"]["twins"].__setitem__(0, 0.0),
+        lambda body: body["mirror"]["twins"].__setitem__(0, 2),  # a joint of the other half
+        lambda body: body["mirror"]["twins"].__setitem__(1, -2),
+        lambda body: body["mirror"]["turns"].__setitem__(0, [0.0, 0.0, 1.0]),
+        lambda body: body["mirror"]["turns"][0].__setitem__(0, float("nan")),
+        lambda body: body["mirror"]["turns"][0].__setitem__(3, 1),
     ]
     for change in changes:
         write_manifest(copy, outer, change)

@@ -7,6 +7,7 @@
 //                        allocations. RATE above 0 gives each character a memory that lasts from command to command.
 //     walk CLIP TIME SECONDS STEPS
 //                        answers: STEPS lines of x y z turn time cycles, then of the root's position and rotation
+//     find NAME          answers: the number of a clip, its first and last phase, and its name; or -1
 //
 // Whatever fails is answered by "error", its kind and its message.
 #include "../motionsplice.hpp"
@@ -95,6 +96,18 @@ static void walk(const ms::Bank& bank, ms::Evaluator& evaluator) {
     }
 }
 
+static void find(const ms::Bank& bank) {
+    std::string name;
+    std::getline(std::cin >> std::ws, name);
+    const int number = bank.find(name);
+    std::cout << number;
+    if (number != ms::NOT_FOUND) {
+        const ms::ClipEntry& clip = bank.clip(number);
+        std::cout << ' ' << clip.first_phase << ' ' << clip.last_phase << ' ' << clip.name;
+    }
+    std::cout << '\n';
+}
+
 int main(int count, char** arguments) {
     if (count != 2) return 2;
     std::cout.precision(9);
@@ -106,6 +119,7 @@ int main(int count, char** arguments) {
     for (std::string command; std::cin >> command;) {
         if (command == "poses") poses(bank, evaluator, memories);
         if (command == "walk") walk(bank, evaluator);
+        if (command == "find") find(bank);
     }
     return 0;
 }

@@ -13,7 +13,7 @@ static float evaluate(const ms::Bank& bank) {
     constexpr int COUNT = 19;  // more than a block
     ms::Evaluator evaluator(bank);
     const auto joints = static_cast<std::size_t>(bank.joint_count());
-    const int clips = static_cast<int>(bank.clips().size());
+    const int images = bank.has_mirror_images() ? 2 : 1, clips = images * static_cast<int>(bank.clips().size());
     std::vector<float> rotations(4 * joints * COUNT), roots(3 * COUNT), positions(3 * joints * COUNT);
     std::vector<ms::Memory> memories(COUNT, ms::Memory::begin(30.0));
     std::vector<ms::Splice> splices(COUNT);
@@ -25,11 +25,11 @@ static float evaluate(const ms::Bank& bank) {
         splice.method = static_cast<ms::Method>(k % 4 == 3 ? 1 : 2);
         splice.posture = static_cast<ms::Posture>(k / 2 % 4);
         splice.cycles = k % 3 == 2 ? (std::int64_t(1) << 40) - k : 0;
-        const double end = bank.clips()[static_cast<std::size_t>(splice.locomotion)].end();
+        const double end = bank.clip(splice.locomotion).end();
         times[static_cast<std::size_t>(k)] = end * k / COUNT;
         for (const ms::HandsEntry& one : bank.hands()) {
             const int upper = splice.action == ms::NOTHING ? splice.locomotion : splice.action;
-            if (bank.find(one.body) == upper) splice.hands = bank.find_hands(one.name);
+            if (bank.find(one.body) == upper || bank.find(one.body + "~mirror") == upper) splice.hands = bank.find_hands(one.name);
         }
     }
     const ms::Error error =
@@ -39,7 +39,7 @@ static float evaluate(const ms::Bank& bank) {
     float sum = 0.0f;
     for (const float number : positions) sum += number;
     for (int clip = 0; clip < std::min(clips, 20); ++clip) {
-        const double end = bank.clips()[static_cast<std::size_t>(clip)].end();
+        const double end = bank.clip(clip).end();
         const ms::RootMotion motion = evaluator.root_motion(clip, 0.9 * end, 0.2 * end);
         ms::Place place;
         place.move(motion);
@@ -60,7 +60,7 @@ static std::string run(const unsigned char* data, std::size_t size) {
             bytes.assign(data, data + length);
         } else {
             const char outer[] =
-                "\x84\xa6" "format\xb1motionsplice bank\xa7version\x05\xa6" "digest\xa0\xa4" "body\xc6";
+                "\x84\xa6" "format\xb1motionsplice bank\xa7version\x06\xa6" "digest\xa0\xa4" "body\xc6";
             bytes.assign(outer, outer + sizeof outer - 1);
             for (int i = 3; i >= 0; --i) bytes.push_back(static_cast<unsigned char>(length >> (8 * i)));
             bytes.insert(bytes.end(), data, data + length);

@@ -3,7 +3,7 @@ import WebSocket from 'ws';
 import { connect, splice, stream, take } from '../motionsplice.js';
 
 const [url, token] = process.argv.slice(2);
-const what = { locomotion: 'walk', action: 'carry_box' };
+const what = { locomotion: 'walk', action: 'carry_box~mirror' };
 const refused = [];
 for (const doing of [
   () => splice(url, what),
@@ -25,7 +25,7 @@ for (const encoding of ['float32', 'int16']) {
   for await (const message of frames) if (message.rig !== streamed.rig) throw new Error('another rig');
   if (JSON.stringify(flat(streamed)) !== JSON.stringify(flat(motion))) throw new Error('the stream differs from the splice');
 }
-const commands = [{ do: 'create', locomotion: 'walk', loop: false }, { do: 'act', action: 'carry_box', blend: 0 }];
+const commands = [{ do: 'create', locomotion: 'walk', loop: false }, { do: 'act', action: 'carry_box~mirror', blend: 0 }];
 const taken = await take(url, { frames: 60, commands }, { token });
 const [pose, same] = [taken.motion.pose(0.5), (await splice(url, what, { token, rate: 60 })).pose(0.5)];
 worst.take = Math.max(...pose.rotations.slice(4).map((one, at) => Math.abs(one - same.rotations[4 + at]))); // the root may head elsewhere

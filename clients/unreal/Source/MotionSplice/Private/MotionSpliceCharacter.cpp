@@ -113,7 +113,7 @@ FString FMotionSpliceCharacter::Play(const FMotionSplicePlayback& Playback)
 
 void FMotionSpliceCharacter::Advance(double Seconds)
 {
-	const motionsplice::ClipEntry& Clip = Bank.clips()[static_cast<std::size_t>(Splice.locomotion)];
+	const motionsplice::ClipEntry& Clip = Bank.clip(Splice.locomotion);
 	const double Rest = Clip.end() - Time;
 	if (Clip.loop == 0 && Seconds > Rest)
 	{

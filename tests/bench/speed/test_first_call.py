@@ -12,8 +12,11 @@ def test_a_process_is_measured_in_steps(bank: Bank) -> None:
 
 def test_a_read_only_package_caches_its_kernels_in_numba_cache_dir(bank: Bank, tmp_path: Path) -> None:
     sealed, cache = sealed_copy(tmp_path / "sealed"), tmp_path / "cache"
-    for _ in range(2):
-        child(sealed, bank.path, {"NUMBA_CACHE_DIR": str(cache)}, characters=False)  # their kernels are cached likewise
+    environment = {"NUMBA_CACHE_DIR": str(cache)}
+    child(sealed, bank.path, environment, characters=False)  # their kernels are cached likewise
+    written = {file: file.stat().st_mtime_ns for file in cache.rglob("*.nb?")}
+    child(sealed, bank.path, environment, characters=False)
+    assert {file: file.stat().st_mtime_ns for file in cache.rglob("*.nb?")} == written  # nothing is compiled again
     kernels = {file.name for file in cache.rglob("*.nbc")}
     assert any(name.startswith("evaluate.evaluate") for name in kernels)
     assert not list(sealed.rglob("*.nb?"))

@@ -3,6 +3,10 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 REAL   ?= ../shared/mocap/cmu
 
+# Without cached bytecode, each of the hundreds of processes that the tests start would compile the packages anew, and
+# pytest would rewrite each module of tests.
+export PYTHONDONTWRITEBYTECODE :=
+
 LOWEST := .venv-lowest
 NEWEST := .venv-newest
 GENERATORS := .venv-generators
@@ -18,21 +22,26 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test check docs lowest newest oracles clients generators viewer fuzz-cpp quality soak pictures clean
+.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz-cpp quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
 
-test: $(VENV)/ready            ## set up and run every test; kernels also as plain Python, which checks bounds
+test: $(VENV)/ready            ## set up and run every test
+	rm -f .coverage
+	$(MAKE) --jobs=2 --output-sync test-kernels test-plain  # together: each takes a minute of one processor
+	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder --ignore tests/runtime $(LAST_COVER)
+
+test-kernels: $(VENV)/ready    ## the tests that compile the kernels, before others need them
+	$(BIN)/python -m pytest -q tests/runtime $(FIRST_COVER)
+
+test-plain: $(VENV)/ready      ## kernels as plain Python, which checks bounds
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/kernels/test_evaluate.py tests/precompute/alignment/test_timewarp.py \
-		tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
+		tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py \
+		tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
 		tests/runtime/characters/test_mixes.py tests/runtime/characters/test_aim.py -k "not same_bytes"  # which would take a minute
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/hands/test_align.py \
 		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or zero_or_huge or loop"
-	rm -f .coverage
-	$(BIN)/python -m pytest -q tests/runtime $(FIRST_COVER)  # first and alone, for it compiles the kernels: a minute
-	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/runtime $(LAST_COVER)
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -43,7 +52,7 @@ docs: $(VENV)/ready-docs       ## the documentation with the API reference, into
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 lowest: $(LOWEST)/ready        ## part of the tests on the oldest versions that pyproject.toml allows
-	NUMBA_CACHE_DIR=$(LOWEST)/kernels $(LOWEST)/bin/python -m pytest -W default -q -n auto --dist loadfile $(LOWEST_TESTS)
+	NUMBA_CACHE_DIR=$(LOWEST)/kernels $(LOWEST)/bin/python -m pytest -W default -q -n auto --dist loadfile --no-loadscope-reorder $(LOWEST_TESTS)
 
 newest: $(VENV)/ready          ## every test on the newest versions, whatever pyproject.toml caps, in .venv-newest
 	$(BIN)/uv venv --quiet --clear --python $(PYTHON) $(NEWEST)

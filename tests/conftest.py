@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,8 @@ from motionsplice.runtime.bank import Bank
 settings.register_profile("motionsplice", deadline=None)
 settings.load_profile("motionsplice")
 
+TESTS = Path(__file__).parent
+LONGEST = ("viewer", "clients", "bench", "test_pages.py", "service", "oracles")
 REAL_MOTION = Path(__file__).parents[2] / "shared" / "mocap" / "cmu"
 
 CLIPS = {
@@ -35,6 +38,18 @@ tags = ["carry"]
 [wave]
 kind = "action"
 """
+
+
+@pytest.hookimpl(optionalhook=True)  # pytest runs without xdist too
+def pytest_xdist_auto_num_workers() -> int:
+    """Returns one worker more than there are processors, because tests of services and clients also wait."""
+    return 1 + (os.cpu_count() or 1)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Moves what takes longest to the front, so that no worker is left with a long file at the end."""
+    rank = {name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.path.relative_to(TESTS).parts[0], len(rank)))
 
 
 @pytest.fixture(scope="session")

@@ -2,14 +2,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bench.speed.first_call import STEPS, child, median, sealed_copy
+from bench.speed.first_call import PROJECT, STEPS, child, median, sealed_copy
 from motionsplice.runtime.bank import Bank
+
+
+def test_a_process_is_measured_in_steps(bank: Bank) -> None:
+    assert len(child(PROJECT, bank.path, {})) == len(STEPS)
 
 
 def test_a_read_only_package_caches_its_kernels_in_numba_cache_dir(bank: Bank, tmp_path: Path) -> None:
     sealed, cache = sealed_copy(tmp_path / "sealed"), tmp_path / "cache"
-    first, second = (child(sealed, bank.path, {"NUMBA_CACHE_DIR": str(cache)}) for _ in range(2))
-    assert len(first) == len(second) == len(STEPS)
+    environment = {"NUMBA_CACHE_DIR": str(cache)}
+    child(sealed, bank.path, environment, characters=False)  # their kernels are cached likewise
+    written = {file: file.stat().st_mtime_ns for file in cache.rglob("*.nb?")}
+    child(sealed, bank.path, environment, characters=False)
+    assert {file: file.stat().st_mtime_ns for file in cache.rglob("*.nb?")} == written  # nothing is compiled again
     kernels = {file.name for file in cache.rglob("*.nbc")}
     assert any(name.startswith("evaluate.evaluate") for name in kernels)
     assert not list(sealed.rglob("*.nb?"))

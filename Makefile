@@ -28,7 +28,7 @@ test: $(VENV)/ready            ## set up and run every test; kernels also as pla
 		tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
 		tests/runtime/characters/test_mixes.py -k "not same_bytes"  # which would take a minute
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/hands/test_align.py \
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/runtime/test_standing.py tests/precompute/hands/test_align.py \
 		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or zero_or_huge or loop"
 	rm -f .coverage
 	$(BIN)/python -m pytest -q tests/runtime $(FIRST_COVER)  # first and alone, for it compiles the kernels: a minute

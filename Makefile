@@ -40,7 +40,7 @@ test-plain: $(VENV)/ready      ## kernels as plain Python, which checks bounds
 		tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py \
 		tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
 		tests/runtime/characters/test_mixes.py tests/runtime/characters/test_aim.py -k "not same_bytes"  # which would take a minute
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/hands/test_align.py \
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/runtime/test_standing.py tests/precompute/hands/test_align.py \
 		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or zero_or_huge or loop"
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages

@@ -17,7 +17,7 @@ class Splice:
         locomotion: Name of the clip that gives the root and the lower body.
         action: Name of the clip that gives the upper body; None plays the locomotion alone.
         start: Seconds into the action: its earliest frame. The action begins at the first frame from there on that is
-            in step with the locomotion's first frame.
+            in step with the locomotion's first frame; an action captured standing begins at this very frame.
         method: `splice`, `naive` (plain replacement of the upper body) or `none` (the locomotion alone).
         posture: How the action's posture is kept: `relative`, `absolute`, `running` (needs a Memory) or `off`
             (docs/method.md).

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from bench.characters.joint_speeds import RATE
 from bench.findings import Findings
-from bench.rounds import Work, interleaved, paired_ratio
+from bench.rounds import Work, evict_caches, interleaved, paired_ratio
 from bench.speed.workload import Scene, evaluation, request_sets
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.stage import Stage
 
+COUNT = 1000  # characters
 FOREVER = 1e6  # seconds: a fade this long stays where it is during the measurement
 
 
@@ -23,7 +26,7 @@ def costs(stage: Stage) -> Findings:
     and at sequential times. Sequential times advance by a frame per round, as a character's do, so that their rows are
     in the caches.
     """
-    count = 1000
+    count = COUNT
     work: dict[str, Work] = {
         name: evaluation(stage.evaluator, request_sets(stage.bank, count, Scene(sequential=sequential)))
         for name, sequential in (("evaluator", False), ("evaluator, sequential times", True))
@@ -51,6 +54,15 @@ def costs(stage: Stage) -> Findings:
     seconds = interleaved({str(part): run for part, run in many.items()}, 40)
     findings.add("10,000 characters: 1 % in transition / none", paired_ratio(seconds["100"], seconds["0"]), most=1.15)
     return findings
+
+
+def compare(findings: Findings, label: str, work: Mapping[str, Work], rounds: int, *, cold: bool = False) -> None:
+    """Times two pieces of work on COUNT characters in turns; adds their times, and the second's over the first's."""
+    seconds = interleaved(work, rounds, before=evict_caches if cold else None)
+    for name, times in seconds.items():
+        findings.add(f"{label}, {name}", 1e9 * float(np.median(times)) / COUNT, "{:.0f}")
+    first, second = work
+    findings.add(f"{label}, {second} / {first}", paired_ratio(seconds[second], seconds[first]))
 
 
 def frame_work(characters: Characters) -> Work:

@@ -11,19 +11,15 @@ import tempfile
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
-from bench.characters.costs import crowd, frame_work
+from bench.characters.costs import COUNT, compare, crowd, frame_work
 from bench.findings import Findings
 from bench.generated import Size, generate
-from bench.rounds import Work, evict_caches, interleaved, paired_ratio
 from bench.speed.workload import Scene, evaluation, request_sets
 from motionsplice.cli import run
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
-
-COUNT = 1000
 
 
 def main(
@@ -32,26 +28,18 @@ def main(
 ) -> None:
     """Prints nanoseconds per character and frame with a gait and standing, and their ratio."""
     with tempfile.TemporaryDirectory() as folder:
-        gaits, standing = (
-            Evaluator(generate(Path(folder) / str(stands), Size(joints, standing=stands))) for stands in (False, True)
-        )
+        evaluators = {
+            name: Evaluator(generate(Path(folder) / name, Size(joints, standing=name == "standing")))
+            for name in ("with a gait", "standing")
+        }
     findings = Findings(f"{COUNT} characters of {joints} joints: nanoseconds")
-    for scene in (Scene(), Scene(sequential=True)):
-        gait, stood = (evaluation(one, request_sets(one.bank, COUNT, scene)) for one in (gaits, standing))
-        compare(findings, f"splices, {scene.label}", gait, stood, rounds)
-    gait, stood = (evaluation(one, request_sets(one.bank, COUNT, Scene())) for one in (gaits, standing))
-    compare(findings, "splices, cold", gait, stood, max(rounds // 3, 2), cold=True)
-    gait, stood = (frame_work(crowd(Stage(one), COUNT, 0, ())) for one in (gaits, standing))
-    compare(findings, "characters", gait, stood, rounds)
+    for scene, cold in ((Scene(), False), (Scene(sequential=True), False), (Scene(), True)):
+        work = {name: evaluation(one, request_sets(one.bank, COUNT, scene)) for name, one in evaluators.items()}
+        label = "splices, cold" if cold else f"splices, {scene.label}"
+        compare(findings, label, work, max(rounds // 3, 2) if cold else rounds, cold=cold)
+    crowds = {name: frame_work(crowd(Stage(one), COUNT, 0, ())) for name, one in evaluators.items()}
+    compare(findings, "characters", crowds, rounds)
     findings.show()
-
-
-def compare(findings: Findings, label: str, gait: Work, standing: Work, rounds: int, *, cold: bool = False) -> None:
-    """Times two pieces of work in turns, and adds their times and the ratio within rounds."""
-    seconds = interleaved({"with a gait": gait, "standing": standing}, rounds, before=evict_caches if cold else None)
-    for name, times in seconds.items():
-        findings.add(f"{label}, {name}", 1e9 * float(np.median(times)) / COUNT, "{:.0f}")
-    findings.add(f"{label}, standing / with a gait", paired_ratio(seconds["standing"], seconds["with a gait"]))
 
 
 if __name__ == "__main__":

@@ -14,10 +14,10 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from bench.characters.costs import FOREVER, frame_work
+from bench.characters.costs import COUNT, FOREVER, compare, frame_work
 from bench.findings import Findings
 from bench.generated import HANDS, Size, generate
-from bench.rounds import Work, evict_caches, interleaved, paired_ratio
+from bench.rounds import Work
 from bench.speed.workload import RATE, Scene, evaluation, request_sets
 from motionsplice.cli import run
 from motionsplice.runtime.character import Characters
@@ -25,8 +25,6 @@ from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Requests
 from motionsplice.runtime.stage import Stage
-
-COUNT = 1000
 
 
 def main(
@@ -40,24 +38,15 @@ def main(
         evaluator = Evaluator(generate(Path(folder) / "bank", Size(joints, hands=True)))
     driven = len(evaluator.bank.layout.hands.joints)
     findings = Findings(f"{COUNT} characters, hands drive {driven} of {joints} joints: nanoseconds")
-    for scene in (Scene(), Scene(sequential=True)):
-        plain, worn = (splice_work(evaluator, scene, hands) for hands in (False, True))
-        compare(findings, f"splices, {scene.label}", plain, worn, rounds)
-    plain, worn = (splice_work(evaluator, Scene(), hands) for hands in (False, True))
-    compare(findings, "splices, cold", plain, worn, max(rounds // 3, 2), cold=True)
+    for scene, cold in ((Scene(), False), (Scene(sequential=True), False), (Scene(), True)):
+        work = {name: splice_work(evaluator, scene, name == "with hands") for name in ("without hands", "with hands")}
+        label = "splices, cold" if cold else f"splices, {scene.label}"
+        compare(findings, label, work, max(rounds // 3, 2) if cold else rounds, cold=cold)
     stage = Stage(evaluator)
     bare, wearing, fading = (frame_work(with_hands(stage, hands)) for hands in ((), (HANDS,), (HANDS, HANDS)))
-    compare(findings, "characters", bare, wearing, rounds)
-    compare(findings, "characters that fade between hands", bare, fading, rounds)
+    compare(findings, "characters", {"without hands": bare, "with hands": wearing}, rounds)
+    compare(findings, "characters that fade", {"without hands": bare, "with hands": fading}, rounds)
     findings.show()
-
-
-def compare(findings: Findings, label: str, plain: Work, worn: Work, rounds: int, *, cold: bool = False) -> None:
-    """Times two pieces of work in turns, and adds their times and the ratio within rounds."""
-    seconds = interleaved({"without": plain, "with": worn}, rounds, before=evict_caches if cold else None)
-    for name, times in seconds.items():
-        findings.add(f"{label}, {name} hands", 1e9 * float(np.median(times)) / COUNT, "{:.0f}")
-    findings.add(f"{label}, with / without", paired_ratio(seconds["with"], seconds["without"]))
 
 
 def splice_work(evaluator: Evaluator, scene: Scene, hands: bool) -> Work:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from bench.characters import worn_hands
-from bench.characters.costs import frame_work
+from bench.characters.costs import compare, frame_work
 from bench.findings import Findings
 from bench.generated import Size, generate
 from bench.speed.workload import Scene
@@ -38,10 +38,10 @@ def test_only_work_timed_with_hands_has_hands(tmp_path: Path, monkeypatch: pytes
 
 def test_times_are_listed_with_their_ratio() -> None:
     findings = Findings("")
-    worn_hands.compare(findings, "work", lambda _: None, lambda _: sum(range(10_000)), rounds=5)
+    compare(findings, "work", {"less": lambda _: None, "more": lambda _: sum(range(10_000))}, rounds=5)
     assert [label for label, _, _ in findings.rows] == [
-        "work, without hands",
-        "work, with hands",
-        "work, with / without",
+        "work, less",
+        "work, more",
+        "work, more / less",
     ]
     assert float(findings.rows[2][1]) > 2.0

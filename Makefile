@@ -28,6 +28,8 @@ test: $(VENV)/ready            ## set up and run every test; kernels also as pla
 		tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
 		tests/runtime/characters/test_mixes.py -k "not same_bytes"  # which would take a minute
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/characters/test_feet.py tests/runtime/characters/test_foot_lock.py \
+		-k twin
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/precompute/hands/test_align.py \
 		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or zero_or_huge or loop"
 	rm -f .coverage

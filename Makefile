@@ -41,7 +41,8 @@ test-plain: $(VENV)/ready      ## kernels as plain Python, which checks bounds
 		tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
 		tests/runtime/characters/test_mixes.py tests/runtime/characters/test_aim.py -k "not same_bytes"  # which would take a minute
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/runtime/test_standing.py tests/precompute/hands/test_align.py \
-		tests/precompute/hands/test_banded_warp.py -k "twin or paths or few_frames or zero_or_huge or loop"
+		tests/precompute/hands/test_banded_warp.py tests/runtime/characters/test_feet.py tests/runtime/characters/test_foot_lock.py \
+		-k "twin or paths or few_frames or zero_or_huge or loop"
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .

@@ -44,7 +44,7 @@ def played(bank: Bank, s: Floats) -> dict[int, Played]:
     return found
 
 
-def root_step(bank: Bank, before: Floats, after: Floats) -> Floats:
+def root_step(bank: Bank, before: Floats, after: Floats, seconds: float) -> Floats:
     """Returns the root motion [3] in metres, relative to the heading before, between two rows without a loop."""
     old, new = played(bank, before), played(bank, after)
     steps, turns = {}, {}
@@ -68,7 +68,8 @@ def root_step(bank: Bank, before: Floats, after: Floats) -> Floats:
         slips.append(step + here - there - (1.0 - blended * firms[-1] ** 3) * own / max(support, 1e-12))
     squares = np.square(firms)
     if squares.sum() > 0.0:
-        step = step - max(firms) * (squares[0] * slips[0] + squares[1] * slips[1]) / squares.sum() * [1.0, 0.0, 1.0]
+        against = -max(firms) * (squares[0] * slips[0] + squares[1] * slips[1]) / squares.sum() * [1.0, 0.0, 1.0]
+        step = step + against / (1.0 + (np.linalg.norm(against) / (2.4 * seconds)) ** 8) ** 0.125
     return np.asarray(step)
 
 

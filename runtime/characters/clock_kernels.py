@@ -87,7 +87,7 @@ def advance(bank: BankArrays, ground: Ground, reach: float, s: Array, seconds: f
         advance_fades(s, c, seconds, follow)
         passed, lefts, rights = advance_locomotions(bank, ground, s, c, seconds, stand)
         if drives and stand:
-            drive_root(s, c, left, right, lefts, rights)
+            drive_root(s, c, left, right, lefts, rights, seconds)
         step_forward(s, c)
         if locks:
             advance_lock(s, c, left, right, lefts, rights, seconds, reach)

@@ -85,7 +85,7 @@ def lock_feet(legs: Legs, s: Array, c: int, character: int, roots: Array, rotati
         x, z = share * s[hold], share * s[hold + 1]
         if s[c + col.IN_PLACE] == 0.0:
             x, z = in_turned_frame(-s[c + col.SIN], s[c + col.COS], x, z)
-        if x != 0.0 or z != 0.0:
+        if legs.counts[leg] > 0 and (x != 0.0 or z != 0.0):  # a row may come from a bank of another rig
             bend_leg(legs, leg, x, z, character, roots, rotations)
 
 

@@ -36,7 +36,7 @@ def test_the_step_of_the_root_is_that_of_the_twin(
         before = characters.state[0].copy()
         characters.advance()
         np.testing.assert_allclose(
-            characters.deltas[0, :3], root_step(bank, before, characters.state[0]), rtol=0.0, atol=1e-6
+            characters.deltas[0, :3], root_step(bank, before, characters.state[0], 1.0 / RATE), rtol=0.0, atol=1e-6
         )
 
 

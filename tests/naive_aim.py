@@ -15,7 +15,7 @@ from motionsplice.runtime.characters import state as col
 
 UP, FORWARD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 SOFT, NEAR = np.radians(10.0), 0.1
-MOST_REST, MOST_SWING, MOST_SWIVEL = np.radians([90.0, 150.0, 45.0])
+MOST_REST, MOST_SWING, MOST_SWIVEL = np.radians([90.0, 135.0, 45.0])
 
 
 class Body:
@@ -204,8 +204,8 @@ def swivel_of(hands: Floats, chest: Floats, yaw: float) -> float:
     """Returns the turn of the chest about the vertical after which the hands are at a yaw, seen from the root."""
     reach = float(np.hypot(hands[0], hands[2]))
     level = reach / float(np.linalg.norm(hands))
-    aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.26 * abs(hands[1]))
+    aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.5 * abs(hands[1]))
     swivel = yaw - np.arcsin(np.clip(aside, -1.0, 1.0)) - np.arctan2(hands[0], hands[2])
     swivel = (swivel + np.pi) % (2.0 * np.pi) - np.pi
     size = soft(abs(swivel), MOST_SWIVEL) * step((np.pi - abs(swivel)) / (np.pi - MOST_SWIVEL))
-    return float(np.sign(swivel) * size * step((level - 0.26) / (0.5 - 0.26)))
+    return float(np.sign(swivel) * size * step((level - 0.5) / (0.8 - 0.5)))

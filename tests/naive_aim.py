@@ -15,7 +15,7 @@ from motionsplice.runtime.characters import state as col
 
 UP, FORWARD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 SOFT, NEAR = np.radians(10.0), 0.1
-MOST_REST, MOST_SWING, MOST_SWIVEL = np.radians([90.0, 150.0, 45.0])
+MOST_REST, MOST_SWING, MOST_SWIVEL = np.radians([90.0, 135.0, 45.0])
 
 
 class Body:
@@ -54,20 +54,15 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
     slots = {part: s[part : part + col.AIM_COLUMNS] for part in (col.CHEST, col.LEFT, col.RIGHT, col.GAZE)}
     shown = {part: slot[col.SHOWN] if slot[col.TARGET] else 0.0 for part, slot in slots.items()}
 
-    def way(part: int, place: Floats) -> Floats:
-        return facing(slots[part], vector(s, slots[part], root, place), way_left(part))
-
     lefts: dict[int, Floats] = {}
 
-    def way_left(part: int) -> Floats | None:
-        return lefts.get(part)
-
-    def first_way(part: int, place: Floats) -> Floats:
+    def way(part: int, place: Floats) -> Floats:
         slot = slots[part]
+        to = vector(s, slot, root, place)
         lefts[part] = slot[[col.YAW_LEFT, col.PITCH_LEFT]]
-        if slot[col.CHANGED]:
-            lefts[part] = lefts[part] + slot[[col.YAW, col.PITCH]] - limited(slot, vector(s, slot, root, place))
-        return way(part, place)
+        if slot[col.CHANGED]:  # it begins where the earlier target was
+            lefts[part] = lefts[part] + slot[[col.YAW, col.PITCH]] - limited(slot, to)
+        return facing(slot, to, lefts[part])
 
     def middle(left: int, right: int) -> Floats:
         return np.asarray(0.5 * (body.places()[left] + body.places()[right]))
@@ -77,11 +72,11 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
 
     look = aim = turn = quaternion.IDENTITY
     if slots[col.GAZE][col.TARGET]:
-        look = first_way(col.GAZE, mean_place(chest, eyes))
+        look = way(col.GAZE, mean_place(chest, eyes))
         spine = slots[col.GAZE][col.SPINE] if neck else 1.0
         turn = share(look, shown[col.GAZE] * spine * (1.0 - shown[col.CHEST]))
     if slots[col.CHEST][col.TARGET]:
-        aim = share(first_way(col.CHEST, mean_place(chest, shoulders)), shown[col.CHEST])
+        aim = share(way(col.CHEST, mean_place(chest, shoulders)), shown[col.CHEST])
         turn = quaternion.multiply(aim, turn)
     body.turn(trunk, turn)
     whole = turn
@@ -92,7 +87,8 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
             more = quaternion.multiply(seen, quaternion.conjugate(aim))
             body.turn([chest], more)
             whole = quaternion.multiply(more, whole)
-        seen = share(way(col.CHEST, np.zeros(3)), shown[col.CHEST])
+        to = vector(s, slot, root, np.zeros(3))
+        seen = share(facing(slot, to, lefts[col.CHEST]), shown[col.CHEST])
         ahead, at = quaternion.rotate(seen, FORWARD), body.places()[chest]
         hands = middle(roles.left_wrist, roles.right_wrist) - at
         swivel = swivel_of(hands, at, np.arctan2(ahead[0], ahead[2]))
@@ -105,7 +101,7 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
     ):
         if slots[part][col.TARGET]:
             places = body.places()
-            goal = quaternion.rotate(first_way(part, places[shoulder]), FORWARD)
+            goal = quaternion.rotate(way(part, places[shoulder]), FORWARD)
             swing = bounded(quaternion.between(places[wrist] - places[shoulder], goal), MOST_SWING)
             body.turn([shoulder], share(swing, shown[part]))
     if shown[col.GAZE] > 0.0 and neck:
@@ -120,7 +116,8 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
         estimated = share(missing(look), shown[col.GAZE] / len(neck))
         for joint in neck[:-1]:
             body.turn([joint], estimated)
-        look = way(col.GAZE, body.places()[head])
+        if slots[col.GAZE][col.TARGET] == col.POINT:
+            look = way(col.GAZE, body.places()[head])
         wanted = quaternion.multiply(share(missing(look), shown[col.GAZE]), before)
         body.turn([head], quaternion.multiply(wanted, quaternion.conjugate(body.world()[head])))
     body.rotations[0] = rotations[0]
@@ -168,8 +165,8 @@ def limited(slot: Floats, to: Floats) -> Floats:
     )
 
 
-def facing(slot: Floats, to: Floats, left: Floats | None) -> Floats:
-    yaw, pitch = limited(slot, to) + (0.0 if left is None else left)
+def facing(slot: Floats, to: Floats, left: Floats) -> Floats:
+    yaw, pitch = limited(slot, to) + left
     return quaternion.multiply(quaternion.about(UP, yaw), quaternion.about([1.0, 0.0, 0.0], -pitch))
 
 
@@ -204,8 +201,8 @@ def swivel_of(hands: Floats, chest: Floats, yaw: float) -> float:
     """Returns the turn of the chest about the vertical after which the hands are at a yaw, seen from the root."""
     reach = float(np.hypot(hands[0], hands[2]))
     level = reach / float(np.linalg.norm(hands))
-    aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.26 * abs(hands[1]))
+    aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.5 * abs(hands[1]))
     swivel = yaw - np.arcsin(np.clip(aside, -1.0, 1.0)) - np.arctan2(hands[0], hands[2])
     swivel = (swivel + np.pi) % (2.0 * np.pi) - np.pi
     size = soft(abs(swivel), MOST_SWIVEL) * step((np.pi - abs(swivel)) / (np.pi - MOST_SWIVEL))
-    return float(np.sign(swivel) * size * step((level - 0.26) / (0.5 - 0.26)))
+    return float(np.sign(swivel) * size * step((level - 0.5) / (0.8 - 0.5)))

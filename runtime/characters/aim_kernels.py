@@ -65,12 +65,12 @@ def settle(s: Array, at: int, pace: float, seconds: float) -> None:
 
 
 @inlined
-def way_to(s: Array, slot: int, x: float, y: float, z: float, is_first: bool) -> Turn:
+def way_to(s: Array, slot: int, x: float, y: float, z: float, is_final: bool) -> Turn:
     """Returns the turn of Z that is shown of a target at x, y, z: upward, then to the left, within a slot's limits.
 
     Up to SOFT below a limit this is the target's own direction. Behind the back the yaw falls to 0 again, so that it
-    does not jump from one side to the other. The first of several calls for a frame, `is_first`, remembers the way, so
-    that after a change of the target what is shown begins where it was.
+    does not jump from one side to the other. The call for the place from which the target is finally seen, `is_final`,
+    remembers the way, so that after a change of the target what is shown begins where it was.
     """
     level = math.sqrt(x * x + z * z)
     length = math.sqrt(level * level + y * y)
@@ -80,13 +80,13 @@ def way_to(s: Array, slot: int, x: float, y: float, z: float, is_first: bool) ->
     steep = smooth(level / (STEEP * length)) if length > 0.0 else 0.0
     yaw = math.copysign(near * steep * behind * soft(abs(wanted_yaw), most), wanted_yaw)
     pitch = math.copysign(near * soft(abs(wanted_pitch), s[slot + col.MOST_PITCH]), wanted_pitch)
-    if is_first:
-        if s[slot + col.CHANGED] > 0.0:
-            s[slot + col.YAW_LEFT] += s[slot + col.YAW] - yaw
-            s[slot + col.PITCH_LEFT] += s[slot + col.PITCH] - pitch
-            s[slot + col.CHANGED] = 0.0
-        s[slot + col.YAW], s[slot + col.PITCH] = yaw, pitch
-    yaw, pitch = yaw + s[slot + col.YAW_LEFT], pitch + s[slot + col.PITCH_LEFT]
+    yaw_left, pitch_left = s[slot + col.YAW_LEFT], s[slot + col.PITCH_LEFT]
+    if s[slot + col.CHANGED] > 0.0:
+        yaw_left, pitch_left = yaw_left + s[slot + col.YAW] - yaw, pitch_left + s[slot + col.PITCH] - pitch
+    if is_final:
+        s[slot + col.YAW], s[slot + col.PITCH], s[slot + col.CHANGED] = yaw, pitch, 0.0
+        s[slot + col.YAW_LEFT], s[slot + col.PITCH_LEFT] = yaw_left, pitch_left
+    yaw, pitch = yaw + yaw_left, pitch + pitch_left
     if yaw == wanted_yaw and pitch == wanted_pitch and steep == 1.0:  # without sines: the usual case, in half the time
         cy, cp = math.sqrt(0.5 + 0.5 * z / level), math.sqrt(0.5 + 0.5 * level / length)
         sy, sp = 0.5 * x / (level * cy), 0.5 * y / (length * cp)

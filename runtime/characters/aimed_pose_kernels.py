@@ -34,9 +34,9 @@ from motionsplice.runtime.kernels.turns import (
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 MOST_REST = math.radians(90.0)  # of what a head turns beyond the way from its heading to its target
-MOST_SWING = math.radians(150.0)  # of an arm
+MOST_SWING = math.radians(135.0)  # of an arm
 MOST_SWIVEL = math.radians(45.0)  # of the hands about the vertical
-HANGING, HELD = 0.26, 0.5  # horizontal parts of the line to the hands, 75 and 60 degrees down, between which it counts
+HANGING, HELD = 0.5, 0.8  # horizontal parts of the way from chest to hands between which their swivel begins to count
 
 
 @kernel
@@ -71,10 +71,10 @@ def vector_to(s: Array, c: int, slot: int, character: int, roots: Array, place: 
 
 
 @inlined
-def way_from(s: Array, c: int, slot: int, character: int, roots: Array, place: Vector, is_first: bool) -> Turn:
-    """Returns the turn of Z that is shown of a slot's target, from a place; `is_first` as in `way_to`."""
+def way_from(s: Array, c: int, slot: int, character: int, roots: Array, place: Vector, is_final: bool) -> Turn:
+    """Returns the turn of Z that is shown of a slot's target, from a place; `is_final` as in `way_to`."""
     x, y, z = vector_to(s, c, slot, character, roots, place)
-    return way_to(s, slot, x, y, z, is_first)
+    return way_to(s, slot, x, y, z, is_final)
 
 
 @inlined
@@ -129,13 +129,15 @@ def turn_trunk(chains: Chains, s: Array, c: int, character: int, roots: Array, r
     is_aimed = s[chest + col.TARGET] != col.NOTHING
     if s[gaze + col.TARGET] != col.NOTHING:
         eyes = turned(rotation_of(world, branch), (chains.eyes[0], chains.eyes[1], chains.eyes[2]))
-        look = way_from(s, c, gaze, character, roots, plus(place_of(world, branch), eyes), True)
+        is_final = s[gaze + col.TARGET] == col.DIRECTION or s[gaze + col.SHOWN] == 0.0 or chains.lengths[NECK] == 0
+        look = way_from(s, c, gaze, character, roots, plus(place_of(world, branch), eyes), is_final)
         spine = s[gaze + col.SPINE] if chains.lengths[NECK] > 0 else 1.0
         rest = 1.0 - s[chest + col.SHOWN] if is_aimed else 1.0
         turn = part_of(look, s[gaze + col.SHOWN] * spine * rest)
     if is_aimed:
         shoulders = plus(place_of(world, last), turned(rotation_of(world, last), shoulders_of(chains)))
-        aim = part_of(way_from(s, c, chest, character, roots, shoulders, True), s[chest + col.SHOWN])
+        is_final = s[chest + col.TARGET] == col.DIRECTION or s[chest + col.SHOWN] == 0.0
+        aim = part_of(way_from(s, c, chest, character, roots, shoulders, is_final), s[chest + col.SHOWN])
         turn = times(aim, turn)
     if turn[0] != 0.0 or turn[1] != 0.0 or turn[2] != 0.0:
         share_turn(chains, turn, character, rotations)
@@ -169,7 +171,7 @@ def correct_chest(chains: Chains, s: Array, c: int, aim: Turn, character: int, r
     rotation, place, more = rotation_of(world, last), place_of(world, last), (0.0, 0.0, 0.0, 1.0)
     if s[slot + col.TARGET] == col.POINT:
         shoulders = plus(place, turned(rotation, shoulders_of(chains)))
-        now = part_of(way_from(s, c, slot, character, roots, shoulders, False), s[slot + col.SHOWN])
+        now = part_of(way_from(s, c, slot, character, roots, shoulders, True), s[slot + col.SHOWN])
         more = times(now, inverse(aim))
     elif s[slot + col.STEADY] == 0.0:
         return
@@ -255,7 +257,7 @@ def turn_head(chains: Chains, s: Array, c: int, look: Turn, character: int, root
         above, neck = rotation, times(part, neck)
     if s[slot + col.TARGET] == col.POINT:
         place = plus(place, turned(times(neck, above), offset_of(chains, NECK, count - 1)))
-        look = way_from(s, c, slot, character, roots, place, False)
+        look = way_from(s, c, slot, character, roots, place, True)
         turn = head_turn(chains, look, whole, head, s[slot + col.STEADY])
     turn = times(part_of(turn, s[slot + col.SHOWN]), inverse(neck))
     turn_joint(rotations, character, chains.columns[NECK, count - 1], turn, times(neck, above))

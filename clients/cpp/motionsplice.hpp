@@ -220,7 +220,7 @@ public:
 
 private:
     friend class Evaluator;
-    using Digests = std::array<std::string, 11>;
+    using Digests = std::array<std::string, 12>;
     using Turn = std::array<double, 4>;
 
     bool read(const Files& files, const std::string& name, Error& error);

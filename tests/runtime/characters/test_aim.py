@@ -367,3 +367,16 @@ def test_the_length_of_a_direction_does_not_matter(one: Setup, direction: tuple[
     characters.add(1, "walk")
     AIMS["head"](characters, direction=direction)
     assert degrees_apart(pointing(characters, "head")[1], np.array([1.0, 0.0, 1.0])) < 0.05
+
+
+@pytest.mark.parametrize(("part", "joint"), [("chest", "Spine2"), ("left_arm", "LeftArm"), ("head", "Head")])
+def test_nothing_jumps_when_a_far_target_replaces_a_near_one(one: Setup, part: str, joint: str) -> None:
+    characters = one()
+    characters.add(1, "walk")
+    characters.speed([0], 0.0)
+    AIMS[part](characters, point=(0.3, 1.2, 0.5))
+    run_frames(characters, 5)
+    at = characters.stage.bank.skeleton.index(joint)
+    before = world_of(characters)[1][at]
+    AIMS[part](characters, point=(-20.0, 3.0, 30.0), blend=0.5)
+    assert np.degrees(quaternion.angle(before, world_of(characters)[1][at])) < 0.05

@@ -15,7 +15,7 @@ from motionsplice.runtime.characters import state as col
 
 UP, FORWARD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 SOFT, NEAR = np.radians(10.0), 0.1
-MOST_REST, MOST_SWING, MOST_SWIVEL = np.radians([90.0, 120.0, 45.0])
+MOST_REST, MOST_SWING, MOST_SWIVEL = np.radians([90.0, 135.0, 45.0])
 
 
 class Body:

@@ -34,7 +34,7 @@ from motionsplice.runtime.kernels.turns import (
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 MOST_REST = math.radians(90.0)  # of what a head turns beyond the way from its heading to its target
-MOST_SWING = math.radians(120.0)  # of an arm
+MOST_SWING = math.radians(135.0)  # of an arm
 MOST_SWIVEL = math.radians(45.0)  # of the hands about the vertical
 HANGING, HELD = 0.5, 0.8  # horizontal parts of the way from chest to hands between which their swivel begins to count
 

@@ -337,6 +337,9 @@ namespace MotionSplice
             jumps.Add(frame);
         });
 
+        /// <summary>Holds standing feet in place, or no longer.</summary>
+        public Task<long> LockFeetAsync(bool lockFeet) => Send(Fields("lock_feet", "lock_feet", lockFeet), frame => created["lock_feet"] = lockFeet);
+
         /// <summary>Sends the character to these receivers of the service's settings ("vmc", "livelink"), and to no others.</summary>
         public Task<long> SendToAsync(params string[] to) => Send(Fields("send", "to", to), frame => { });
 

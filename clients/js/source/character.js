@@ -138,6 +138,15 @@ export class Character {
   }
 
   /**
+   * Holds standing feet in place, or no longer.
+   *
+   * @param {boolean} [lockFeet]
+   */
+  lockFeet(lockFeet = true) {
+    return this.#do('lock_feet', { lockFeet });
+  }
+
+  /**
    * Sends the character to these receivers of the service's settings, and to no others.
    *
    * @param {...Receiver} to

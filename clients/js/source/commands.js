@@ -9,7 +9,8 @@
  * @typedef {readonly [number, number, number]} Position
  *
  * @typedef {{ blend?: number, curve?: Curve }} Fade
- * @typedef {{ time?: number, loop?: boolean, speed?: number, position?: Position, heading?: number, inPlace?: boolean }} CreateOptions
+ * @typedef {{ time?: number, loop?: boolean, speed?: number, position?: Position, heading?: number, inPlace?: boolean,
+ *   lockFeet?: boolean }} CreateOptions
  * @typedef {{ time?: number, loop?: boolean } & Fade} PlayOptions
  * @typedef {{ when?: When, start?: number, blendOut?: number, weight?: number, loop?: boolean,
  *   ownClock?: boolean | readonly [number, number], mask?: Mask, method?: 'splice' | 'naive', posture?: Posture } & Fade} ActOptions

@@ -39,7 +39,7 @@ export class Memory {
     const { do: name, id, time, blend, curve, ...values } = done;
     if (name === 'play') this.create = { ...this.create, loop: true, ...values };
     else if (name === 'mix') this.create.locomotion = values.weights;
-    else if (name === 'speed' || name === 'in_place') Object.assign(this.create, values);
+    else if (['speed', 'in_place', 'lock_feet'].includes(name)) Object.assign(this.create, values);
     else if (name === 'act') this.act = { ...done, id: this.id };
     else if (name === 'weight' && this.act) this.act.weight = values.weight;
     else if (name === 'stop') this.act = undefined;

@@ -113,6 +113,7 @@ test('all commands are those of the protocol', async () => {
   await record(hero.aim(null));
   await record(hero.place([1, 0, 1], { heading: 1 }));
   await record(hero.inPlace());
+  await record(hero.lockFeet());
   await record(hero.sendTo('vmc', 'livelink'));
   await record(service.set({ events: ['stride'], rate: 30 }));
   await record(service.send([{ do: 'speed', id: [7], speed: 1 }, { do: 'remove', id: 7 }]));
@@ -127,6 +128,7 @@ test('all commands are those of the protocol', async () => {
     { do: 'aim', id: 7, point: null },
     { do: 'place', id: 7, position: [1, 0, 1], heading: 1 },
     { do: 'in_place', id: 7, in_place: true },
+    { do: 'lock_feet', id: 7, lock_feet: true },
     { do: 'send', id: 7, to: ['vmc', 'livelink'] },
     { do: 'set', events: ['stride'], rate: 30 },
     [{ do: 'speed', id: [7], speed: 1 }, { do: 'remove', id: 7 }],
@@ -139,7 +141,7 @@ test('a lost connection is opened again, and its characters are made again where
   const { service, socket, hero } = await withCharacters();
   const seen = [];
   for (const name of ['disconnected', 'reconnected', 'closed']) service.on(name, (event) => seen.push([name, event]));
-  const commands = [hero.act('carry_box', { when: 'left_foot', mask: 'arms' }), hero.speed(0.5), service.set({ rate: 30, events: ['stride'] }),
+  const commands = [hero.act('carry_box', { when: 'left_foot', mask: 'arms' }), hero.speed(0.5), hero.lockFeet(), service.set({ rate: 30, events: ['stride'] }),
     service.characters.get(4294967295).act('wave', { loop: false }), hero.mix({ curve: 2 }), hero.wear('gloves'),
     hero.look({ point: [1, 2, 3] }), hero.aim({ point: [1, 2, 3] }), hero.aim(null), hero.aim({ direction: [0, 0, 1] }, { part: 'left_arm' })];
   await Promise.resolve();
@@ -161,7 +163,7 @@ test('a lost connection is opened again, and its characters are made again where
   assert.deepEqual(again.sent[0], { do: 'set', events: ['stride'], ref: again.sent[0].ref });
   const [create, wear, look, aim, act] = again.sent[1];
   const { position, heading, ref, ...others } = create;
-  assert.deepEqual(others, { do: 'create', id: 7, locomotion: { curve: 2 }, speed: 0.5, in_place: false });
+  assert.deepEqual(others, { do: 'create', id: 7, locomotion: { curve: 2 }, speed: 0.5, lock_feet: true, in_place: false });
   assert.deepEqual([look, aim], [{ do: 'look', id: 7, point: [1, 2, 3] }, { do: 'aim', id: 7, direction: [0, 0, 1], part: 'left_arm' }]);
   assert.deepEqual([wear, act], [{ do: 'wear', id: 7, hands: 'gloves' }, { do: 'act', id: 7, action: 'carry_box', mask: 'arms' }]);
   // two steps of the golden file from [1, 2, 3], heading 0.5

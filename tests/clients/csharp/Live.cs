@@ -131,7 +131,7 @@ sealed class Live
                 hero.ActAsync("wave", when: "now", start: 0.1, blend: 0.1, blendOut: 0.1, curve: "ease_in", weight: 0.5, loop: true,
                     ownClock: true, mask: "arms", method: "naive", posture: "off"),
                 hero.ActAsync("wave", ownClock: new[] { 0.5, 1.5 }), hero.WeightAsync(0.25), hero.WearAsync(null, blend: 0.1, curve: "smooth"),
-                hero.SpeedAsync(0.75), hero.InPlaceAsync(true), hero.SendToAsync(), hero.StopAsync(0.5, "ease_out"));
+                hero.SpeedAsync(0.75), hero.InPlaceAsync(true), hero.LockFeetAsync(true), hero.SendToAsync(), hero.StopAsync(0.5, "ease_out"));
             await hero.PlaceAsync(new Vector3(50, 60, 0), -1);
             var refused = new List<string>();
             foreach (Func<Task> wrong in new Func<Task>[] { () => hero.PlayAsync("wlak"), () => hero.SpeedAsync(9), () => connection.CreateAsync("walk", id: 9),

@@ -19,7 +19,7 @@ def legs_of(skeleton: Skeleton, roles: Roles) -> Legs:
         [chain.index(joint) if joint in chain else -1 for joint in leg] for leg, chain in zip(ends, chains, strict=True)
     ]
     longest = max(len(chain) for chain in chains)
-    columns, offsets = np.zeros((2, longest), np.int64), np.zeros((2, longest, 3))
+    columns, offsets = np.zeros((2, longest), np.uint64), np.zeros((2, longest, 3))
     fits = all(0 <= hip < knee < ankle for hip, knee, ankle in at)
     for number, chain in enumerate(chains):
         columns[number, : len(chain)] = np.multiply(chain, 4)

@@ -9,11 +9,26 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Legs
 from motionsplice.runtime.characters.feet_kernels import Place, Step, Sums, firmness, last_step, moved
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
-from motionsplice.runtime.kernels.rotations import TINY, product, rotated
+from motionsplice.runtime.kernels.rotations import TINY
+from motionsplice.runtime.kernels.turns import (
+    Turn,
+    Vector,
+    between,
+    inverse,
+    minus,
+    plus,
+    times,
+    turn_at,
+    turn_joint,
+    turned,
+    unit_vector,
+)
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 FADING = 0.2  # seconds in which the lock is turned on or off
@@ -24,9 +39,6 @@ LONG, TIRED = 1.0, 2.0  # seconds: an offset begins to fade out when a foot has 
 SETTLING = 0.5  # seconds: time constant of that
 STIFF = 0.5  # sine of a knee's bend at which it takes up half of a change of the leg's length
 STRAIGHT = 0.998  # of a leg's length: the farthest that it is stretched
-
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
 
 
 @inlined
@@ -93,16 +105,13 @@ def lock_feet(legs: Legs, s: Array, c: int, character: int, roots: Array, rotati
 def bend_leg(legs: Legs, leg: int, x: float, z: float, character: int, roots: Array, rotations: Array) -> None:
     """Moves an ankle over the ground by x and z, metres, by turning hip and knee; the foot keeps its orientation."""
     place = (float(roots[character, 0]), float(roots[character, 1]), float(roots[character, 2]))
-    turn = turn_at(rotations, character, 0)
+    turn = turn_at(rotations, character, np.uint64(0))
     hip = knee = place
     above_hip = above_knee = above = turn
     for number in range(legs.counts[leg]):
         above = turn
-        offset = rotated(
-            above[0], above[1], above[2], above[3],
-            legs.offsets[leg, number, 0], legs.offsets[leg, number, 1], legs.offsets[leg, number, 2],
-        )  # fmt: skip
-        place = (place[0] + offset[0], place[1] + offset[1], place[2] + offset[2])
+        offset = (legs.offsets[leg, number, 0], legs.offsets[leg, number, 1], legs.offsets[leg, number, 2])
+        place = plus(place, turned(above, offset))
         turn = times(above, turn_at(rotations, character, legs.columns[leg, number]))
         if number == legs.hips[leg]:
             hip, above_hip = place, above
@@ -110,17 +119,15 @@ def bend_leg(legs: Legs, leg: int, x: float, z: float, character: int, roots: Ar
             knee, above_knee = place, above
     thigh, shin = minus(hip, knee), minus(place, knee)
     bend = bending(thigh, shin, minus(place, hip), x, z)
-    shin = rotated(bend[0], bend[1], bend[2], bend[3], shin[0], shin[1], shin[2])
-    was, wanted = minus(shin, thigh), minus(place, hip)
-    swing = between(was, (wanted[0] + x, wanted[1], wanted[2] + z))
-    turn_joint(rotations, character, legs.columns[leg, legs.hips[leg]], above_hip, swing)
-    turn_joint(rotations, character, legs.columns[leg, legs.knees[leg]], above_knee, bend)
-    back = conjugate(times(swing, bend))
-    turn_joint(rotations, character, legs.columns[leg, legs.counts[leg] - 1], above, back)
+    was, wanted = minus(turned(bend, shin), thigh), plus(minus(place, hip), (x, 0.0, z))
+    swing = between(unit_vector(was), unit_vector(wanted))
+    turn_joint(rotations, character, legs.columns[leg, legs.hips[leg]], swing, above_hip)
+    turn_joint(rotations, character, legs.columns[leg, legs.knees[leg]], bend, above_knee)
+    turn_joint(rotations, character, legs.columns[leg, legs.counts[leg] - 1], inverse(times(swing, bend)), above)
 
 
 @inlined
-def bending(thigh: Vector, shin: Vector, leg: Vector, x: float, z: float) -> Quaternion:
+def bending(thigh: Vector, shin: Vector, leg: Vector, x: float, z: float) -> Turn:
     """Returns the turn of a shin about its knee that makes a leg as long as it is to its ankle moved by x and z.
 
     thigh, shin: from the knee to hip and ankle, metres. leg: from hip to ankle. Near full reach a knee turns ever
@@ -150,50 +157,6 @@ def angle_at(a: float, b: float, length: float, product_of_bones: float) -> floa
     """Returns the angle at the knee of a leg of this length, by the law of cosines."""
     cosine = (a * a + b * b - length * length) / (2.0 * product_of_bones)
     return math.acos(min(max(cosine, -1.0), 1.0))
-
-
-@inlined
-def between(a: Vector, b: Vector) -> Quaternion:
-    """Returns the shortest turn from the direction of a to that of b, which is not opposite."""
-    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-    w = norm(a) * norm(b) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
-    return x * scale, y * scale, z * scale, w * scale
-
-
-@inlined
-def turn_joint(rotations: Array, character: int, column: int, above: Quaternion, turn: Quaternion) -> None:
-    """Turns a joint in the world, given its parent's rotation `above` before the turn."""
-    local = times(times(conjugate(above), turn), times(above, turn_at(rotations, character, column)))
-    scale = 1.0 / math.sqrt(local[0] * local[0] + local[1] * local[1] + local[2] * local[2] + local[3] * local[3])
-    rotations[character, column], rotations[character, column + 1] = local[0] * scale, local[1] * scale
-    rotations[character, column + 2], rotations[character, column + 3] = local[2] * scale, local[3] * scale
-
-
-@inlined
-def turn_at(rotations: Array, character: int, column: int) -> Quaternion:
-    """Returns a rotation of a pose in float64."""
-    return (
-        float(rotations[character, column]),
-        float(rotations[character, column + 1]),
-        float(rotations[character, column + 2]),
-        float(rotations[character, column + 3]),
-    )
-
-
-@inlined
-def times(a: Quaternion, b: Quaternion) -> Quaternion:
-    return product(a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3])
-
-
-@inlined
-def conjugate(q: Quaternion) -> Quaternion:
-    return -q[0], -q[1], -q[2], q[3]
-
-
-@inlined
-def minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inlined

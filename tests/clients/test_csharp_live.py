@@ -87,7 +87,7 @@ def test_a_service_that_misbehaves_is_reported_and_left(program: Path) -> None:
 
 def test_every_command_is_done_and_refusals_say_why(program: Path, service: Running) -> None:
     found, *failed = printed(program, "commands", service.url)
-    assert len(found["frames"]) == 10
+    assert len(found["frames"]) == 11
     assert found["frames"] == sorted(found["frames"])
     assert found["removed"] > found["frames"][-1]
     assert "stride" in found["events"]

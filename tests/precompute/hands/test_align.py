@@ -47,7 +47,7 @@ def test_costs_equal_those_of_the_readable_twin(both: tuple[HandMotion, HandMoti
     compared, band = Comparison(body, hands, RATE), straight_band(len(body.points), len(hands.points), 0.3, [])
     phase_costs, palm_costs, pace_costs = compared.phases(band), compared.palms(band), compared.paces(band)
     draw, unequal = np.random.default_rng(0), 0
-    for _ in range(25):
+    for _ in range(12):
         i = int(draw.integers(len(body.points)))
         j = int(draw.integers(band.low[i], band.high[i] + 1))
         turned = naive_hands.turn(body, hands, i, j)

@@ -16,7 +16,7 @@ from tests.service.running import Running, running
 @contextmanager
 def warm_client(bank: Bank) -> Iterator[TestClient]:
     with TestClient(create_app(bank, Settings(max_frames=5000))) as client:
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + 240.0
         while client.get("/readyz").status_code == 503:
             assert time.monotonic() < deadline
             time.sleep(0.01)

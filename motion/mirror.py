@@ -8,7 +8,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import world_transforms
+from motionsplice.motion.kinematics import local_rotations, world_transforms
 from motionsplice.motion.quaternion import IDENTITY, Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Integers, Skeleton
@@ -48,8 +48,7 @@ class Mirror:
         Raises:
             SkeletonError: A limb has a joint that the other side does not have.
         """
-        local = quaternion.multiply(quaternion.conjugate(pose[skeleton.parents]), pose)
-        local[0] = pose[0]
+        local = local_rotations(skeleton, pose)
         twins = twins_of(skeleton, roles, world_transforms(skeleton, np.zeros((1, 3)), local[None])[0][0])
         axes, turns = quaternion.to_matrices(pose), np.tile(IDENTITY, (skeleton.joint_count, 1))
         for joint, twin in enumerate(twins.tolist()):
@@ -58,10 +57,15 @@ class Mirror:
                 turns[joint], turns[twin] = quaternion.from_matrices(np.diag(MIRROR) @ np.stack([found.T, found]))
         return cls(twins, turns)
 
-    def rotations(self, rotations: Floats, parents: Integers) -> Floats:
-        """Returns the mirror image of local rotations [..., J, 4]; parents [J] are those of the skeleton."""
+    def above(self, parents: Integers) -> Floats:
+        """Returns the turn [J, 4] of each joint's parent, the identity for the root; parents [J] are the skeleton's."""
         above = self.turns[parents]
         above[0] = IDENTITY
+        return above
+
+    def rotations(self, rotations: Floats, parents: Integers) -> Floats:
+        """Returns the mirror image of local rotations [..., J, 4]; parents [J] are those of the skeleton."""
+        above = self.above(parents)
         image = quaternion.multiply(quaternion.conjugate(above), rotations[..., self.twins, :] * FLIP)
         image = quaternion.multiply(image, self.turns)
         return np.where((self.twins >= 0)[:, None], image, rotations)

@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.procedural.library import make
@@ -52,23 +54,31 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: rank.get(item.path.relative_to(TESTS).parts[0], len(rank)))
 
 
+def written(folder: Path, clips: Mapping[str, Clip], settings: str) -> Path:
+    """Writes clips as BVH files with a `clips.toml` to a folder, and returns the folder."""
+    for name, clip in clips.items():
+        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
+    (folder / "clips.toml").write_text(settings)
+    return folder
+
+
+def built(clips: Path, path: Path) -> Bank:
+    """Builds the bank of a folder of clips, and opens it."""
+    outcome = build_bank([clips], path, baseline="walk", jobs=1)
+    assert not outcome.failed
+    return Bank.open(path)
+
+
 @pytest.fixture(scope="session")
 def clip_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Seven built-in clips as BVH files, two of them actions."""
-    folder = tmp_path_factory.mktemp("clips")
-    for name, clip in CLIPS.items():
-        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
-    (folder / "clips.toml").write_text(SETTINGS)
-    return folder
+    return written(tmp_path_factory.mktemp("clips"), CLIPS, SETTINGS)
 
 
 @pytest.fixture(scope="session")
 def bank(clip_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `clip_folder`; tests must not change it."""
-    path = tmp_path_factory.mktemp("banks") / "bank"
-    outcome = build_bank([clip_folder], path, baseline="walk", jobs=1)
-    assert not outcome.failed
-    return Bank.open(path)
+    return built(clip_folder, tmp_path_factory.mktemp("banks") / "bank")
 
 
 STANDING_CLIPS = {
@@ -98,20 +108,13 @@ mask = "arms"
 @pytest.fixture(scope="session")
 def standing_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two locomotions, an idle, and four actions that were captured standing."""
-    folder = tmp_path_factory.mktemp("standing")
-    for name, clip in STANDING_CLIPS.items():
-        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
-    (folder / "clips.toml").write_text(STANDING_SETTINGS)
-    return folder
+    return written(tmp_path_factory.mktemp("standing"), STANDING_CLIPS, STANDING_SETTINGS)
 
 
 @pytest.fixture(scope="session")
 def standing_bank(standing_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `standing_folder`; tests must not change it."""
-    path = tmp_path_factory.mktemp("banks") / "standing"
-    outcome = build_bank([standing_folder], path, baseline="walk", jobs=1)
-    assert not outcome.failed
-    return Bank.open(path)
+    return built(standing_folder, tmp_path_factory.mktemp("banks") / "standing")
 
 
 COUNTING = gesture_pair(3, kinds=["count", "point", "wave"], seconds=4.5, hand_rate=50.0)
@@ -136,12 +139,10 @@ hand = "right"
 @pytest.fixture(scope="session")
 def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Clips without fingers, an action with fingers, and two hands clips that are aligned to some of them."""
-    folder = tmp_path_factory.mktemp("hands")
     clips = {name: CLIPS[name] for name in ("walk", "run", "wave")}
     hands = {"counting": COUNTING.body, "counting_hands": COUNTING.hands, "other_hands": OTHERS.hands}
-    for name, clip in {**clips, **hands}.items():
-        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
-    (folder / "clips.toml").write_text('[wave]\nkind = "action"\n[counting]\nkind = "action"\n')
+    settings = '[wave]\nkind = "action"\n[counting]\nkind = "action"\n'
+    folder = written(tmp_path_factory.mktemp("hands"), {**clips, **hands}, settings)
     (folder / "hands.toml").write_text(HANDS)
     return folder
 
@@ -149,10 +150,7 @@ def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def hands_bank(hands_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `hands_folder`; tests must not change it."""
-    path = tmp_path_factory.mktemp("banks") / "hands"
-    outcome = build_bank([hands_folder], path, baseline="walk", jobs=1)
-    assert not outcome.failed
-    return Bank.open(path)
+    return built(hands_folder, tmp_path_factory.mktemp("banks") / "hands")
 
 
 @pytest.fixture(scope="session")

@@ -11,9 +11,11 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import common_ancestor
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.requests import METHODS, POSTURES
 from tests.naive import best_rotation, laid_on, rotation_between, vectors_between
+from tests.playing import evaluated
 
 UP = [0.0, 1.0, 0.0]
 
@@ -28,6 +30,16 @@ class Locomotion(NamedTuple):
     frame: Floats
     offset: Floats
     posture: Floats
+
+
+def check(characters: Characters) -> None:
+    """Checks that the kernels pose each character as `pose` does."""
+    before = characters.state.copy()
+    roots, rotations = evaluated(characters)
+    for row, state in enumerate(before):
+        root, twin = pose(characters.stage.bank, state)
+        np.testing.assert_allclose(roots[row], root, atol=1e-4)
+        assert quaternion.angle(rotations[row], twin).max() < 1e-3
 
 
 def mixed(rotations: Sequence[Floats], shares: Sequence[float]) -> Floats:

@@ -9,8 +9,8 @@ from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import UNKNOWN, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE
-from motionsplice.runtime.kernels.phase import frame_of, own_step
+from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_of
+from motionsplice.runtime.kernels.phase import own_step
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 CATCH_UP = 0.3  # share of the locomotion's speed by which an action out of step is faster or slower

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.slots import smooth
 from motionsplice.runtime.kernels.turns import Turn
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
@@ -104,10 +105,3 @@ def soft(angle: float, most: float) -> float:
         return angle
     over = over / bend if bend > 0.0 else 2.0
     return most - bend + bend * (over - 0.25 * over * over if over < 2.0 else 1.0)
-
-
-@inlined
-def smooth(t: float) -> float:
-    """Returns a smooth step from 0 to 1."""
-    t = min(max(t, 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t)

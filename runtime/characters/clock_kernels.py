@@ -36,7 +36,8 @@ from motionsplice.runtime.characters.transition_kernels import (
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.phase import frame_after_last, frame_of, own_step, phase_of
+from motionsplice.runtime.kernels.lookup import frame_after_last, frame_of
+from motionsplice.runtime.kernels.phase import own_step, phase_of
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 
 SMOOTHING = 0.05  # seconds: weights follow their goals through two low-pass filters with this time constant

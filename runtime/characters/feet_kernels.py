@@ -12,7 +12,7 @@ import math
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Ground
-from motionsplice.runtime.characters.slots import locomotion_slot
+from motionsplice.runtime.characters.slots import locomotion_slot, smooth
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame, leading
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
@@ -100,8 +100,7 @@ def add_step(
 @inlined
 def firmness(support: float) -> float:
     """Returns how firmly a foot of this support holds the root, 0 to 1."""
-    held = min(max((support - LOOSE) / (FIRM - LOOSE), 0.0), 1.0)
-    return held * held * (3.0 - 2.0 * held)
+    return smooth((support - LOOSE) / (FIRM - LOOSE))
 
 
 @inlined

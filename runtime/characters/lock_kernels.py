@@ -14,6 +14,7 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Legs
 from motionsplice.runtime.characters.feet_kernels import Place, Step, Sums, firmness, last_step, moved
+from motionsplice.runtime.characters.slots import smooth
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.kernels.rotations import TINY
 from motionsplice.runtime.kernels.turns import (
@@ -39,13 +40,6 @@ LONG, TIRED = 1.0, 2.0  # seconds: an offset begins to fade out when a foot has 
 SETTLING = 0.5  # seconds: time constant of that
 STIFF = 0.5  # sine of a knee's bend at which it takes up half of a change of the leg's length
 STRAIGHT = 0.998  # of a leg's length: the farthest that it is stretched
-
-
-@inlined
-def smooth(t: float) -> float:
-    """Returns a step from 0 to 1 without a kink, for t from 0 to 1; clamped outside."""
-    t = min(max(t, 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t)
 
 
 @inlined

@@ -15,11 +15,10 @@ from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import between_rows
 from motionsplice.runtime.kernels.mirror import point_between
 from motionsplice.runtime.kernels.posture import mixed
+from motionsplice.runtime.kernels.rotations import FOUR
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread, store
 from motionsplice.runtime.simd.width import LANES
-
-FOUR = np.uint64(4)  # numbers of a rotation
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""Offsets of a character's slots, and the fade of a slot.
+"""Offsets of a character's slots, the fade of a slot, and a smooth step.
 
 In all kernels of characters, `s` is the flat state of all characters and `c` the offset of a character's row in it.
 """
@@ -25,6 +25,13 @@ def action_slot(c: int, number: int) -> int:
 def hands_slot(c: int, number: int) -> int:
     """Returns the offset of hands slot `number`."""
     return c + col.FIRST_HANDS + number * col.HANDS_COLUMNS
+
+
+@inlined
+def smooth(t: float) -> float:
+    """Returns a step from 0 to 1 without a kink, for t from 0 to 1; held outside."""
+    t = min(max(t, 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
 
 
 @inlined

@@ -16,8 +16,8 @@ from motionsplice.runtime.characters.slots import action_slot, fade_of, hands_sl
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE
-from motionsplice.runtime.kernels.phase import frame_of, phase_of, row_of
+from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE, frame_of
+from motionsplice.runtime.kernels.phase import phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 

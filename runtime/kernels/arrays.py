@@ -139,8 +139,7 @@ def lane_mirror(bank: Bank) -> Array:
     mirror, layout = bank.mirror, bank.layout
     if mirror is None:
         return np.zeros((0, MIRROR_COLUMNS), np.float32)
-    above, pelvis = mirror.turns[bank.skeleton.parents], layout.pelvis
-    above[0] = IDENTITY
+    above, pelvis = mirror.above(bank.skeleton.parents), layout.pelvis
     parts = []
     for half in layout.halves.values():
         part = np.zeros((half.width, MIRROR_COLUMNS))

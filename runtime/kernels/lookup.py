@@ -136,6 +136,19 @@ def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
 
 
 @inlined
+def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
+    """Returns a clip's real-valued frame at a phase, clamped to its ends."""
+    last = bank.clips[clip, arrays.ROW_COUNT] - 1.0
+    return min(max(frame_at(bank, clip, phase, frame_near(bank, clip, phase)), 0.0), last)
+
+
+@inlined
+def frame_after_last(bank: BankArrays, clip: int) -> float:
+    """Returns the frame to which a looping clip jumps back from its last row."""
+    return frame_of(bank, clip, bank.clips[clip, arrays.LAST_PHASE] - bank.clips[clip, arrays.LOOP])
+
+
+@inlined
 def locate(at: float, first: float, count: float) -> tuple[np.uint64, float]:
     """Returns the row before a real-valued position in a clip's `count` rows, and the share of the next; clamped."""
     at = at if at > 0.0 else 0.0  # NaN becomes 0 too

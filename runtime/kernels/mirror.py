@@ -8,10 +8,8 @@ from motionsplice.runtime.format.rows import CLOUD
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, CORRELATION, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
 from motionsplice.runtime.kernels.lookup import between_rows
-from motionsplice.runtime.kernels.rotations import ONE
+from motionsplice.runtime.kernels.rotations import FOUR, ONE
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
-
-FOUR = np.uint64(4)  # numbers of a rotation
 
 
 @inlined

@@ -6,7 +6,7 @@ import numpy as np
 
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import between, frame_at, frame_near, locate
+from motionsplice.runtime.kernels.lookup import between, frame_after_last, locate
 from motionsplice.runtime.simd.compiled import inlined
 
 
@@ -21,19 +21,6 @@ def phase_of(bank: BankArrays, clip: int, frame: float) -> float:
     """Returns a clip's phase at a frame."""
     row, t = row_of(bank, clip, frame)
     return between(bank.phases, row, t) + bank.clips[clip, arrays.PHASE_SHIFT]
-
-
-@inlined
-def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
-    """Returns a clip's real-valued frame at a phase, clamped to its ends."""
-    last = bank.clips[clip, arrays.ROW_COUNT] - 1.0
-    return min(max(frame_at(bank, clip, phase, frame_near(bank, clip, phase)), 0.0), last)
-
-
-@inlined
-def frame_after_last(bank: BankArrays, clip: int) -> float:
-    """Returns the frame to which a looping clip jumps back from its last row."""
-    return frame_of(bank, clip, bank.clips[clip, arrays.LAST_PHASE] - bank.clips[clip, arrays.LOOP])
 
 
 @inlined

@@ -18,7 +18,7 @@ from motionsplice.runtime.simd.width import LANES
 
 Number = Any  # a float, or lanes
 ONWARD, BACK = 1.0, -1.0  # a rotation, or its inverse
-ONE = np.uint64(1)
+ONE, FOUR = np.uint64(1), np.uint64(4)  # a column; the numbers of a rotation
 TINY = 1e-300
 # Eberly 2011: sin(t angle) / sin(angle) as a series in cos(angle) - 1, cut after four terms
 SERIES = [(np.float32(1.0 / (i * (2 * i + 1))), np.float32(i / (2 * i + 1))) for i in range(1, 5)]

@@ -11,12 +11,10 @@ from motionsplice.runtime.format.rows import PELVIS, POSTURE_FRAME, TORSO_OFFSET
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import between_rows
-from motionsplice.runtime.kernels.rotations import ONE, TINY, product
+from motionsplice.runtime.kernels.rotations import FOUR, ONE, TINY, product
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread
 from motionsplice.runtime.simd.width import LANES
-
-FOUR = np.uint64(4)  # numbers of a rotation
 
 
 @kernel

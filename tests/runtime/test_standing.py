@@ -171,12 +171,7 @@ def test_characters_agree_with_the_twin(one: Setup, seed: int) -> None:
     for name in draw.choice([clip.name for clip in characters.stage.bank.numbered], 3):
         characters.add(1, str(name))
     commanded(characters, draw, 60)
-    before = characters.state.copy()
-    roots, rotations = evaluated(characters)
-    for row, state in enumerate(before):
-        root, twin = naive_character.pose(characters.stage.bank, state)
-        np.testing.assert_allclose(roots[row], root, atol=1e-4)
-        assert quaternion.angle(rotations[row], twin).max() < 1e-3
+    naive_character.check(characters)
 
 
 def test_own_clock_is_the_default_of_standing_actions_only(one: Setup, standing_bank: Bank) -> None:

@@ -1682,6 +1682,16 @@ inline void Evaluator::add(const Character& character) {
 
 /// Writes the torso of a sampled splice into lane k.
 inline void Evaluator::correlate(const Character& character, int k, Torsos& torsos) const {
+    const auto set = [&](detail::Quaternions<BLOCK>& to, const std::vector<float>& lanes, std::size_t lane) {
+        const std::size_t plane = lanes.size() / 4;
+        to.x[k] = lanes[lane], to.y[k] = lanes[plane + lane];
+        to.z[k] = lanes[2 * plane + lane], to.w[k] = lanes[3 * plane + lane];
+    };
+    set(torsos.pelves, lower_lanes_, detail::PELVIS);
+    set(torsos.frames, lower_lanes_, detail::POSTURE_FRAME);
+    set(torsos.own_offsets, lower_lanes_, detail::TORSO_OFFSET);
+    set(torsos.their_offsets, upper_lanes_, detail::TORSO_OFFSET);
+    if (character.lower_mirrored || character.upper_mirrored) return correlate_mirrored(character, k, torsos);
     constexpr int LANES = detail::LANES;
     const std::int64_t width = bank_->cloud_width_;
     const std::int64_t lower_columns = bank_->lower_half_.columns, upper_columns = bank_->upper_half_.columns;
@@ -1711,16 +1721,6 @@ inline void Evaluator::correlate(const Character& character, int k, Torsos& tors
             torsos.clouds.m[i][j][k] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
         }
     }
-    const auto set = [&](detail::Quaternions<BLOCK>& to, const std::vector<float>& lanes, std::size_t lane) {
-        const std::size_t plane = lanes.size() / 4;
-        to.x[k] = lanes[lane], to.y[k] = lanes[plane + lane];
-        to.z[k] = lanes[2 * plane + lane], to.w[k] = lanes[3 * plane + lane];
-    };
-    set(torsos.pelves, lower_lanes_, detail::PELVIS);
-    set(torsos.frames, lower_lanes_, detail::POSTURE_FRAME);
-    set(torsos.own_offsets, lower_lanes_, detail::TORSO_OFFSET);
-    set(torsos.their_offsets, upper_lanes_, detail::TORSO_OFFSET);
-    if (character.lower_mirrored || character.upper_mirrored) correlate_mirrored(character, k, torsos);
 }
 
 /// Writes the correlation of two clouds, of which either may be mirrored, into lane k.

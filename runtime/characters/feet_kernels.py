@@ -14,8 +14,8 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Ground
 from motionsplice.runtime.characters.slots import locomotion_slot, smooth
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame, leading
-from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
+from motionsplice.runtime.kernels.lookup import is_mirrored
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.rotations import ONE, TINY
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
@@ -37,7 +37,7 @@ def foot_at(bank: BankArrays, ground: Ground, clip: int, frame: float, foot: int
     """Returns the place of a foot, 0 or 1, at a frame of a clip, and its support."""
     row, t = row_of(bank, clip, frame)
     side, first = 1.0, 3 * foot
-    if bank.clips[clip, arrays.MIRRORED] > 0.0:
+    if is_mirrored(bank, clip):
         side, first = -1.0, 3 - 3 * foot
     x, z, support = ground.feet[row, first], ground.feet[row, first + 1], ground.feet[row, first + 2]
     after = row + ONE

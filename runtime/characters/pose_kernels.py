@@ -22,7 +22,7 @@ from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays, Scratch
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
-from motionsplice.runtime.kernels.lookup import between_rows, fetch_ahead, fetch_hands
+from motionsplice.runtime.kernels.lookup import between_rows, fetch_ahead, fetch_hands, is_mirrored
 from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
@@ -136,7 +136,7 @@ def mix_lower(
         t32 = np.float32(t)
         sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
         dx = between_rows(bank.lower, row, np.uint64(ROOT), t32)
-        if bank.clips[clip, arrays.MIRRORED] > 0.0:
+        if is_mirrored(bank, clip):
             dx = -dx
             mirror_lower(bank, lanes)
         dx -= px
@@ -152,7 +152,7 @@ def mix_lower(
         else:
             set_lane_weights(mixing.lane_weights, width, np.float32(share))
             add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
-            mirrored = bank.clips[clip, arrays.MIRRORED] > 0.0
+            mirrored = is_mirrored(bank, clip)
             add_cloud(bank, row, t32, np.float32(share), mirrored, mixing.row, number == 0)
     if count > 1:
         normalise_lanes(mixing.sum, np.uint64(0), width, lanes)

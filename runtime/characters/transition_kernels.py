@@ -16,7 +16,7 @@ from motionsplice.runtime.characters.slots import action_slot, fade_of, hands_sl
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE, frame_of
+from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE, frame_of, is_mirrored
 from motionsplice.runtime.kernels.phase import phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
@@ -36,7 +36,7 @@ def path_at(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[
     """Returns a clip's root path at a frame: x, ground height, z and heading."""
     row, t = row_of(bank, clip, frame)
     x, y, z, h = ground.paths[row, 0], ground.paths[row, 1], ground.paths[row, 2], ground.paths[row, 3]
-    after, side = row + ONE, -1.0 if bank.clips[clip, arrays.MIRRORED] > 0.0 else 1.0
+    after, side = row + ONE, -1.0 if is_mirrored(bank, clip) else 1.0
     return (
         side * (x + t * (ground.paths[after, 0] - x)),
         y + t * (ground.paths[after, 1] - y),
@@ -157,7 +157,7 @@ def feet_of(bank: BankArrays, ground: Ground, s: Array, slot: int) -> int:
     clip = int(s[slot + col.CLIP])
     row, _ = row_of(bank, clip, s[slot + col.FRAME])
     feet = int(ground.contacts[row])
-    if bank.clips[clip, arrays.MIRRORED] > 0.0:
+    if is_mirrored(bank, clip):
         left, right = feet & LEFT_FOOT > 0, feet & RIGHT_FOOT > 0
         return (RIGHT_FOOT if left else 0) | (LEFT_FOOT if right else 0)
     return feet

@@ -17,8 +17,8 @@ from motionsplice.runtime.format.rows import PELVIS
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_upper
-from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, locate, repeated
-from motionsplice.runtime.kernels.mirror import correlate_mirrored, mirror_upper
+from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, is_mirrored, locate, repeated
+from motionsplice.runtime.kernels.mirror import mirror_upper
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RELATIVE, RUNNING, correlate
 from motionsplice.runtime.kernels.rotations import sample
@@ -106,7 +106,7 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
         sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
         if s[c + col.HANDS] > 0.0:
             wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
-        if bank.clips[clip, arrays.MIRRORED] > 0.0:
+        if is_mirrored(bank, clip):
             mirror_upper(bank, lanes, above)
         if count > 1:
             set_lane_weights(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
@@ -137,7 +137,7 @@ def sample_action(
     sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
     if s[c + col.HANDS] > 0.0:
         wear_hands(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
-    mirrored = bank.clips[int(s[slot + col.CLIP]), arrays.MIRRORED] > 0.0
+    mirrored = is_mirrored(bank, int(s[slot + col.CLIP]))
     if mirrored:
         mirror_upper(bank, lanes, above)
     block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
@@ -156,18 +156,13 @@ def sample_action(
                 mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
         if s[c + col.LOCOMOTIONS] > 1.0:
             block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
-            correlate(bank, mixing.row, block, k, lanes, above)
-            if mirrored:
-                correlate_mirrored(bank, mixing.row, False, True, block, k)
+            correlate(bank, mixing.row, False, mirrored, block, k, lanes, above)  # the row is mirrored already
             if request["posture"] == ABSOLUTE:
                 mix_postures(bank, s, c, k, mixing)
         else:
             block[ROW_L * BLOCK + k] = block[ROW_L * BLOCK + first]
             block[SHARE_L * BLOCK + k] = block[SHARE_L * BLOCK + first]
-            correlate(bank, bank.lower, block, k, lanes, above)
-            mirrored_l = bank.clips[request["locomotion"], arrays.MIRRORED] > 0.0
-            if mirrored or mirrored_l:
-                correlate_mirrored(bank, bank.lower, mirrored_l, mirrored, block, k)
+            correlate(bank, bank.lower, is_mirrored(bank, request["locomotion"]), mirrored, block, k, lanes, above)
     elif kind == NAIVE:
         for i in range(4):
             block[(SPLICED + i) * BLOCK + k] = 0.0

@@ -19,13 +19,14 @@ from motionsplice.runtime.kernels.lookup import (
     SPLICE,
     frame_at,
     frame_near,
+    is_mirrored,
     locate,
     look_up,
     own_frame,
     phase_in_step,
     seconds_played,
 )
-from motionsplice.runtime.kernels.mirror import correlate_mirrored, mirror_lower, mirror_upper
+from motionsplice.runtime.kernels.mirror import mirror_lower, mirror_upper
 from motionsplice.runtime.kernels.posture import RUNNING, correlate, is_aligned, turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.kernels.standing import lay_on
@@ -126,11 +127,9 @@ def evaluate_part(
             if adds:
                 added += 1
             elif method == SPLICE:
-                correlate(bank, bank.lower, block, k, lanes, above)
-                mirrored_l = bank.clips[requests[first + k]["locomotion"], arrays.MIRRORED] > 0.0
-                mirrored_u = bank.clips[requests[first + k]["action"], arrays.MIRRORED] > 0.0
-                if mirrored_l or mirrored_u:
-                    correlate_mirrored(bank, bank.lower, mirrored_l, mirrored_u, block, k)
+                mirrored_l = is_mirrored(bank, requests[first + k]["locomotion"])
+                mirrored_u = is_mirrored(bank, requests[first + k]["action"])
+                correlate(bank, bank.lower, mirrored_l, mirrored_u, block, k, lanes, above)
                 splices += 1
             half = np.uint64(4 * PELVIS) + (above if adds or method == NAIVE else np.uint64(0))
             copy_rotation(lanes, half, rotations, first + k, pelvis)
@@ -166,7 +165,7 @@ def sample_halves(
         here = lower[row, axis]
         roots[character, axis] = here + t * (lower[row + ONE, axis] - here)
     sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
-    if bank.clips[requests[character]["locomotion"], arrays.MIRRORED] > 0.0:
+    if is_mirrored(bank, requests[character]["locomotion"]):
         roots[character, ROOT] = -roots[character, ROOT]
         mirror_lower(bank, lanes)
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
@@ -175,13 +174,13 @@ def sample_halves(
     if request["hands"] > 0:
         hands = int(request["hands"]) - 1
         lay_hands(bank, hands, upper_clip(request), row, t, np.float32(1.0), lanes, above)
-    if bank.clips[upper_clip(request), arrays.MIRRORED] > 0.0:
+    if is_mirrored(bank, upper_clip(request)):
         mirror_upper(bank, lanes, above)
     if adds:
         own = np.uint64(4) * rig[arrays.OWN_UPPER]
         row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
         sample(bank.upper, row_l, first, rig[arrays.UPPER_WIDTH], t_l, lanes, own)
-        if bank.clips[request["locomotion"], arrays.MIRRORED] > 0.0:
+        if is_mirrored(bank, request["locomotion"]):
             mirror_upper(bank, lanes, own)
         lay_on(bank, request["action"], row, t, lanes, own, above)
     copy_lower(rig, lanes, rotations, character)

@@ -61,6 +61,12 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
 
 
 @inlined
+def is_mirrored(bank: BankArrays, clip: int) -> bool:
+    """Whether a clip's number is that of a mirror image."""
+    return bank.clips[clip, arrays.MIRRORED] > 0.0
+
+
+@inlined
 def follows_phase(bank: BankArrays, request: Array) -> bool:
     """Whether a request's action follows the phase of its locomotion: spliced, and not a standing action."""
     return request["method"] == SPLICE and bank.clips[request["action"], arrays.STANCE] < 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from motionsplice.runtime.format.rows import CLOUD
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, CORRELATION, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
+from motionsplice.runtime.kernels.arrays import BLOCK, CORRELATION, BankArrays
 from motionsplice.runtime.kernels.lookup import between_rows
 from motionsplice.runtime.kernels.rotations import FOUR, ONE
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
@@ -43,11 +43,18 @@ def mirror_lanes(bank: BankArrays, lanes: Array, at: Index, first: Index, width:
 
 @kernel
 def correlate_mirrored(
-    bank: BankArrays, lower: Array, mirrored_l: bool, mirrored_u: bool, block: Array, k: int
+    bank: BankArrays,
+    lower: Array,
+    row_l: Index,
+    t_l: Real,
+    mirrored_l: bool,
+    row_u: Index,
+    t_u: Real,
+    mirrored_u: bool,
+    block: Array,
+    k: int,
 ) -> None:
-    """Writes the correlation of a splice's clouds, of which either may be mirrored, into lane k of the block."""
-    row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
-    row_u, t_u = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    """Writes the correlation of two clouds, either of which may be mirrored, into lane k of the block."""
     for i in range(9):
         block[(CORRELATION + i) * BLOCK + k] = 0.0
     for point in range(bank.rig[arrays.POINTS]):

@@ -25,8 +25,8 @@ from motionsplice.runtime.kernels.arrays import (
     TURN,
     BankArrays,
 )
-from motionsplice.runtime.kernels.lookup import SPLICE, between_rows
-from motionsplice.runtime.kernels.mirror import point_between
+from motionsplice.runtime.kernels.lookup import SPLICE, between_rows, is_mirrored
+from motionsplice.runtime.kernels.mirror import correlate_mirrored, point_between
 from motionsplice.runtime.kernels.rotations import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import load, spread, total
@@ -39,11 +39,44 @@ SLACK = 1.0 + 1e-6  # allows for rounding of a bound
 
 
 @inlined
-def correlate(bank: BankArrays, lower: Array, block: Array, k: int, lanes: Array, above: Index) -> None:
-    """Writes a splice into lane k of the block: the correlation of its clouds, its bound, and four rotations."""
-    upper, width = bank.upper, bank.rig[arrays.CLOUD_WIDTH]
+def correlate(
+    bank: BankArrays,
+    lower: Array,
+    mirrored_l: bool,
+    mirrored_u: bool,
+    block: Array,
+    k: int,
+    lanes: Array,
+    above: Index,
+) -> None:
+    """Writes a splice into lane k of the block: the correlation of its clouds, its bound, and four rotations.
+
+    mirrored_l, mirrored_u: whether the clouds of the locomotion and of the action are to be mirrored.
+    """
     row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
     row_u, t_u = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    if mirrored_l or mirrored_u:
+        correlate_mirrored(bank, lower, row_l, t_l, mirrored_l, row_u, t_u, mirrored_u, block, k)
+    else:
+        correlate_clouds(bank, lower, row_l, t_l, row_u, t_u, block, k)
+    # the square of a mean is at most the mean of squares
+    size_l = between_rows(lower, row_l, np.uint64(SIZE), t_l)
+    size_u = between_rows(bank.upper, row_u, np.uint64(SIZE), t_u)
+    block[BOUND * BLOCK + k] = SLACK * (size_l + size_u)
+    for i in range(4):
+        column = np.uint64(i)
+        block[(SPLICED + i) * BLOCK + k] = lanes[np.uint64(4 * PELVIS) + column]
+        block[(FRAME + i) * BLOCK + k] = lanes[np.uint64(4 * POSTURE_FRAME) + column]
+        block[(OWN + i) * BLOCK + k] = lanes[np.uint64(4 * TORSO_OFFSET) + column]
+        block[(THEIRS + i) * BLOCK + k] = lanes[above + np.uint64(4 * TORSO_OFFSET) + column]
+
+
+@inlined
+def correlate_clouds(
+    bank: BankArrays, lower: Array, row_l: Index, t_l: Real, row_u: Index, t_u: Real, block: Array, k: int
+) -> None:
+    """Writes the correlation of two clouds, each between a row and the next, into lane k of the block."""
+    upper, width = bank.upper, bank.rig[arrays.CLOUD_WIDTH]
     xx = xy = xz = yx = yy = yz = zx = zy = zz = spread(np.float32(0.0))
     for x in range(np.uint64(CLOUD), np.uint64(CLOUD) + width, np.uint64(LANES)):
         y, z = x + width, x + width + width
@@ -57,15 +90,6 @@ def correlate(bank: BankArrays, lower: Array, block: Array, k: int, lanes: Array
     block[at], block[at + BLOCK], block[at + 2 * BLOCK] = total(xx), total(xy), total(xz)
     block[at + 3 * BLOCK], block[at + 4 * BLOCK], block[at + 5 * BLOCK] = total(yx), total(yy), total(yz)
     block[at + 6 * BLOCK], block[at + 7 * BLOCK], block[at + 8 * BLOCK] = total(zx), total(zy), total(zz)
-    # the square of a mean is at most the mean of squares
-    size_l, size_u = between_rows(lower, row_l, np.uint64(SIZE), t_l), between_rows(upper, row_u, np.uint64(SIZE), t_u)
-    block[BOUND * BLOCK + k] = SLACK * (size_l + size_u)
-    for i in range(4):
-        column = np.uint64(i)
-        block[(SPLICED + i) * BLOCK + k] = lanes[np.uint64(4 * PELVIS) + column]
-        block[(FRAME + i) * BLOCK + k] = lanes[np.uint64(4 * POSTURE_FRAME) + column]
-        block[(OWN + i) * BLOCK + k] = lanes[np.uint64(4 * TORSO_OFFSET) + column]
-        block[(THEIRS + i) * BLOCK + k] = lanes[above + np.uint64(4 * TORSO_OFFSET) + column]
 
 
 @inlined
@@ -132,7 +156,7 @@ def other_postures(
                 if request["posture"] >= RUNNING:
                     remembered = min(first + k, len(memory) - 1)
                     if request["posture"] == RUNNING:
-                        mirrored = bank.clips[request["action"], arrays.MIRRORED] > 0.0
+                        mirrored = is_mirrored(bank, request["action"])
                         mean = memory[remembered, arrays.MEAN_POSTURE :]
                         follow_posture(bank, mean, share, given, mirrored, block, k)
                     given = memory[remembered, arrays.MEAN_POSTURE :]

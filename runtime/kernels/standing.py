@@ -10,7 +10,7 @@ from motionsplice.motion.parts import TRUNK
 from motionsplice.runtime.format.rows import PELVIS, POSTURE_FRAME, TORSO_OFFSET, USAGE
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import between_rows
+from motionsplice.runtime.kernels.lookup import between_rows, is_mirrored
 from motionsplice.runtime.kernels.rotations import FOUR, ONE, TINY, product
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread
@@ -87,7 +87,7 @@ def usage_of(bank: BankArrays, clip: int, row: Index, t: Real) -> tuple[Real, Re
     first = bank.rig[arrays.FIRST_PLANE] - np.uint64(USAGE)
     trunk, head = between_rows(bank.upper, row, first, t), between_rows(bank.upper, row, first + ONE + ONE + ONE, t)
     left, right = between_rows(bank.upper, row, first + ONE, t), between_rows(bank.upper, row, first + ONE + ONE, t)
-    if bank.clips[clip, arrays.MIRRORED] > 0.0:
+    if is_mirrored(bank, clip):
         return trunk, right, left, head
     return trunk, left, right, head
 

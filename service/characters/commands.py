@@ -209,13 +209,14 @@ def _command(fields: object) -> Command:
             raise RequestError(f"{key}: missing, but {do} requires it")
     if do in TARGETED and ("point" in values) == ("direction" in values):
         raise RequestError(f"{do} requires a point or a direction, and not both", mend="Give one of them; null ends it")
-    if None in (values.get("point", ""), values.get("direction", "")) and values.keys() - {
-        "point",
-        "direction",
-        "blend",
-    }:
+    if ends_target(values) and values.keys() - {"point", "direction", "blend"}:
         raise RequestError(f"{do}: null ends it, and may have no other key than blend")
     return Command(do, () if do == "set" else _ids(fields.get("id")), values)
+
+
+def ends_target(values: Mapping[str, Any]) -> bool:
+    """Whether the values of a command `look` or `aim` end it: its point or direction is null."""
+    return None in (values.get("point", ""), values.get("direction", ""))
 
 
 def _ids(value: object) -> tuple[int, ...]:

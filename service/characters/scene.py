@@ -23,7 +23,7 @@ from motionsplice.runtime.characters.state import (
 )
 from motionsplice.runtime.requests import Poses
 from motionsplice.sending.receiver import Kind
-from motionsplice.service.characters.commands import Command
+from motionsplice.service.characters.commands import Command, ends_target
 from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
 
@@ -184,8 +184,7 @@ def composed(first: NDArray[np.float64], then: NDArray[np.float64]) -> NDArray[n
 
 def _target(kind: type[Target], values: Mapping[str, Any]) -> Target | None:
     """Returns the target of a command `look` or `aim`; None if it is null."""
-    fields = {key: value for key, value in values.items() if key != "blend"}
-    return None if None in (fields.get("point", ""), fields.get("direction", "")) else kind(**fields)
+    return None if ends_target(values) else kind(**{key: values[key] for key in values.keys() - {"blend"}})
 
 
 def _blend(values: Mapping[str, Any]) -> dict[str, float]:

@@ -13,7 +13,7 @@ from motionsplice.motion.pointcloud import planar_distance, planar_distances, pl
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
-from motionsplice.precompute.alignment.ring import wind
+from motionsplice.precompute.alignment.ring import wind, wind_steadily
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.body.contacts import left_strike
 from motionsplice.precompute.body.facing import facing, facing_joints
@@ -22,6 +22,7 @@ from motionsplice.precompute.body.joint_paths import joint_paths
 WORKING_RATE = 30.0  # frames per second at which motions are compared
 KNOT_SPACING = 0.1  # seconds
 STIFFNESS = 1.0  # of the phase curve, against changes of its slope
+SLOWEST = 0.5  # of the clip's mean slope: the least slope of its phase curve
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
@@ -181,14 +182,14 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
         )
     clouds = _at_working_rate(clip, roles.lower_cloud)
     distances = planar_distances(level(clouds), level(baseline.clouds))
-    wound = wind(distances)
+    wound = wind_steadily(distances)
     cells = distances.shape[1]
     frames = np.arange(len(wound))
     at, before, after = (distances[frames, (wound + shift) % cells] for shift in (0, -1, 1))
     bend = before - 2.0 * at + after
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
     seconds = np.linspace(0.0, clip.duration, len(wound))
-    curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS)
+    curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS, SLOWEST)
     windows = windowed(
         clouds, LOOP_WINDOW
     )  # single clouds of a symmetric walk equal, turned, those half a stride later

@@ -23,12 +23,14 @@ LEAST_SLOPE = 0.25  # of the mean slope: the least slope of a path through the g
 MOST_STEPS = 60
 
 
-def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: float = 0.0) -> BSpline[np.float64]:
+def fit_increasing(
+    x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: float = 0.0, least_slope: float = LEAST_SLOPE
+) -> BSpline[np.float64]:
     """Returns the least-squares spline through (x, y) [n], on clamped knots, that rises everywhere between its ends.
 
     x, in frames or seconds, never falls (it may stay, as where a path climbs straight up); y is in frames or cycles.
     There is one knot per `knot_spacing` of x. x[-1] must be above x[0] and y[-1] above y[0]: the curve's slope is
-    everywhere at least LEAST_SLOPE times the slope from end to end, and the fit starts from the straight line.
+    everywhere at least `least_slope` times the slope from end to end, and the fit starts from the straight line.
     `stiffness` weighs the squared changes of slope from coefficient to coefficient against the squared misfit, so that
     a spline with close knots neither oscillates nor cuts corners (a P-spline, Eilers and Marx 1996). A straight line
     costs nothing, also at its ends, where the coefficients of clamped knots are closer to each other.
@@ -46,7 +48,7 @@ def fit_increasing(x: ArrayLike, y: ArrayLike, knot_spacing: float, stiffness: f
     for offset in range(DEGREE + 1):
         bands[offset, : count - offset] = normal.diagonal(offset)
     line = y[0] + np.concatenate([[0.0], np.cumsum(steps)]) * (y[-1] - y[0]) / (x[-1] - x[0])
-    floor = LEAST_SLOPE * (y[-1] - y[0]) / (x[-1] - x[0]) * steps
+    floor = least_slope * (y[-1] - y[0]) / (x[-1] - x[0]) * steps
     coefficients = _increasing_least_squares(bands, design.T @ y, line, floor)
     return BSpline(knots, coefficients, DEGREE)
 

@@ -1,15 +1,17 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from motionsplice.motion.errors import ClipError
 from motionsplice.motion.quaternion import Floats
-from motionsplice.precompute.alignment.ring import MOST_ADVANCE, MOST_ZERO_STEPS, walk_ring, wind
+from motionsplice.precompute.alignment.ring import MOST_ADVANCE, MOST_ZERO_STEPS, walk_ring, wind, wind_steadily
 from motionsplice.precompute.alignment.timewarp import MOST_FLAT_STEPS, align_pair, cheapest_paths, trace
 from tests import naive
 
@@ -43,16 +45,17 @@ def test_a_traced_path_is_legal_and_has_the_reported_cost(seed: int) -> None:
 @given(st.integers(0, 10**6), st.integers(2, 6), st.integers(3, 5), st.integers(1, 2), st.integers(1, 2))
 @settings(max_examples=30)
 def test_winding_finds_the_cheapest_path(seed: int, frames: int, cells: int, advance: int, zero: int) -> None:
-    distances = np.random.default_rng(seed).random((frames, cells))
-    wound = walk_ring(distances, advance, zero).tolist()
-    cost = naive.ring_cost(distances, wound)
-    assert cost == pytest.approx(naive.best_ring_cost(distances, advance, zero))
+    random = np.random.default_rng(seed)
+    distances, pace, steadiness = random.random((frames, cells)), 2.0 * random.random(frames), 0.5 * random.random()
+    wound = walk_ring(distances, pace, steadiness, advance, zero).tolist()
+    cost = naive.ring_cost(distances, wound, pace, steadiness)
+    assert cost == pytest.approx(naive.best_ring_cost(distances, pace, steadiness, advance, zero))
 
 
 @given(st.integers(0, 10**6))
 @settings(max_examples=20)
 def test_winding_keeps_its_limits(seed: int) -> None:
-    wound = wind(np.random.default_rng(seed).random((200, 12)))
+    wound = wind_steadily(np.random.default_rng(seed).random((200, 12)))
     steps = np.diff(wound)
     assert 0 <= wound[0] < 12
     assert steps.min() >= 0
@@ -60,11 +63,21 @@ def test_winding_keeps_its_limits(seed: int) -> None:
     assert "0" * (MOST_ZERO_STEPS + 1) not in "".join(str(step) for step in steps)
 
 
-def test_winding_follows_a_known_path_within_half_a_cell() -> None:
+@pytest.mark.parametrize("winding", [wind, wind_steadily])
+def test_winding_follows_a_known_path_within_half_a_cell(winding: Callable[[Floats], NDArray[np.int64]]) -> None:
     truth = 5.0 + np.cumsum(1.2 + 0.7 * np.sin(np.linspace(0.0, 9.0, 200)))
     distances = 1.0 - np.cos(2.0 * np.pi * (truth[:, None] - np.arange(16)) / 16)
-    assert np.abs(wind(distances) - truth).max() < 1.5
-    assert np.median(np.abs(wind(distances) - truth)) < 0.5
+    apart = np.abs(winding(distances) - truth)
+    assert apart.max() < 1.5
+    assert np.median(apart) < 0.5
+
+
+def test_steady_winding_keeps_its_pace_where_the_legs_say_little() -> None:
+    truth = np.arange(120.0)
+    distances = 1.0 - np.cos(2.0 * np.pi * (truth[:, None] - np.arange(16)) / 16)
+    distances[40:80] = 1.0 - 0.01 * (np.arange(16) == 8)  # one cell is a little nearer than others
+    steps = [np.diff(winding(distances))[40:79] for winding in (wind, wind_steadily)]
+    assert np.std(steps[1]) < 0.3 * np.std(steps[0])
 
 
 def test_pairwise_alignment_recovers_a_known_warp() -> None:

@@ -58,20 +58,18 @@ def cheapest_path_cost(grid: Floats, most_flat: int) -> Floats:
     return best
 
 
-def ring_cost(distances: Floats, wound: Sequence[int], pace: Floats, steadiness: float) -> float:
+def ring_cost(distances: Floats, wound: Sequence[int], pace: float, steadiness: float) -> float:
     """The cost of one path round a ring: each frame costs the mean of the cells that it passes, and for its pace."""
     cells = distances.shape[1]
     total = float(distances[0, wound[0] % cells])
     for frame, (before, here) in enumerate(itertools.pairwise(wound), 1):
         passed = range(before + 1, here + 1) if here > before else [here]
         total += float(np.mean([distances[frame, cell % cells] for cell in passed]))
-        total += steadiness * (here - before - float(pace[frame])) ** 2
+        total += steadiness * (here - before - pace) ** 2
     return total
 
 
-def best_ring_cost(
-    distances: Floats, pace: Floats, steadiness: float, most_advance: int, most_zero: int
-) -> float:
+def best_ring_cost(distances: Floats, pace: float, steadiness: float, most_advance: int, most_zero: int) -> float:
     """The least cost of any allowed path round a ring, by trying every path."""
     frames, cells = distances.shape
     best = math.inf

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError
 from motionsplice.motion.pointcloud import planar_distance, planar_distances, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.precompute.alignment.half_cycle import symmetric_phases
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
-from motionsplice.precompute.alignment.ring import wind, wind_steadily
+from motionsplice.precompute.alignment.ring import between_cells, wind, wind_steadily
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.body.contacts import left_strike
 from motionsplice.precompute.body.facing import facing, facing_joints
@@ -34,7 +37,7 @@ SHORTEST_CLIP = 0.3  # seconds: shorter clips have too few frames to align
 
 @dataclass(frozen=True, eq=False)
 class Baseline:
-    """One stride of a locomotion as a ring of cells, evenly spaced in phase.
+    """One stride of a locomotion as a ring of cells, evenly spaced in time.
 
     start, end: seconds in the clip. loop: distance of the stride's ends divided by the distance of its halves.
     leg: leg length, metres. zero: the real-valued cell at which the left foot touches down; there phases are whole
@@ -48,6 +51,19 @@ class Baseline:
     leg: float
     zero: float
     clouds: Floats
+
+    @cached_property
+    def _phases(self) -> Floats:
+        return symmetric_phases(level(self.clouds))
+
+    def phase_at(self, place: ArrayLike) -> Floats:
+        """Returns the phase, in cycles, at places on the ring, real-valued cells counted on through every lap.
+
+        Half a cycle later is where the stride's mirror image is. At `zero` the phase is a whole number.
+        """
+        lap, cell = np.divmod(np.append(place, self.zero), len(self.clouds))
+        phase = lap + np.interp(cell, np.arange(len(self._phases)), self._phases)
+        return np.asarray(phase[:-1] - phase[-1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,13 +199,10 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     clouds = _at_working_rate(clip, roles.lower_cloud)
     distances = planar_distances(level(clouds), level(baseline.clouds))
     wound = wind_steadily(distances)
-    cells = distances.shape[1]
     frames = np.arange(len(wound))
-    at, before, after = (distances[frames, (wound + shift) % cells] for shift in (0, -1, 1))
-    bend = before - 2.0 * at + after
-    between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
     seconds = np.linspace(0.0, clip.duration, len(wound))
-    curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS, SLOWEST)
+    places = baseline.phase_at(between_cells(distances, wound))
+    curve = fit_increasing(seconds, places, KNOT_SPACING, STIFFNESS, SLOWEST)
     windows = windowed(
         clouds, LOOP_WINDOW
     )  # single clouds of a symmetric walk equal, turned, those half a stride later
@@ -197,7 +210,8 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     apart = planar_distance(windows, windows[np.minimum(half_later[: len(windows)], len(windows) - 1)])
     swing = float(np.sqrt(apart.mean() / (3.0 * LOOP_WINDOW))) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
-    return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()), swing)
+    cost = distances[frames, wound % distances.shape[1]]
+    return Alignment(phase - np.floor(phase[0]), cost, float(distances.mean()), swing)
 
 
 def level(clouds: Floats) -> Floats:

@@ -9,26 +9,30 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from motionsplice.motion.quaternion import Floats
 
 MOST_ADVANCE = 4  # cells per frame
 MOST_ZERO_STEPS = 3  # frames in a row that stay in one cell
-STEADINESS = 0.1  # of the mean distance: what a frame costs whose step is one cell off the pace around it
-PACE_WINDOW = 10  # frames: standard deviation of the window over which that pace is the mean
+STEADINESS = 0.05  # of the mean distance: what a frame costs whose step is one cell off the clip's mean step
 
 
 def wind_steadily(distances: Floats) -> NDArray[np.int64]:
     """Returns the cheapest path round the ring, as `wind` does, but one that hurries and waits less.
 
-    Legs that are like no frame of the baseline, in a run over a walk's ring or in a side-step, hold the path in the few
-    cells that are a little nearer than others. Against that, each frame also pays for the square of how far its step is
-    off the mean step around it, on the path without this cost.
+    Legs that are like no frame of the baseline, in a run around a walk's ring or in a side-step, hold the path in the
+    few cells that are a little nearer than others. Against that, each frame also pays for the square of how far its
+    step is off the mean step. So that the ends do not drift off their stride for it, the path goes on for a stride
+    beyond both, past the distances of the first and the last stride once more.
     """
-    passes = np.ascontiguousarray(distances)
-    pace = gaussian_filter1d(np.gradient(wind(passes).astype(np.float64)), PACE_WINDOW, mode="nearest")
-    return walk_ring(passes, pace, STEADINESS * float(passes.mean()), MOST_ADVANCE, MOST_ZERO_STEPS)
+    frames, cells = distances.shape
+    wound = wind(distances)
+    pace = float(wound[-1] - wound[0]) / (frames - 1)
+    stride = min(round(cells / max(pace, 1.0)), frames)
+    longer = np.concatenate([distances[:stride], distances, distances[-stride:]])
+    steadiness = STEADINESS * float(distances.mean())
+    steady = walk_ring(longer, pace, steadiness, MOST_ADVANCE, MOST_ZERO_STEPS)[stride : stride + frames]
+    return np.asarray(steady - steady[0] // cells * cells)
 
 
 def wind(distances: Floats) -> NDArray[np.int64]:
@@ -39,16 +43,27 @@ def wind(distances: Floats) -> NDArray[np.int64]:
     the mean of their distances.
     """
     passes = np.ascontiguousarray(distances)
-    return walk_ring(passes, np.zeros(len(passes)), 0.0, MOST_ADVANCE, MOST_ZERO_STEPS)
+    return walk_ring(passes, 0.0, 0.0, MOST_ADVANCE, MOST_ZERO_STEPS)
+
+
+def between_cells(distances: Floats, wound: NDArray[np.int64]) -> Floats:
+    """Returns the places [frames] on the ring of a path `wound` round it, each at the minimum of a parabola.
+
+    The parabola goes through the distances of the path's cell and both of its neighbours.
+    """
+    frames, cells = np.arange(len(wound)), distances.shape[1]
+    at, before, after = (distances[frames, (wound + shift) % cells] for shift in (0, -1, 1))
+    bend = before - 2.0 * at + after
+    return np.asarray(wound + np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5))
 
 
 @njit(cache=True, nogil=True)
 def walk_ring(
-    distances: Floats, pace: Floats, steadiness: float, most_advance: int, most_zero: int
+    distances: Floats, pace: float, steadiness: float, most_advance: int, most_zero: int
 ) -> NDArray[np.int64]:
     """Runs the dynamic programme of `wind`, over states (cell, number of zero steps in a row).
 
-    A frame also costs `steadiness` times the square of its step less its `pace` [frames], in cells.
+    A frame also costs `steadiness` times the square of its step less `pace`, in cells.
     """
     frames, cells = distances.shape
     cost = np.full((cells, most_zero + 1), np.inf)
@@ -57,14 +72,13 @@ def walk_ring(
     advance = np.zeros((frames, cells), np.int8)  # into state (cell, 0): by how many cells,
     zeros = np.zeros((frames, cells), np.int8)  # and after how many zero steps
     for frame in range(1, frames):
-        waiting = steadiness * pace[frame] ** 2
         for cell in range(cells):
             following[cell, 0] = np.inf
             passed = 0.0
             for step in range(1, most_advance + 1):
                 passed += distances[frame, (cell - step + 1) % cells]
                 source = (cell - step) % cells
-                price = passed / step + steadiness * (step - pace[frame]) ** 2
+                price = passed / step + steadiness * (step - pace) ** 2
                 for run in range(most_zero + 1):
                     total = cost[source, run] + price
                     if total < following[cell, 0]:
@@ -72,7 +86,7 @@ def walk_ring(
                         advance[frame, cell] = step
                         zeros[frame, cell] = run
             for run in range(1, most_zero + 1):
-                following[cell, run] = cost[cell, run - 1] + distances[frame, cell] + waiting
+                following[cell, run] = cost[cell, run - 1] + distances[frame, cell] + steadiness * pace**2
         cost, following = following, cost
     best = int(np.argmin(cost))
     cell, run = best // (most_zero + 1), best % (most_zero + 1)

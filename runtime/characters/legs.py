@@ -8,7 +8,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.characters.arrays import Legs
 
-REACH = 0.12  # leg lengths: the farthest that a foot lock holds a foot from its pose
+REACH = 0.14  # leg lengths: the farthest that a foot lock holds a foot from its pose
 
 
 def legs_of(skeleton: Skeleton, roles: Roles) -> Legs:

@@ -53,7 +53,7 @@ def test_support_rises_within_the_time_of_loading(rate: float) -> None:
     assert (changing[-1] - changing[0]) / rate == pytest.approx(LOADING, abs=2.0 / rate)
 
 
-@pytest.mark.parametrize("name", ["slow_walk", "stairs_down", "run", "side_step"])
+@pytest.mark.parametrize("name", ["slow_walk", "stairs_down", "stairs_up", "run", "side_step"])
 def test_a_foot_that_stands_in_a_seam_does_not_slide(name: str) -> None:
     """Without the root steps, the slow walk slides by 8 cm here."""
     clip, walk = make(name, seconds=6.0), make("walk", seconds=6.0)

@@ -28,7 +28,7 @@ def wind_steadily(distances: Floats) -> NDArray[np.int64]:
     frames, cells = distances.shape
     wound = wind(distances)
     pace = float(wound[-1] - wound[0]) / (frames - 1)
-    stride = min(round(cells / max(pace, 1.0)), frames)
+    stride = min(round(cells / max(pace, cells / frames)), frames)
     longer = np.concatenate([distances[:stride], distances, distances[-stride:]])
     steadiness = STEADINESS * float(distances.mean())
     steady = walk_ring(longer, pace, steadiness, MOST_ADVANCE, MOST_ZERO_STEPS)[stride : stride + frames]

@@ -211,7 +211,7 @@ def bounded(turn: Floats, most: float) -> Floats:
 
 
 def swivel_of(hands: Floats, chest: Floats, yaw: float) -> float:
-    """Returns the turn of the chest about the vertical after which the hands [2, 3] are at a yaw, seen from the root."""
+    """Returns the turn of the chest about the vertical after which hands [2, 3] are at a yaw, seen from the root."""
     far, (x, _, z) = np.linalg.norm(hands, axis=1).mean(), hands.mean(axis=0)
     reach = float(np.hypot(x, z))
     aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.5 * far)

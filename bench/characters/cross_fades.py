@@ -85,7 +85,7 @@ def play(stage: Stage, fades: Sequence[CrossFade]) -> NDArray[np.float64]:
 
 
 def mixed(sides: Sequence[Characters], share: Floats) -> Floats:
-    """Returns where joints are [n, J, 3] from place and heading, each turned by a share of the way to the other side."""
+    """Returns where joints are [n, J, 3] from place and heading, each turned by a share of the way to the other."""
     (root, turns), (other_root, other_turns) = (pose_from_place(one) for one in sides)
     root = root + share[:, None] * (other_root - root)
     turns = quaternion.slerp(turns, other_turns, share[:, None])

@@ -17,9 +17,10 @@ from motionsplice.runtime.simd.compiled import Array
 
 TRUNK, LEFT_ARM, RIGHT_ARM, NECK = range(4)
 FORWARD = [0.0, 0.0, 1.0]
-# where an arm is free to move, 40 degrees outward and down from ahead, for the left arm: no captured arm comes within 70
-# degrees of the opposite direction, inward, up and behind
-REST = [math.sin(math.radians(40.0)) * math.cos(math.radians(40.0)), -math.sin(math.radians(40.0)), math.cos(math.radians(40.0)) ** 2]
+# where a left arm is free to move, 40 degrees outward and down from ahead; no captured arm comes within 70 degrees of
+# the opposite direction
+DOWN = OUTWARD = math.radians(40.0)
+REST = [math.cos(DOWN) * math.sin(OUTWARD), -math.sin(DOWN), math.cos(DOWN) * math.cos(OUTWARD)]
 
 
 class Chains(NamedTuple):

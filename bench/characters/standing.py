@@ -3,9 +3,9 @@
 pops         Random scenes as in `python -m bench.characters`, with the built-in standing actions on all locomotions.
 cost         What do they cost?
 
-For the costs, all clips of a generated bank are standing actions, which are added to the locomotion's own upper half; those of another
-bank with the same motions have a gait. Splices by the evaluator and frames of characters are timed in both, in turns;
-the ratio is taken within rounds. Cold: the caches are emptied before each call.
+For the costs, all clips of a generated bank are standing actions, which are added to the locomotion's own upper half;
+those of another bank with the same motions have a gait. Splices by the evaluator and frames of characters are timed in
+both, in turns; the ratio is taken within rounds. Cold: the caches are emptied before each call.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from bench.characters.costs import COUNT, compare, crowd, frame_work
 from bench.characters.scenes import pops
 from bench.findings import Findings
 from bench.generated import Size, generate
-from bench.standing.__main__ import standing_bank
 from bench.speed.workload import Scene, evaluation, request_sets
+from bench.standing.__main__ import standing_bank
 from motionsplice.cli import run
 from motionsplice.motion.procedural.stances import STANDING, Performer
 from motionsplice.runtime.evaluator import Evaluator

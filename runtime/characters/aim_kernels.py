@@ -78,8 +78,9 @@ def way_to(s: Array, slot: int, x: float, y: float, z: float, is_final: bool) ->
     wanted_yaw, wanted_pitch, most = math.atan2(x, z), math.atan2(y, level), s[slot + col.MOST_YAW]
     near = smooth(length / NEAR) if s[slot + col.TARGET] == col.POINT else 1.0
     behind = smooth((math.pi - abs(wanted_yaw)) / (math.pi - max(most, 0.5 * math.pi)))
-    from_pitch = max(STEEP, s[slot + col.MOST_PITCH])
-    steep = smooth(level / (length * math.cos(from_pitch))) if abs(wanted_pitch) > from_pitch else 1.0
+    flat, steep = max(STEEP, s[slot + col.MOST_PITCH]), 1.0 if level > 0.0 else 0.0
+    if abs(wanted_pitch) > flat and level > 0.0:
+        steep = smooth(level / (length * math.cos(flat)))
     yaw = math.copysign(near * steep * behind * soft(abs(wanted_yaw), most), wanted_yaw)
     pitch = math.copysign(near * soft(abs(wanted_pitch), s[slot + col.MOST_PITCH]), wanted_pitch)
     yaw_left, pitch_left = s[slot + col.YAW_LEFT], s[slot + col.PITCH_LEFT]

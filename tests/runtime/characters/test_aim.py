@@ -26,6 +26,7 @@ from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.characters.aim import AIM_PARTS, PARTS, Aim, Look
+from motionsplice.runtime.characters.aim_kernels import way_to
 from motionsplice.runtime.characters.aimed_pose_kernels import part_of_swing, swivel_of
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
@@ -234,6 +235,22 @@ def test_a_target_that_passes_overhead_makes_nothing_jump(one: Setup, part: str,
         if before is not None:
             assert np.degrees(quaternion.angle(before, now)).max() < 6.0
         before = now
+
+
+@pytest.mark.parametrize("part", ["left_arm", "head"])
+def test_a_point_where_the_part_itself_is_turns_it_nowhere(one: Setup, part: str) -> None:
+    characters = one()
+    characters.add(1, "walk")
+    joint = {"left_arm": characters.stage.bank.roles.left_shoulder, "head": characters.stage.bank.roles.head}[part]
+    AIMS[part](characters, point=world_of(characters)[0][joint])
+    assert np.isfinite(evaluated(characters)[1]).all()
+
+
+@pytest.mark.parametrize("to", [0.0, 1e-300])
+def test_a_target_without_a_way_is_straight_ahead(to: float) -> None:
+    slot = np.zeros(col.AIM_COLUMNS)
+    slot[col.TARGET], slot[col.MOST_YAW], slot[col.MOST_PITCH] = col.POINT, 1.3, 0.85
+    assert np.allclose(way_to(slot, 0, 0.0, to, 0.0, False), [0.0, 0.0, 0.0, 1.0])
 
 
 @once

@@ -15,7 +15,7 @@ from motionsplice.runtime.characters import state as col
 
 UP, FORWARD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 SOFT, NEAR = np.radians(10.0), 0.1
-MOST_REST, MOST_SWING, MOST_SWIVEL = np.radians([90.0, 135.0, 45.0])
+MOST_REST, MOST_SWIVEL = np.radians([90.0, 45.0])
 
 
 class Body:
@@ -50,7 +50,7 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
     trunk = skeleton.chain(chest)[::-1][skeleton.chain(chest)[::-1].index(roles.pelvis) :]
     head = roles.head if roles.head >= 0 else roles.neck if roles.neck >= 0 else chest
     neck = [joint for joint in skeleton.chain(head)[::-1] if joint not in skeleton.chain(chest)]
-    gaze, eyes, shoulders = neutral(bank, chest, head)
+    gaze, eyes, shoulders, rests = neutral(bank, chest, head)
     slots = {part: s[part : part + col.AIM_COLUMNS] for part in (col.CHEST, col.LEFT, col.RIGHT, col.GAZE)}
     shown = {part: slot[col.SHOWN] if slot[col.TARGET] else 0.0 for part, slot in slots.items()}
 
@@ -63,9 +63,6 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
         if slot[col.CHANGED]:  # it begins where the earlier target was
             lefts[part] = lefts[part] + slot[[col.YAW, col.PITCH]] - limited(slot, to)
         return facing(slot, to, lefts[part])
-
-    def middle(left: int, right: int) -> Floats:
-        return np.asarray(0.5 * (body.places()[left] + body.places()[right]))
 
     def mean_place(joint: int, offset: Floats) -> Floats:
         return np.asarray(body.places()[joint] + quaternion.rotate(body.world()[joint], offset))
@@ -90,7 +87,7 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
         to = vector(s, slot, root, np.zeros(3))
         seen = share(facing(slot, to, lefts[col.CHEST]), shown[col.CHEST])
         ahead, at = quaternion.rotate(seen, FORWARD), body.places()[chest]
-        hands = middle(roles.left_wrist, roles.right_wrist) - at
+        hands = body.places()[[roles.left_wrist, roles.right_wrist]] - at
         swivel = swivel_of(hands, at, np.arctan2(ahead[0], ahead[2]))
         more = quaternion.about(UP, shown[col.CHEST] * slot[col.STEADY] * swivel)
         body.turn([chest], more)
@@ -102,8 +99,8 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
         if slots[part][col.TARGET]:
             places = body.places()
             goal = quaternion.rotate(way(part, places[shoulder]), FORWARD)
-            swing = bounded(quaternion.between(places[wrist] - places[shoulder], goal), MOST_SWING)
-            body.turn([shoulder], share(swing, shown[part]))
+            rest = quaternion.rotate(body.world()[chest], rests[part])
+            body.turn([shoulder], part_of_swing(rest, places[wrist] - places[shoulder], goal, shown[part]))
     if shown[col.GAZE] > 0.0 and neck:
 
         def missing(look: Floats) -> Floats:
@@ -124,11 +121,13 @@ def aimed(bank: Bank, s: Floats, root: Floats, rotations: Floats) -> Floats:
     return body.rotations
 
 
-def neutral(bank: Bank, chest: int, head: int) -> tuple[Floats, Floats, Floats]:
-    """Where the head looks, in its frame, and head and shoulders in the chest's, as means of the baseline's stride."""
+def neutral(bank: Bank, chest: int, head: int) -> tuple[Floats, Floats, Floats, dict[int, Floats]]:
+    """Where the head looks, in its frame, and head, shoulders, and the rest of each arm, 40 degrees outward and down of
+    ahead, in the chest's, as means of the baseline's stride."""
     clip, roles = bank.motion(bank.baseline.clip), bank.roles
     frames = range(round(bank.baseline.start * clip.rate), round(bank.baseline.end * clip.rate))
     gazes, eyes, shoulders = [], [], []
+    rests: dict[int, list[Floats]] = {col.LEFT: [], col.RIGHT: []}
     for frame in frames:
         places, world = world_transforms(bank.skeleton, clip.root_positions[[frame]], clip.rotations[[frame]])
         ahead = quaternion.rotate(quaternion.about(UP, bank.root_path(clip.name)[frame, 3]), FORWARD)
@@ -137,7 +136,12 @@ def neutral(bank: Bank, chest: int, head: int) -> tuple[Floats, Floats, Floats]:
         back = quaternion.conjugate(world[0, chest])
         eyes.append(quaternion.rotate(back, places[0, head] - places[0, chest]))
         shoulders.append(quaternion.rotate(back, middle - places[0, chest]))
-    return quaternion.unit(np.mean(gazes, axis=0)), np.mean(eyes, axis=0), np.mean(shoulders, axis=0)
+        for part, yaw in ((col.LEFT, 40.0), (col.RIGHT, -40.0)):
+            down = quaternion.rotate(quaternion.about([1.0, 0.0, 0.0], np.radians(40.0)), FORWARD)
+            aside = quaternion.about(UP, bank.root_path(clip.name)[frame, 3] + np.radians(yaw))
+            rests[part].append(quaternion.rotate(back, quaternion.rotate(aside, down)))
+    means = {part: quaternion.unit(np.mean(drawn, axis=0)) for part, drawn in rests.items()}
+    return quaternion.unit(np.mean(gazes, axis=0)), np.mean(eyes, axis=0), np.mean(shoulders, axis=0), means
 
 
 def vector(s: Floats, slot: Floats, root: Floats, place: Floats) -> Floats:
@@ -156,7 +160,8 @@ def limited(slot: Floats, to: Floats) -> Floats:
     yaw, pitch = np.arctan2(to[0], to[2]), np.arctan2(to[1], level)
     near = step(length / NEAR) if slot[col.TARGET] == col.POINT else 1.0
     back = np.pi - max(slot[col.MOST_YAW], np.pi / 2.0)
-    yaw_share = near * step((np.pi - abs(yaw)) / back) * step(level / (0.17 * length) if length else 0.0)
+    flat = np.cos(max(slot[col.MOST_PITCH], np.pi / 4.0))  # nearer to the vertical the yaw counts less
+    yaw_share = near * step((np.pi - abs(yaw)) / back) * step(level / (flat * length) if length else 0.0)
     return np.array(
         [
             np.sign(yaw) * yaw_share * soft(abs(yaw), slot[col.MOST_YAW]),
@@ -190,6 +195,14 @@ def share(turn: Floats, part: float) -> Floats:
     return quaternion.about(vector / angle, angle) if angle > 1e-12 else quaternion.IDENTITY
 
 
+def part_of_swing(rest: Floats, line: Floats, goal: Floats, part: float) -> Floats:
+    """A part of the turn from `line` back to `rest` and on to `goal`, each by the shortest way, along its one axis."""
+    turn = quaternion.multiply(quaternion.between(rest, goal), quaternion.conjugate(quaternion.between(rest, line)))
+    sine = float(np.linalg.norm(turn[:3]))
+    angle = 2.0 * np.arctan2(sine, turn[3])  # up to 360 degrees
+    return quaternion.about(turn[:3] / sine, part * angle) if sine > 1e-12 else quaternion.IDENTITY
+
+
 def bounded(turn: Floats, most: float) -> Floats:
     angle = float(quaternion.angle(turn, quaternion.IDENTITY))
     if angle <= most - SOFT:
@@ -198,11 +211,11 @@ def bounded(turn: Floats, most: float) -> Floats:
 
 
 def swivel_of(hands: Floats, chest: Floats, yaw: float) -> float:
-    """Returns the turn of the chest about the vertical after which the hands are at a yaw, seen from the root."""
-    reach = float(np.hypot(hands[0], hands[2]))
-    level = reach / float(np.linalg.norm(hands))
-    aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.5 * abs(hands[1]))
-    swivel = yaw - np.arcsin(np.clip(aside, -1.0, 1.0)) - np.arctan2(hands[0], hands[2])
+    """Returns the turn of the chest about the vertical after which hands [2, 3] are at a yaw, seen from the root."""
+    far, (x, _, z) = np.linalg.norm(hands, axis=1).mean(), hands.mean(axis=0)
+    reach = float(np.hypot(x, z))
+    aside = (chest[0] * np.cos(yaw) - chest[2] * np.sin(yaw)) / max(reach, 0.5 * far)
+    swivel = yaw - np.arcsin(np.clip(aside, -1.0, 1.0)) - np.arctan2(x, z)
     swivel = (swivel + np.pi) % (2.0 * np.pi) - np.pi
     size = soft(abs(swivel), MOST_SWIVEL) * step((np.pi - abs(swivel)) / (np.pi - MOST_SWIVEL))
-    return float(np.sign(swivel) * size * step((level - 0.5) / (0.8 - 0.5)))
+    return float(np.sign(swivel) * size * step((reach / far - 0.5) / (0.8 - 0.5)))

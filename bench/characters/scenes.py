@@ -1,9 +1,9 @@
 """Random scenes: characters receive commands for six seconds, and the speed of their joints is measured.
 
-A pop is a joint that moves faster than it should. Two references say how fast it should move at most: the clips played,
-each alone, and the same playback held steady, without transitions. The second is needed because a splice can move
-joints faster than either of its clips: it speeds an action up to keep it in phase with the legs, without any
-transition.
+A pop is a joint that moves faster than it should. Three references say how fast it should move at most: the clips
+played, each alone; the same playback held steady, without transitions; and plain cross-fades. The second is needed
+because a splice can move joints faster than either of its clips: it speeds an action up to keep it in phase with
+the legs, without any transition. The third, because a command can ask a hand to cross a metre in a fifth of a second.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bench.characters.cross_fades import cross_fades, fastest_of_fades
 from bench.characters.joint_speeds import RATE, Watch, character_positions, fastest_of_clip
 from bench.characters.steady import play_on, slot_contents, steady_rows
 from bench.findings import Findings
@@ -32,7 +33,7 @@ Draw = Callable[[Sequence[str], np.random.Generator], "Command"]
 
 
 class Fastest(NamedTuple):
-    """The fastest joint of each scene [n], metres per second: as played, in its clips alone, and played steadily.
+    """The fastest joint of each scene [n], metres per second: as played, in its clips alone, played steadily, in fades.
 
     jump and steady_jump: the largest change of a joint's velocity between two frames, as played and played steadily.
     """
@@ -40,6 +41,7 @@ class Fastest(NamedTuple):
     played: Floats
     clips: Floats
     steady: Floats
+    fades: Floats
     jump: Floats
     steady_jump: Floats
 
@@ -56,12 +58,14 @@ def pops(stage: Stage, scenes: int, *, locked: bool = False) -> Findings:
 
 
 def add_ratios(findings: Findings, fastest: Fastest) -> None:
-    """Adds the speeds of scenes, relative to those of their clips and of steady playback."""
+    """Adds the speeds of scenes, relative to those of their clips, of steady playback and of cross-fades."""
     larger = np.maximum(fastest.clips, fastest.steady)
+    largest = np.maximum(larger, fastest.fades)
     for label, ratios in (
         ("speed / clips alone", fastest.played / fastest.clips),
         ("speed / steady playback", fastest.played / fastest.steady),
         ("speed / larger of both", fastest.played / larger),
+        ("speed / largest of all, cross-fades too", fastest.played / largest),
     ):
         findings.add(f"{label}: median", float(np.median(ratios)))
         findings.add(f"{label}: 99th percentile", float(np.percentile(ratios, 99.0)))
@@ -94,7 +98,7 @@ def play_together(
         characters.add(1, *clips[-1])
     characters.lock_feet(slice(None), locked)
     before = np.zeros_like(slot_contents(characters.state))
-    rows, scenes = [], []
+    rows, scenes, fades, scenes_of_fades = [], [], [], []
     for _ in range(FRAMES):
         for row, draw in enumerate(draws):
             if draw.random() < LIKELY:
@@ -106,14 +110,19 @@ def play_together(
             new_rows = list(steady_rows(characters.state[row]))
             rows += new_rows
             scenes += [row] * len(new_rows)
+            new_fades = list(cross_fades(characters.state[row]))
+            fades += new_fades
+            scenes_of_fades += [row] * len(new_fades)
         before = now
         watch.add(character_positions(characters))
         characters.advance()
     steady, steady_jump = np.zeros((2, len(seeds)))
     for most, of_rows in zip((steady, steady_jump), play_on(stage, rows), strict=True):
         np.maximum.at(most, scenes, of_rows)
+    faded = np.zeros(len(seeds))
+    np.maximum.at(faded, scenes_of_fades, fastest_of_fades(stage, fades))
     of_clips = np.array([max(fastest[name] for name in names_played) for names_played in clips])
-    return Fastest(watch.speed, of_clips, steady, watch.jump, steady_jump)
+    return Fastest(watch.speed, of_clips, steady, faded, watch.jump, steady_jump)
 
 
 class Command(NamedTuple):

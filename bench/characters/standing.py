@@ -1,8 +1,11 @@
-"""Measures what standing actions cost at run time: `python -m bench.characters.standing`.
+"""Measures standing actions at run time: `python -m bench.characters.standing`.
 
-All clips of a generated bank are standing actions, which are added to the locomotion's own upper half; those of another
-bank with the same motions have a gait. Splices by the evaluator and frames of characters are timed in both, in turns;
-the ratio is taken within rounds. Cold: the caches are emptied before each call.
+pops         Random scenes as in `python -m bench.characters`, with the built-in standing actions on all locomotions.
+cost         What do they cost?
+
+For the costs, all clips of a generated bank are standing actions, which are added to the locomotion's own upper half;
+those of another bank with the same motions have a gait. Splices by the evaluator and frames of characters are timed in
+both, in turns; the ratio is taken within rounds. Cold: the caches are emptied before each call.
 """
 
 from __future__ import annotations
@@ -14,10 +17,13 @@ from typing import Annotated
 import typer
 
 from bench.characters.costs import COUNT, compare, crowd, frame_work
+from bench.characters.scenes import pops
 from bench.findings import Findings
 from bench.generated import Size, generate
 from bench.speed.workload import Scene, evaluation, request_sets
+from bench.standing.__main__ import standing_bank
 from motionsplice.cli import run
+from motionsplice.motion.procedural.stances import STANDING, Performer
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 
@@ -25,9 +31,12 @@ from motionsplice.runtime.stage import Stage
 def main(
     joints: Annotated[int, typer.Option(help="Joints of the generated banks")] = 31,
     rounds: Annotated[int, typer.Option(min=2, help="Rounds of each comparison")] = 300,
+    scenes: Annotated[int, typer.Option(min=1, help="Number of random scenes")] = 1000,
 ) -> None:
-    """Prints nanoseconds per character and frame with a gait and standing, and their ratio."""
+    """Prints how fast joints move, nanoseconds per character and frame with a gait and standing, and their ratio."""
     with tempfile.TemporaryDirectory() as folder:
+        bank = standing_bank(Path(folder), {name: Performer() for name in STANDING}, 1)
+        pops(Stage(Evaluator(bank)), scenes).show()
         evaluators = {
             name: Evaluator(generate(Path(folder) / name, Size(joints, standing=name == "standing")))
             for name in ("with a gait", "standing")

@@ -39,15 +39,9 @@ def steady_rows(row: States) -> Iterator[States]:
     count = int(row[col.LOCOMOTIONS])
     heads = [number for number in range(count) if row[LEGS[number] + col.HEAD]]
     for head in heads:
-        size = int(row[LEGS[head] + col.HEAD])
-        alone = row.copy()
+        alone = alone_of(row, head)
         alone[[col.NEXT_COUNT, col.WHEN, col.HANDS_WAIT, col.LOCK, col.LOCKED]] = 0.0
-        alone[LEGS[0] : LEGS[size - 1] + col.LOCOMOTION_COLUMNS] = row[
-            LEGS[head] : LEGS[head + size - 1] + col.LOCOMOTION_COLUMNS
-        ]
-        alone[col.LOCOMOTIONS] = size
         alone[LEGS + col.LASTING] = alone[LAYERS + col.LASTING] = alone[LAYERS + col.LEAVING] = 0.0
-        alone[LEGS + col.SHARE] = alone[LEGS + col.WEIGHT]
         alone[LAYERS + col.LOOP] = 1.0
         for part in PARTS.values():
             alone[part + col.CHANGED : part + col.AIM_COLUMNS] = 0.0
@@ -56,6 +50,17 @@ def steady_rows(row: States) -> Iterator[States]:
             under = alone.copy()
             under[col.ACTIONS] = actions
             yield under
+
+
+def alone_of(row: States, head: int) -> States:
+    """Returns a state row that plays nothing but the group of locomotions that begins at slot `head`."""
+    size, alone = int(row[LEGS[head] + col.HEAD]), row.copy()
+    alone[LEGS[0] : LEGS[size - 1] + col.LOCOMOTION_COLUMNS] = row[
+        LEGS[head] : LEGS[head + size - 1] + col.LOCOMOTION_COLUMNS
+    ]
+    alone[col.LOCOMOTIONS] = size
+    alone[LEGS + col.SHARE] = alone[LEGS + col.WEIGHT]
+    return alone
 
 
 def is_fading(state: States) -> NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from motionsplice.runtime.kernels.turns import Turn
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 SOFT = math.radians(10.0)  # this far below a limit, turns begin to stay behind the target
-STEEP = 0.17  # the horizontal part of a direction (of 80 degrees up or down) below which its yaw counts less and less
+STEEP = math.radians(45.0)  # beyond this pitch, and beyond the limit, the yaw of a direction counts less and less
 NEAR = 0.1  # metres: targets that are nearer than this turn nobody
 SETTLED = 1e-4  # of a weight, or of an angle: less is no longer seen
 PACE = 7.0  # changes settle to 3 % of themselves within their duration
@@ -78,7 +78,9 @@ def way_to(s: Array, slot: int, x: float, y: float, z: float, is_final: bool) ->
     wanted_yaw, wanted_pitch, most = math.atan2(x, z), math.atan2(y, level), s[slot + col.MOST_YAW]
     near = smooth(length / NEAR) if s[slot + col.TARGET] == col.POINT else 1.0
     behind = smooth((math.pi - abs(wanted_yaw)) / (math.pi - max(most, 0.5 * math.pi)))
-    steep = smooth(level / (STEEP * length)) if length > 0.0 else 0.0
+    flat, steep = max(STEEP, s[slot + col.MOST_PITCH]), 1.0 if level > 0.0 else 0.0
+    if abs(wanted_pitch) > flat and level > 0.0:
+        steep = smooth(level / (length * math.cos(flat)))
     yaw = math.copysign(near * steep * behind * soft(abs(wanted_yaw), most), wanted_yaw)
     pitch = math.copysign(near * soft(abs(wanted_pitch), s[slot + col.MOST_PITCH]), wanted_pitch)
     yaw_left, pitch_left = s[slot + col.YAW_LEFT], s[slot + col.PITCH_LEFT]

@@ -22,10 +22,12 @@ from motionsplice.runtime.kernels.turns import (
     between,
     forward_of,
     inverse,
+    length,
     middle,
     minus,
     part_of,
     plus,
+    straight_part_of,
     times,
     turn_at,
     turn_joint,
@@ -35,9 +37,10 @@ from motionsplice.runtime.kernels.turns import (
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 MOST_REST = math.radians(90.0)  # of what a head turns beyond the way from its heading to its target
-MOST_SWING = math.radians(135.0)  # of an arm
 MOST_SWIVEL = math.radians(45.0)  # of the hands about the vertical
-HANGING, HELD = 0.5, 0.8  # horizontal parts of the way from chest to hands between which their swivel begins to count
+# the middle of both hands is this far beside the chest, divided by how far they are from it, where their swivel begins
+# to count, and where it counts fully
+HANGING, HELD = 0.5, 0.8
 
 
 @kernel
@@ -180,26 +183,27 @@ def correct_chest(chains: Chains, s: Array, c: int, aim: Turn, character: int, r
         left = arm_places(chains, LEFT_ARM, times(more, rotation), character, rotations)
         right = arm_places(chains, RIGHT_ARM, times(more, rotation), character, rotations)
         seen = part_of(way_from(s, c, slot, character, roots, (0.0, 0.0, 0.0), False), s[slot + col.SHOWN])
-        swivel = swivel_of(middle(left[1], right[1]), place, forward_of(seen))
+        swivel = swivel_of(left[1], right[1], place, forward_of(seen))
         more = times(about_y(s[slot + col.SHOWN] * s[slot + col.STEADY] * swivel), more)
     turn_joint(rotations, character, chains.columns[TRUNK, last], more, rotation_of(world, last - 1))
     keep(world, last, times(more, rotation), place, times(more, whole_of(world, last)))
 
 
 @inlined
-def swivel_of(hands: Vector, chest: Vector, ahead: Vector) -> float:
+def swivel_of(left: Vector, right: Vector, chest: Vector, ahead: Vector) -> float:
     """Returns by how much a chest must turn about the vertical until hands, seen from the root, are toward `ahead`.
 
-    `hands` is their middle relative to the chest, `chest` its place relative to the root.
+    `left` and `right` are the hands relative to the chest, `chest` is its place relative to the root. Hands that hang,
+    and hands on opposite sides of the chest, have their middle near its vertical, where a small movement would turn
+    the way to it around: their swivel does not count.
     """
-    yaw = math.atan2(ahead[0], ahead[2])
-    reach = math.hypot(hands[0], hands[2])
-    level = reach / math.sqrt(reach * reach + hands[1] * hands[1] + TINY)
-    aside = (chest[0] * math.cos(yaw) - chest[2] * math.sin(yaw)) / max(reach, abs(hands[1]) * HANGING + TINY)
+    yaw, hands = math.atan2(ahead[0], ahead[2]), middle(left, right)
+    reach, far = math.hypot(hands[0], hands[2]), 0.5 * (length(left) + length(right)) + TINY
+    aside = (chest[0] * math.cos(yaw) - chest[2] * math.sin(yaw)) / max(reach, far * HANGING)
     swivel = yaw - math.asin(min(max(aside, -1.0), 1.0)) - math.atan2(hands[0], hands[2])
     swivel -= 2.0 * math.pi * round(swivel / (2.0 * math.pi))
     size = soft(abs(swivel), MOST_SWIVEL) * smooth((math.pi - abs(swivel)) / (math.pi - MOST_SWIVEL))
-    return math.copysign(size * smooth((level - HANGING) / (HELD - HANGING)), swivel)
+    return math.copysign(size * smooth((reach / far - HANGING) / (HELD - HANGING)), swivel)
 
 
 @inlined
@@ -224,10 +228,22 @@ def turn_arm(
     shoulder, wrist = arm_places(chains, arm, chest, character, rotations)
     way = way_from(s, c, slot, character, roots, plus(base, shoulder), True)
     if s[slot + col.SHOWN] > 0.0:
-        swing = bounded(between(unit_vector(minus(wrist, shoulder)), forward_of(way)), MOST_SWING)
+        rest = turned(chest, (chains.rests[arm, 0], chains.rests[arm, 1], chains.rests[arm, 2]))
+        shown = part_of_swing(rest, unit_vector(minus(wrist, shoulder)), forward_of(way), s[slot + col.SHOWN])
         for joint in range(chains.firsts[arm]):
             chest = times(chest, turn_at(rotations, character, chains.columns[arm, joint]))
-        turn_joint(rotations, character, column, part_of(swing, s[slot + col.SHOWN]), chest)
+        turn_joint(rotations, character, column, shown, chest)
+
+
+@inlined
+def part_of_swing(rest: Vector, line: Vector, goal: Vector, share: float) -> Turn:
+    """Returns a share of the turn of an arm from `line` to `goal`, by way of `rest`, where an arm is free to move.
+
+    It takes the shortest turn from `line` to `rest` back, and then that from `rest` to `goal` (Listing's law). So it is
+    smooth wherever both are not opposite to `rest`. The shortest turn from `line` to `goal` is not where these are
+    opposite: there a small movement of an arm would swing it around.
+    """
+    return straight_part_of(times(between(rest, goal), inverse(between(rest, line))), share)
 
 
 @inlined

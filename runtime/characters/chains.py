@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,10 @@ from motionsplice.runtime.simd.compiled import Array
 
 TRUNK, LEFT_ARM, RIGHT_ARM, NECK = range(4)
 FORWARD = [0.0, 0.0, 1.0]
+# where a left arm is free to move, 40 degrees outward and down from ahead; no captured arm comes within 70 degrees of
+# the opposite direction
+DOWN = OUTWARD = math.radians(40.0)
+REST = [math.cos(DOWN) * math.sin(OUTWARD), -math.sin(DOWN), math.cos(DOWN) * math.cos(OUTWARD)]
 
 
 class Chains(NamedTuple):
@@ -30,6 +35,8 @@ class Chains(NamedTuple):
         gaze: [3], where the head points in its own frame, on average of the baseline's stride: ahead.
         eyes: [3], the head in the frame of the joint on which the neck hangs, on average of the same stride, metres.
         shoulders: [3], the middle of the shoulders in the frame of the last joint of the trunk, likewise.
+        rests: [3, 3], of each arm, a direction about which it is free to move, in the frame of the last joint of the
+            trunk, likewise; of the trunk, zeros.
         world: [joints of the trunk, 11], scratch memory: rotation, place, and by how much the rotation was turned.
     """
 
@@ -40,6 +47,7 @@ class Chains(NamedTuple):
     gaze: Array
     eyes: Array
     shoulders: Array
+    rests: Array
     world: Array
 
 
@@ -78,8 +86,8 @@ def below(chain: list[int], joint: int) -> list[int]:
     return chain[: chain.index(joint)][::-1]
 
 
-def neutral(bank: Bank, branch: int, chest: int, head: int) -> tuple[Floats, Floats, Floats]:
-    """Returns gaze, eyes and shoulders of `Chains`, as means over the baseline's stride.
+def neutral(bank: Bank, branch: int, chest: int, head: int) -> tuple[Floats, Floats, Floats, Floats]:
+    """Returns gaze, eyes, shoulders and rests of `Chains`, as means over the baseline's stride.
 
     They come from motion, not from the bind pose: an angle of the head in the bind pose, or local axes that are not
     those of the world, do not matter.
@@ -88,12 +96,15 @@ def neutral(bank: Bank, branch: int, chest: int, head: int) -> tuple[Floats, Flo
     first = min(round(bank.baseline.start * clip.rate), clip.frame_count - 1)
     stride = slice(first, max(round(bank.baseline.end * clip.rate), first + 1))
     positions, world = world_transforms(bank.skeleton, clip.root_positions[stride], clip.rotations[stride])
-    ahead = quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], bank.root_path(clip.name)[stride, 3]), FORWARD)
+    headings = quaternion.about([0.0, 1.0, 0.0], bank.root_path(clip.name)[stride, 3])
+    ahead = quaternion.rotate(headings, FORWARD)
+    left, right = (quaternion.rotate(headings, rest) for rest in (REST, np.multiply(REST, [-1.0, 1.0, 1.0])))
     middle = 0.5 * (positions[:, roles.left_shoulder] + positions[:, roles.right_shoulder])
     return (
         quaternion.unit(in_frame(world[:, head], ahead)),
         in_frame(world[:, branch], positions[:, head] - positions[:, branch]),
         in_frame(world[:, chest], middle - positions[:, chest]),
+        np.array([np.zeros(3), *(quaternion.unit(in_frame(world[:, chest], rest)) for rest in (left, right))]),
     )
 
 

@@ -77,6 +77,11 @@ def unit(q: Turn) -> Turn:
 
 
 @inlined
+def length(v: Vector) -> float:
+    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+@inlined
 def unit_vector(v: Vector) -> Vector:
     """Scales a vector to unit length, and leaves one that has none."""
     scale = 1.0 / math.sqrt(max(v[0] * v[0] + v[1] * v[1] + v[2] * v[2], TINY))
@@ -102,6 +107,16 @@ def part_of(q: Turn, share: float) -> Turn:
         to = sign * math.sin(share * half) / math.sin(half)
     x, y, z = to * q[0], to * q[1], to * q[2]
     return x, y, z, math.sqrt(max(1.0 - (x * x + y * y + z * z), 0.0))
+
+
+@inlined
+def straight_part_of(q: Turn, share: float) -> Turn:
+    """Returns a share, 0 to 1, of the rotation to q as it is: of more than half a turn where q[3] < 0."""
+    if q[3] >= 0.0:
+        return part_of(q, share)
+    half = math.acos(max(q[3], -1.0))
+    to = math.sin(share * half) / max(math.sin(half), TINY)
+    return to * q[0], to * q[1], to * q[2], math.cos(share * half)
 
 
 @inlined

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partialmethod
 from pathlib import Path
@@ -9,8 +10,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from bench.characters.cross_fades import cross_fades, fastest_of_fades
 from bench.characters.gaits import phases
-from bench.characters.joint_speeds import RATE, Watch
+from bench.characters.joint_speeds import RATE, Watch, character_positions
 from bench.characters.replay import perform, record, replay
 from bench.characters.scenes import MOST, fastest_of_scenes, pops, random_command
 from bench.characters.steady import LAYERS, LEGS, is_fading, slot_contents, steady_rows
@@ -23,6 +25,7 @@ from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 
 FEW = 20  # scenes
+WAVE = Action("wave", blend=0.3)
 REAL = ("16.asf", "16_15.amc", "16_17.amc", "09.asf", "09_01.amc", "02.asf", "02_03.amc", "14.asf", "14_21.amc")
 seeds = st.lists(st.integers(0, 2**32 - 1), min_size=4, max_size=4)
 
@@ -55,6 +58,21 @@ def test_no_joint_of_captured_motion_pops(real_stage: Stage, seeds: list[int]) -
     fastest = fastest_of_scenes(real_stage, seeds, random_command)
     assert np.all(fastest.played < MOST * np.maximum(fastest.clips, fastest.steady))
     assert np.all(fastest.jump < MOST * np.maximum(fastest.clips, fastest.steady_jump))
+
+
+@pytest.mark.parametrize("give", [lambda one: one.play([0], "run", blend=0.3), lambda one: one.act([0], WAVE)])
+def test_a_cross_fade_is_as_fast_as_the_character_that_follows_the_command(
+    stage: Stage, give: Callable[..., None]
+) -> None:
+    characters, watch = Characters(stage, RATE), Watch(1)
+    characters.add(1, "walk", time=0.4)
+    give(characters)
+    [fade] = cross_fades(characters.state[0])
+    assert fade.lasting == 0.3
+    for _ in range(19):
+        watch.add(character_positions(characters))
+        characters.advance()
+    assert watch.speed[0] == pytest.approx(fastest_of_fades(stage, [fade])[0], rel=0.1)
 
 
 @pytest.mark.parametrize("method", ["play", "act", "stop"])

@@ -26,6 +26,8 @@ from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.characters.aim import AIM_PARTS, PARTS, Aim, Look
+from motionsplice.runtime.characters.aim_kernels import way_to
+from motionsplice.runtime.characters.aimed_pose_kernels import part_of_swing, swivel_of
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 from tests import naive_aim
@@ -217,6 +219,70 @@ def test_a_target_that_circles_makes_nothing_jump(one: Setup, part: str) -> None
         if before is not None:
             assert np.degrees(quaternion.angle(before, now)).max() < 8.0
         before = now
+
+
+@pytest.mark.parametrize("part", list(PARTS))
+@pytest.mark.parametrize("aside", [2.0, 8.0, 20.0])
+def test_a_target_that_passes_overhead_makes_nothing_jump(one: Setup, part: str, aside: float) -> None:
+    """Per degree of its way, no joint turns by more than six."""
+    characters = one()
+    characters.add(1, "walk")
+    characters.speed([0], 0.0)
+    before = None
+    for degrees in range(-40, 220):
+        AIMS[part](characters, direction=np.add(toward(0.0, np.radians(degrees)), [np.tan(np.radians(aside)), 0, 0]))
+        now = evaluated(characters)[1][0]
+        if before is not None:
+            assert np.degrees(quaternion.angle(before, now)).max() < 6.0
+        before = now
+
+
+@pytest.mark.parametrize("part", ["left_arm", "head"])
+def test_a_point_where_the_part_itself_is_turns_it_nowhere(one: Setup, part: str) -> None:
+    characters = one()
+    characters.add(1, "walk")
+    joint = {"left_arm": characters.stage.bank.roles.left_shoulder, "head": characters.stage.bank.roles.head}[part]
+    AIMS[part](characters, point=world_of(characters)[0][joint])
+    assert np.isfinite(evaluated(characters)[1]).all()
+
+
+@pytest.mark.parametrize("to", [0.0, 1e-300])
+def test_a_target_without_a_way_is_straight_ahead(to: float) -> None:
+    slot = np.zeros(col.AIM_COLUMNS)
+    slot[col.TARGET], slot[col.MOST_YAW], slot[col.MOST_PITCH] = col.POINT, 1.3, 0.85
+    assert np.allclose(way_to(slot, 0, 0.0, to, 0.0, False), [0.0, 0.0, 0.0, 1.0])
+
+
+@once
+@given(seeds)
+def test_an_arm_does_not_swing_around_when_it_points_away_from_its_target(seed: int) -> None:
+    """A small movement of an arm changes its turn by a small one, also where it points the opposite way."""
+    draw = np.random.default_rng(seed)
+    rest, line, goal = (tuple(quaternion.unit(draw.normal(size=3))) for _ in range(3))
+    if draw.random() < 0.5:
+        goal = tuple(quaternion.unit(0.01 * draw.normal(size=3) - line))
+    share, moved = draw.random(), tuple(quaternion.unit(1e-4 * draw.normal(size=3) + line))
+    way = np.radians(degrees_apart(np.array(rest), np.array(line)))
+    other_way = np.radians(degrees_apart(np.array(rest), np.array(goal)))
+    if max(way, other_way) < np.radians(160.0):
+        a, b = (part_of_swing(rest, one, goal, share) for one in (line, moved))
+        apart = np.radians(degrees_apart(np.array(line), np.array(moved)))
+        assert quaternion.angle(a, b) < 10.0 * apart
+        twin = naive_aim.part_of_swing(np.array(rest), np.array(line), np.array(goal), share)
+        assert quaternion.angle(a, twin) < 1e-4
+        np.testing.assert_allclose(quaternion.rotate(part_of_swing(rest, line, goal, 1.0), line), goal, atol=1e-4)
+
+
+@once
+@given(seeds)
+def test_hands_on_both_sides_of_the_chest_do_not_swing_it_around(seed: int) -> None:
+    draw, ahead = np.random.default_rng(seed), (0.0, 0.0, 1.0)
+    chest = tuple(draw.normal(size=3) * [0.05, 0.0, 0.05] + [0.0, 0.4, 0.0])
+    left, by = 0.4 * draw.normal(size=3), 1e-5 * draw.normal(size=3)
+    right = 0.1 * draw.normal(size=3) - left
+    before, after = (swivel_of(tuple(left), tuple(one), chest, ahead) for one in (right, right + by))
+    far = 0.5 * (np.linalg.norm(left) + np.linalg.norm(right))
+    assert abs(after - before) < 15.0 * np.linalg.norm(by) / far
 
 
 @pytest.mark.parametrize("part", list(PARTS))

@@ -19,6 +19,9 @@ from tests.service.running import Running, running
 from tests.viewer.conftest import View
 
 
+AIMING = {"look": "true", "right_arm": "true", "lock_feet": "true", "point": "1 1.5 4"}
+
+
 @pytest.mark.parametrize(("button", "suffix"), [("BVH", "bvh"), ("GLB", "glb")])
 def test_a_splice_is_exported(view: View, tmp_path: Path, button: str, suffix: str) -> None:
     view.open(locomotion="run", action="wave")
@@ -42,7 +45,7 @@ def test_a_picture_is_saved(view: View, tmp_path: Path) -> None:
 
 def test_the_python_lines_give_the_same_motion(view: View, context: BrowserContext, bank: Bank, tmp_path: Path) -> None:
     context.grant_permissions(["clipboard-read", "clipboard-write"])
-    view.open(locomotion="run", action="wave", at=0.5, when="foot", mask="arms", blend=0.2)
+    view.open(locomotion="run", action="wave", at=0.5, when="foot", mask="arms", blend=0.2, **AIMING)
     view.page.get_by_role("button", name="Export").click()
     view.page.get_by_role("button", name="Python").click()
     expect(view.page.get_by_text("on the clipboard")).to_be_visible()

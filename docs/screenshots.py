@@ -47,7 +47,7 @@ PICTURES: dict[str, tuple[tuple[int, int], Literal["light", "dark"], dict[str, o
             "look": "true",
             "chest": "true",
             "steady": "true",
-            "point": "0.5 2 5.4",
+            "point": "0.9 1.6 5.3",
         },
     ),
     "viewer-crowd": (WIDE, "light", {"crowd": 100}),

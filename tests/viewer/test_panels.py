@@ -18,7 +18,6 @@ from motionsplice.service.settings import Settings
 from tests.service.running import Running, running
 from tests.viewer.conftest import View
 
-
 AIMING = {"look": "true", "right_arm": "true", "lock_feet": "true", "point": "1 1.5 4"}
 
 

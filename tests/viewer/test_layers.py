@@ -48,7 +48,7 @@ def aim_all(characters: Characters) -> None:
 
 
 def test_splice_and_naive_look_and_aim_and_the_others_do_not(view: View, bank: Bank) -> None:
-    view.open(**SHOWN, show="splice,naive,locomotion", point=" ".join(map(str, POINT)), turned=0.8, steady="true")
+    view.show(**SHOWN, show="splice,naive,locomotion", point=" ".join(map(str, POINT)), turned=0.8, steady="true")
     *_, alone = joints(view)
     for key in "haq":
         view.page.keyboard.press(key)
@@ -63,7 +63,7 @@ def test_splice_and_naive_look_and_aim_and_the_others_do_not(view: View, bank: B
 
 
 def test_feet_are_locked(view: View, bank: Bank) -> None:
-    view.open(**SHOWN)
+    view.show(**SHOWN)
     before = joints(view)
     view.page.get_by_role("checkbox", name="Lock feet").click()
     view.settle()
@@ -77,7 +77,7 @@ def test_feet_are_locked(view: View, bank: Bank) -> None:
 
 
 def test_the_point_is_put_ahead_and_dragged(view: View, bank: Bank) -> None:
-    view.open(**SHOWN, show="splice")
+    view.show(**SHOWN, show="splice")
     place = joints(view)[0, 0]
     view.page.get_by_role("checkbox", name="Head").click()
     view.settle()
@@ -101,7 +101,7 @@ def test_the_point_is_put_ahead_and_dragged(view: View, bank: Bank) -> None:
 
 @pytest.mark.parametrize("angle", ["free", "top"])
 def test_its_middle_is_dragged_in_the_plane_of_the_picture(view: View, angle: str) -> None:
-    view.open(**SHOWN, show="splice", look="true", view=angle)
+    view.show(**SHOWN, show="splice", look="true", view=angle)
     x, y = gizmo(view)
     mouse = view.page.mouse
     mouse.move(x, y)

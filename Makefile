@@ -16,6 +16,15 @@ GENERATORS := .venv-generators
 FIRST_COVER = $(if $(COVER),--cov --cov-report= --cov-fail-under=0)
 LAST_COVER  = $(if $(COVER),--cov --cov-report= --cov-append)
 
+# What `make test-plain` runs: all of PLAIN but one test, and the tests of twins of PARTLY_PLAIN; the rest would take
+# minutes. It is one process, because building the banks in plain Python takes long.
+PLAIN = tests/runtime/kernels/test_evaluate.py tests/precompute/alignment/test_timewarp.py \
+	tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py \
+	tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
+	tests/runtime/characters/test_mixes.py tests/runtime/characters/test_aim.py
+PARTLY_PLAIN = tests/runtime/test_hands.py tests/runtime/test_standing.py tests/precompute/hands/test_align.py \
+	tests/precompute/hands/test_banded_warp.py tests/runtime/characters/test_feet.py tests/runtime/characters/test_foot_lock.py
+
 # What `make lowest` runs: the kernels, the job, the command, and the service over real sockets.
 LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
 	tests/runtime/test_evaluator.py tests/service/answers tests/service/edge tests/service/test_http.py
@@ -36,13 +45,8 @@ test-kernels: $(VENV)/ready    ## the tests that compile the kernels, before oth
 	$(BIN)/python -m pytest -q tests/runtime $(FIRST_COVER)
 
 test-plain: $(VENV)/ready      ## kernels as plain Python, which checks bounds
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/kernels/test_evaluate.py tests/precompute/alignment/test_timewarp.py \
-		tests/precompute/body/test_joint_paths.py tests/precompute/body/test_best_rotations.py tests/motion/test_decimals.py \
-		tests/runtime/characters/test_characters.py tests/runtime/characters/test_events.py \
-		tests/runtime/characters/test_mixes.py tests/runtime/characters/test_aim.py -k "not same_bytes"  # which would take a minute
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q tests/runtime/test_hands.py tests/runtime/test_standing.py tests/precompute/hands/test_align.py \
-		tests/precompute/hands/test_banded_warp.py tests/runtime/characters/test_feet.py tests/runtime/characters/test_foot_lock.py \
-		-k "twin or paths or few_frames or zero_or_huge or loop"
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -q $(PLAIN) $(PARTLY_PLAIN) -k "not same_bytes and (twin or paths or few_frames \
+		or zero_or_huge or loop or not ($(subst $() , or ,$(notdir $(PARTLY_PLAIN)))))"
 
 check: $(VENV)/ready           ## style, types and the arrows between the packages
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .

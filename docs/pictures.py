@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from bench.characters.aim_charts import aim_chart
 from bench.characters.slide_charts import slide_chart
 from bench.clips import bank_of
 from bench.generated import Size, generate
@@ -134,7 +135,7 @@ AIMED: dict[str, tuple[str, Any, Any]] = {
 
 
 def draw_aiming(evaluator: Evaluator) -> None:
-    """Draws characters that pass a point, and look and aim at it."""
+    """Draws characters that pass a point, and look and aim at it; and head and hands beside an aim offset."""
     stage, rows = Stage(evaluator), []
     for label, (locomotion, look, aim) in AIMED.items():
         characters = Characters(stage, 60.0)
@@ -146,6 +147,8 @@ def draw_aiming(evaluator: Evaluator) -> None:
         clip = Clip(label, evaluator.bank.skeleton, 60.0, *played(characters, 109, lambda frame: None))
         rows.append((label, clip, evaluator.bank.roles))
     contact_sheet(rows, columns=10, view="front").save(IMAGES / "aiming.png")
+    (IMAGES / "aim-offset.png").write_bytes(aim_chart(stage))
+    reduce(IMAGES / "aim-offset.png")
 
 
 def draw_mirror_images(evaluator: Evaluator) -> None:

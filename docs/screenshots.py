@@ -36,6 +36,20 @@ PICTURES: dict[str, tuple[tuple[int, int], Literal["light", "dark"], dict[str, o
             "trails": "true",
         },
     ),
+    "viewer-aim": (
+        WIDE,
+        "light",
+        {
+            "locomotion": "run",
+            "action": "push",
+            "time": 1.3,
+            "show": "splice,locomotion",
+            "look": "true",
+            "chest": "true",
+            "steady": "true",
+            "point": "0.9 1.6 5.3",
+        },
+    ),
     "viewer-crowd": (WIDE, "light", {"crowd": 100}),
     "viewer-phone": (PHONE, "dark", {"locomotion": "walk", "action": "wave", "time": 1.0, "show": "splice"}),
 }

@@ -6,7 +6,7 @@ phases       While one locomotion blends into another, how far apart are their p
 replay       Do 10,000 recorded commands give the same bytes a second time, and after a restore half-way?
 slide        How far does a standing foot slide over the ground in one stance: while clips play and loop, in mixes of
              two, and when a locomotion changes to another? Roots follow the mixed paths, or standing feet drive them,
-             or feet are locked too. Centimetres.
+             or feet are locked too. Changes also by a plain crossfade, as engines do it by default. Centimetres.
 knees        How fast is the fastest knee while a locomotion changes and feet are locked? And pops, with feet locked.
 masks        An action's right arm is played on another walk. How far are elbow and wrist, relative to the hips, from
              the motion of a person who does both? With the arm's own rotations, and turned with its attachment.

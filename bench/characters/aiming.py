@@ -2,10 +2,11 @@
 
 gaze    Where does the head look, relative to straight ahead, when nobody tells it, and relative to a point that it is
         to look at? Degrees, over all pairs with an action. Frames in which the point lies outside the limits, or in
-        which the turn to it has not settled, do not count.
+        which the turn to it has not settled, do not count. Beside it, engines' additive aim offset toward the point,
+        laid on naive replacement and on the splice.
 hands   By how much do both hands, seen from the hips, swing from side to side? The standard deviation of their yaw from
-        the heading; with an aim, from its direction. How far does the line from shoulder to wrist point past the point
-        of an aimed arm?
+        the heading; with an aim or an aim offset, from its direction. How far does the line from shoulder to wrist
+        point past the point of an aimed arm?
 near    How far past a point at a given distance do head and arms point, while the chest aims at it, too?
 pops    Random scenes as in `python -m bench.characters`, in which characters also look and aim.
 cost    What does a frame of a character cost with targets, next to one without?
@@ -14,13 +15,30 @@ cost    What does a frame of a character cost with targets, next to one without?
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 
+from bench.characters.aim_offset import offset
+from bench.characters.aimed import (
+    AHEAD,
+    FRAMES,
+    UP,
+    WITHIN,
+    Shown,
+    Tell,
+    degrees_apart,
+    gazes,
+    is_within,
+    nothing,
+    of_motion,
+    shown,
+    swivel,
+    yaws,
+)
 from bench.characters.costs import crowd, frame_work
 from bench.characters.joint_speeds import RATE
 from bench.characters.scenes import MOST, Command, add_ratios, fastest_of_scenes, random_command
@@ -30,29 +48,14 @@ from bench.generated import Size, generate
 from bench.rounds import interleaved
 from motionsplice.cli import run
 from motionsplice.motion import quaternion
-from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import common_ancestor
 from motionsplice.runtime.character import Characters
-from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.characters.aim import AIM_PARTS, Aim, Look
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 
-FRAMES, SETTLED = 300, 60  # of each measurement; those that are left out at its beginning
-AHEAD = [0.0, 0.0, 1.0]
-WITHIN = np.radians(60.0)  # of the heading
 ASIDE = (2.0, 1.6, 9.0)  # the point to look at, metres
-
-Tell = Callable[[Characters], None]
-
-
-class Shown(NamedTuple):
-    """What a character shows in F frames: places [F, J, 3] and rotations [F, J, 4] in the world, headings [F]."""
-
-    places: Floats
-    world: Floats
-    headings: Floats
 
 
 def main(
@@ -73,105 +76,60 @@ def main(
             costs(Stage(Evaluator(generate(Path(folder) / "generated", Size())))).show()
 
 
-def shown(stage: Stage, locomotion: str, action: str, tell: Tell, method: Any = "splice") -> Shown:
-    """Plays a locomotion with an action."""
-    characters, poses = Characters(stage, RATE), stage.evaluator.poses(1)
-    characters.add(1, locomotion)
-    characters.act([0], Action(action, blend=0.0, method=method))
-    tell(characters)
-    roots, rotations, headings = [], [], []
-    for _ in range(FRAMES):
-        characters.evaluate(poses)
-        roots.append(poses.root_positions[0].astype(np.float64))
-        rotations.append(poses.rotations[0].astype(np.float64))
-        headings.append(characters.state[0, col.HEADING])
-        characters.advance()
-    return Shown(*world_transforms(stage.bank.skeleton, np.array(roots), np.array(rotations)), np.array(headings))
-
-
-def nothing(characters: Characters) -> None:
-    """Tells characters nothing."""
-
-
 def names(stage: Stage, kind: str) -> list[str]:
     """Returns the names of the clips of a kind that have a gait."""
     return [clip.name for clip in stage.bank.clips if clip.kind == kind and clip.gait]
 
 
-def degrees_apart(a: Floats, b: Floats) -> Floats:
-    """Returns the angles [...] between vectors [..., 3]."""
-    apart = quaternion.length(quaternion.unit(a) - quaternion.unit(b))
-    return np.asarray(np.degrees(2.0 * np.arcsin(np.minimum(0.5 * apart, 1.0))))
-
-
-def gazes(stage: Stage, clip: Shown) -> Floats:
-    """Returns which way the head looks in each frame [F, 3]."""
-    return quaternion.rotate(clip.world[:, stage.bank.roles.head], stage.chains.gaze)
-
-
-def is_within(clip: Shown, vectors: Floats) -> Any:
-    """Returns in which frames [F] vectors [F, 3] to a target are settled and within the limits."""
-    turned = quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], -clip.headings), vectors)
-    within = np.abs(np.arctan2(turned[:, 0], turned[:, 2])) < WITHIN
-    level = np.abs(np.arctan2(turned[:, 1], np.hypot(turned[:, 0], turned[:, 2])))
-    return within & (level < 0.5) & (np.arange(len(vectors)) >= SETTLED)
-
-
 def gaze(stage: Stage) -> Findings:
     """Measures where heads look on every locomotion, mean and largest of all actions."""
-    findings = Findings("Where the head looks, degrees")
+    findings, head = Findings("Where the head looks, degrees"), stage.bank.roles.head
     for locomotion in names(stage, "locomotion"):
         for form in ("naive", "splice"):
-            apart = []
+            apart, additive = [], list[Floats]()
             for action in names(stage, "action"):
                 clip = shown(stage, locomotion, action, nothing, form)
-                ahead = quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], clip.headings), AHEAD)
+                ahead = quaternion.rotate(quaternion.about(UP, clip.headings), AHEAD)
                 apart.append(degrees_apart(gazes(stage, clip), ahead))
+                turned = offset(stage, clip, head, ASIDE - clip.places[:, head])
+                to = ASIDE - turned.places[:, head]
+                additive.append(degrees_apart(gazes(stage, turned), to)[is_within(turned, to)])
             findings.add(f"{locomotion}: {form}, from straight ahead: mean", float(np.mean(apart)))
+            add_misses(findings, f"{locomotion}: {form} with an aim offset, from the point", additive)
         apart = []
         for action in names(stage, "action"):
             clip = shown(stage, locomotion, action, lambda one: one.look([0], Look(ASIDE)))
-            to = ASIDE - clip.places[:, stage.bank.roles.head]
+            to = ASIDE - clip.places[:, head]
             apart.append(degrees_apart(gazes(stage, clip), to)[is_within(clip, to)])
-        add_misses(findings, f"{locomotion}: look, from the point", apart)
+        add_misses(findings, f"{locomotion}: look, from the point", apart, most=1.0)
     return findings
 
 
-def add_misses(findings: Findings, label: str, apart: Sequence[Floats]) -> None:
-    """Adds the 99th percentile and the largest of angles in all frames that count, if there are any."""
+def add_misses(findings: Findings, label: str, apart: Sequence[Floats], most: float | None = None) -> None:
+    """Adds mean, 99th percentile and the largest of angles in all frames that count, if there are any."""
     angles = np.concatenate(apart)
     if len(angles):
-        findings.add(f"{label}: 99th percentile", float(np.percentile(angles, 99.0)), most=1.0)
+        findings.add(f"{label}: mean", float(angles.mean()))
+        findings.add(f"{label}: 99th percentile", float(np.percentile(angles, 99.0)), most=most)
         findings.add(f"{label}: largest", float(angles.max()))
-
-
-def yaws(stage: Stage, clip: Shown) -> Floats:
-    """Returns the yaw [F] of the middle of both hands, seen from the hips, radians from the heading."""
-    roles = stage.bank.roles
-    to = 0.5 * (clip.places[:, roles.left_wrist] + clip.places[:, roles.right_wrist]) - clip.places[:, 0]
-    turned = quaternion.rotate(quaternion.about([0.0, 1.0, 0.0], -clip.headings), to)
-    return np.asarray(np.unwrap(np.arctan2(turned[:, 0], turned[:, 2])))
-
-
-def swivel(stage: Stage, clip: Shown, *, aimed: bool = False) -> float:
-    """Returns the standard deviation of the hands' yaw, degrees, from the heading or from what they are aimed at."""
-    from_heading = yaws(stage, clip)
-    if aimed:
-        within = is_within(clip, np.broadcast_to(AHEAD, (FRAMES, 3)))
-        return float(np.degrees(np.std((from_heading + clip.headings)[within]))) if within.any() else 0.0
-    return float(np.degrees(np.std(from_heading[SETTLED:])))
 
 
 def hands(stage: Stage) -> Findings:
     """Measures the swivel of hands, for actions that hold both in front, and where single arms point."""
     findings, roles, actions = Findings("Hands, degrees"), stage.bank.roles, in_front(stage)
+    chest = common_ancestor(stage.bank.skeleton.parents, (roles.left_shoulder, roles.right_shoulder))
+    to = np.broadcast_to(AHEAD, (FRAMES, 3))
     for locomotion in names(stage, "locomotion") if actions else ():
         for form in ("naive", "splice"):
-            found = [swivel(stage, shown(stage, locomotion, action, nothing, form)) for action in actions]
+            clips = [shown(stage, locomotion, action, nothing, form) for action in actions]
+            found = [swivel(stage, clip) for clip in clips]
             findings.add(f"{locomotion}: swivel of {', '.join(actions)}, {form}: mean", float(np.mean(found)))
+            found = [swivel(stage, offset(stage, clip, chest, to), aimed=True) for clip in clips]
+            findings.add(f"{locomotion}: the same with an aim offset, {form}: mean", float(np.mean(found)))
         for steady, most in ((0.0, None), (1.0, 1.5)):
             clips = [shown(stage, locomotion, action, ahead_of(steady)) for action in actions]
             found = [swivel(stage, clip, aimed=True) for clip in clips]
+            findings.add(f"{locomotion}: the same, aim, steady={steady:g}: mean", float(np.mean(found)))
             findings.add(f"{locomotion}: the same, aim, steady={steady:g}: largest", max(found), most=most)
     for locomotion in names(stage, "locomotion"):
         apart = []
@@ -180,7 +138,7 @@ def hands(stage: Stage) -> Findings:
             shoulder, wrist = clip.places[:, roles.right_shoulder], clip.places[:, roles.right_wrist]
             within = is_within(clip, ASIDE - shoulder)
             apart.append(degrees_apart(wrist - shoulder, ASIDE - shoulder)[within])
-        add_misses(findings, f"{locomotion}: right arm, from the point", apart)
+        add_misses(findings, f"{locomotion}: right arm, from the point", apart, most=1.0)
     return findings
 
 
@@ -230,7 +188,7 @@ def still(characters: Characters) -> Shown:
     poses = characters.stage.evaluator.poses(1)
     characters.evaluate(poses)
     roots, rotations = poses.root_positions.astype(np.float64), poses.rotations.astype(np.float64)
-    return Shown(*world_transforms(characters.stage.bank.skeleton, roots, rotations), np.zeros(1))
+    return of_motion(characters.stage, roots, rotations, np.zeros(1))
 
 
 def miss(stage: Stage, clip: Shown, part: str, point: Floats) -> float:

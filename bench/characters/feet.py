@@ -46,19 +46,29 @@ def stances(characters: Characters, frames: int, before: Callable[[int], None] =
 
     Calls `before` with the number of each frame before it is evaluated.
     """
-    feet = np.array(characters.stage.bank.roles.feet)
     positions, standing = [], []
     for frame in range(frames):
         before(frame)
-        positions.append(character_positions(characters)[:, feet][..., [0, 2]])
-        standing.append(standing_feet(characters) >= 0.5)
+        positions.append(character_positions(characters))
+        standing.append(standing_feet(characters))
         characters.advance()
-    moves = np.diff(np.array(positions), axis=0)  # [frames - 1, n, 2 feet, joints, 2]
+    yield from stances_of(characters.stage, np.array(positions), np.array(standing))
+
+
+def stances_of(stage: Stage, positions: Floats, standing: Floats) -> Iterator[Stance]:
+    """Yields all stances that begin and end in F frames.
+
+    Args:
+        stage: Knows the joints of the feet.
+        positions: [F, n, J, 3], of the joints of n characters.
+        standing: [F, n, 2], the shares of the locomotions in which the left and the right foot stand.
+    """
+    moves = np.diff(positions[:, :, np.array(stage.bank.roles.feet)][..., [0, 2]], axis=0)  # [F - 1, n, 2, joints, 2]
     least = np.linalg.norm(moves, axis=-1).argmin(axis=-1)
     steps = np.take_along_axis(moves, least[..., None, None], axis=3)[:, :, :, 0]
-    stands = np.array(standing).astype(np.int8)
+    stands = (standing >= 0.5).astype(np.int8)
     for foot in range(len(FEET)):
-        for character in range(len(characters)):
+        for character in range(stands.shape[1]):
             edges = np.flatnonzero(np.diff(stands[:, character, foot])) + 1
             if stands[0, character, foot]:
                 edges = edges[1:]  # it began before the first frame

@@ -7,15 +7,17 @@ import io
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
+from bench.characters.crossfade import crossfade
 from bench.characters.feet import standing_feet, without_feet
 from bench.characters.joint_speeds import RATE, character_positions
-from bench.characters.slides import DRIVEN, FADE, LOCKED, PATHS, SIDEWAYS, WAYS, stances_of_changes
+from bench.characters.slides import DRIVEN, FADE, LOCKED, PATHS, PLAIN, SIDEWAYS, WAYS, fade, stances_of_changes
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.stage import Stage
 
-COLOURS = {PATHS: "#c44e52", DRIVEN: "#4c72b0", LOCKED: "#55a868"}
+COLOURS = {PLAIN: "#8c8c8c", PATHS: "#c44e52", DRIVEN: "#4c72b0", LOCKED: "#55a868"}
 SIDES = ("left", "right")
 CHANGE = ("run", "walk", 0.15)  # from, to, and seconds into the first clip at which it is played before the change
 BEFORE, AFTER = 40, 60  # frames drawn before and after the change
@@ -24,10 +26,10 @@ MOST = 20.0  # centimetres of the axis of slides
 
 def slide_chart(stage: Stage) -> bytes:
     """Draws the feet of one change of locomotion from above, and the slides of all changes. Returns a PNG."""
-    figure = Figure(figsize=(12, 4.2), layout="constrained")
+    figure = Figure(figsize=(12, 4.6), layout="constrained")
     steps = figure.add_gridspec(1, 3)
     tracks, slides = figure.add_subplot(steps[0, :2]), figure.add_subplot(steps[0, 2])
-    for row, way in enumerate(WAYS):
+    for row, way in enumerate((PLAIN, *WAYS)):
         draw_tracks(tracks, stage, way, 0.9 * row)
         found, pairs = stances_of_changes(stage, way)
         ahead = [one for one in found if SIDEWAYS not in {clip.name for clip in pairs[one.character]}]
@@ -61,9 +63,14 @@ def draw_tracks(axes: Axes, stage: Stage, way: str, below: float) -> None:
     axes.text(toes[0, :, 1].min() - 0.1, -below, way, ha="right", va="center", fontsize=9, color=COLOURS[way])
 
 
-def tracks_of(stage: Stage, way: str) -> tuple[Floats, Floats]:
+def tracks_of(stage: Stage, way: str) -> tuple[Floats, NDArray[np.bool_]]:
     """Returns x and z of both toes [frames, 2, 2], and whether they stand [frames, 2]."""
     first, second, time = CHANGE
+    ends = [joints[-1] for joints in stage.bank.roles.feet]
+    if way == PLAIN:
+        clips = stage.bank.clip(first), stage.bank.clip(second)
+        places, standing = crossfade(stage, *clips, time, fade(BEFORE + AFTER, BEFORE))
+        return places[:, ends][..., [0, 2]], standing >= 0.5
     characters = Characters(without_feet(stage) if way == PATHS else stage, RATE)
     characters.add(1, first, time=time)
     characters.lock_feet([0], way == LOCKED)
@@ -71,7 +78,6 @@ def tracks_of(stage: Stage, way: str) -> tuple[Floats, Floats]:
     for frame in range(BEFORE + AFTER):
         if frame == BEFORE:
             characters.play([0], second, blend=FADE)
-        ends = [joints[-1] for joints in stage.bank.roles.feet]
         toes.append(character_positions(characters)[0, ends][:, [0, 2]])
         stands.append(standing_feet(characters)[0] >= 0.5)
         characters.advance()

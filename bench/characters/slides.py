@@ -1,7 +1,7 @@
 """How far standing feet slide: in clips played alone and in their seams, in mixes, and in changes of locomotion.
 
 Mixes and changes are played in three ways: roots follow the mixed paths; standing feet drive the root; feet are locked
-too.
+too. Changes are also played as engines do it by default, by a plain crossfade.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from itertools import combinations, permutations
 
 import numpy as np
 
-from bench.characters.feet import Stance, stances, without_feet
+from bench.characters.crossfade import crossfade
+from bench.characters.feet import Stance, stances, stances_of, without_feet
 from bench.characters.joint_speeds import RATE
 from bench.findings import Findings
+from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.format.manifest import ClipEntry
@@ -26,6 +28,7 @@ SIDEWAYS = "side_step"  # its feet pass each other sideways, so other gaits cann
 LONG = 900  # frames of a clip played alone, several loops of it
 MIXED = 300  # frames of a mix
 PATHS, DRIVEN, LOCKED = "by paths", "by standing feet", "feet locked"
+PLAIN = "plain crossfade"
 WAYS = (PATHS, DRIVEN, LOCKED)
 NO_TARGETS: Mapping[str, float] = {}
 
@@ -67,7 +70,7 @@ def mixes(stage: Stage) -> Findings:
 def changes(stage: Stage) -> Findings:
     """Measures stances during changes of locomotion."""
     findings = Findings(f"Slide of a standing foot, changes of locomotion in {FADE:g} s, centimetres")
-    for way in WAYS:
+    for way in (PLAIN, *WAYS):
         found, pairs = stances_of_changes(stage, way)
         beside = [SIDEWAYS in {clip.name for clip in pairs[one.character]} for one in found]
         slides = np.array([one.slide for one in found])
@@ -80,15 +83,22 @@ def changes(stage: Stage) -> Findings:
 
 def stances_of_changes(stage: Stage, way: str) -> tuple[list[Stance], list[Pair]]:
     """Returns the stances that a change of locomotion touches, and the change of each character."""
-    characters, pairs = before_changes(without_feet(stage) if way == PATHS else stage)
-    characters.lock_feet(slice(None), way == LOCKED)
-
-    def change(frame: int) -> None:
-        if frame == BEFORE:
-            begin_changes(characters, pairs)
-
     fading = BEFORE + round(FADE * RATE)
-    found = stances(characters, fading + AFTER, change)
+    if way == PLAIN:
+        moments = moments_of_changes(stage)
+        pairs = [(first, second) for first, second, _ in moments]
+        faded = [crossfade(stage, *moment, fade(fading + AFTER, BEFORE)) for moment in moments]
+        positions, standing = (np.stack(one, axis=1) for one in zip(*faded, strict=True))
+        found = stances_of(stage, positions, standing)
+    else:
+        characters, pairs = before_changes(without_feet(stage) if way == PATHS else stage)
+        characters.lock_feet(slice(None), way == LOCKED)
+
+        def change(frame: int) -> None:
+            if frame == BEFORE:
+                begin_changes(characters, pairs)
+
+        found = stances(characters, fading + AFTER, change)
     return [one for one in found if one.first < fading - 1 and one.end > BEFORE + 1], pairs  # two frames of it or more
 
 
@@ -98,12 +108,25 @@ def before_changes(stage: Stage) -> tuple[Characters, list[Pair]]:
     They begin at moments spread over a stride.
     """
     characters, pairs = Characters(stage, RATE), list[Pair]()
-    for first, second in permutations(locomotions(stage), 2):
-        stride = first.duration / max(first.cycles, 1.0)
-        for moment in range(PER_STRIDE):
-            characters.add(1, first.name, time=moment / PER_STRIDE * stride)
-            pairs.append((first, second))
+    for first, second, time in moments_of_changes(stage):
+        characters.add(1, first.name, time=time)
+        pairs.append((first, second))
     return characters, pairs
+
+
+def moments_of_changes(stage: Stage) -> list[tuple[ClipEntry, ClipEntry, float]]:
+    """Returns clip, next clip, and the seconds into the first at which each character begins."""
+    return [
+        (first, second, moment / PER_STRIDE * first.duration / max(first.cycles, 1.0))
+        for first, second in permutations(locomotions(stage), 2)
+        for moment in range(PER_STRIDE)
+    ]
+
+
+def fade(frames: int, begins: int) -> Floats:
+    """Returns the share [frames] of what fades in from a frame on within FADE seconds, as characters fade."""
+    risen = np.clip((np.arange(frames) - begins) / (FADE * RATE), 0.0, 1.0)
+    return np.asarray(risen * risen * (3.0 - 2.0 * risen))
 
 
 def begin_changes(characters: Characters, pairs: Sequence[Pair]) -> None:

@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
 from urllib.parse import urlencode
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, sync_playwright
 
 from bench.chromium import ARGUMENTS, CHROMIUM, MISSING
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
 from tests.service.running import Running, running
+
+# The picture is drawn again at the end, because the state may have had this time before.
+SHOW = """const { values } = new State(new URLSearchParams(QUERY));
+    const { time, playing } = values;
+    state.set({ ...values, time: player.time, playing: false });
+    do await new Promise(requestAnimationFrame); while (!viewer.isSettled); // so that the duration is right
+    player.seek(time);
+    state.set({ playing });
+    viewer.view.onchange();"""
+SIZE: ViewportSize = {"width": 1000, "height": 640}
 
 
 @pytest.fixture(scope="module")  # not longer: while it is open, other tests cannot run an event loop
@@ -32,21 +45,40 @@ def service(bank: Bank) -> Iterator[Running]:
 
 
 class View:
-    """The page, and what went wrong on it."""
+    """The page in a tab, and what went wrong on it."""
 
-    def __init__(self, context: BrowserContext, url: str) -> None:
-        self.page: Page = context.new_page()
+    def __init__(self, page: Page, url: str) -> None:
+        self.page = page
         self.url = url
         self.faults: list[str] = []
         self.requests: list[str] = []
-        self.page.on("pageerror", lambda error: self.faults.append(str(error)))
-        self.page.on("console", lambda said: self.faults.append(said.text) if said.type == "error" else None)
-        self.page.on("request", lambda request: self.requests.append(request.url))
+        self._listeners: dict[Any, Callable[[Any], None]] = {
+            "pageerror": lambda error: self.faults.append(str(error)),
+            "console": lambda said: self.faults.append(said.text) if said.type == "error" else None,
+            "request": lambda request: self.requests.append(request.url),
+        }
+        for event, listener in self._listeners.items():
+            page.on(event, listener)
+
+    def leave(self) -> None:
+        """Leaves the tab to others."""
+        for event, listener in self._listeners.items():
+            self.page.remove_listener(event, listener)
+        self.page.unroute_all()
+        self.page.set_viewport_size(SIZE)
 
     def open(self, **state: object) -> None:
-        """Opens the page with values of its state, paused unless they say otherwise."""
-        values = {"playing": "false", **state}
-        self.page.goto(f"{self.url}/view/?{urlencode(values)}")
+        """Loads the page with values of its state, paused unless they say otherwise."""
+        self.page.goto(f"{self.url}/view/?{urlencode({'playing': 'false', **state})}")
+        self.settle()
+
+    def show(self, **state: object) -> None:
+        """Shows what `open` would, in the page that is there, because loading one takes seconds."""
+        if not self.page.url.startswith(f"{self.url}/view/?"):
+            self.open(**state)
+            return
+        query = json.dumps(urlencode({"playing": "false", "locomotion": "walk", **state}))
+        self.run(f"const {{ State }} = await import('/view/state.js'); {SHOW.replace('QUERY', query)}")
         self.settle()
 
     def settle(self) -> None:
@@ -65,18 +97,33 @@ class View:
         return self.page.evaluate(f"async () => {{ const {names} = await import('/view/main.js'); {body} }}")
 
 
-@pytest.fixture
-def context(browser: Browser) -> Iterator[BrowserContext]:
-    context = browser.new_context(viewport={"width": 1000, "height": 640}, accept_downloads=True)
+@contextmanager
+def new_context(browser: Browser) -> Iterator[BrowserContext]:
+    context = browser.new_context(viewport=SIZE)
     context.set_default_timeout(15_000)
     yield context
     context.close()
 
 
 @pytest.fixture
-def view(context: BrowserContext, service: Running) -> Iterator[View]:
-    """The page in a new tab. No test may leave an error on it, or ask another host."""
-    view = View(context, service.url)
+def context(browser: Browser) -> Iterator[BrowserContext]:
+    """A browser that remembers nothing of other tests."""
+    with new_context(browser) as context:
+        yield context
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Browser) -> Iterator[Page]:
+    """The tab that the tests of a module share."""
+    with new_context(browser) as context:
+        yield context.new_page()
+
+
+@pytest.fixture
+def view(tab: Page, service: Running) -> Iterator[View]:
+    """The page in the module's tab. No test may leave an error on it, or ask another host."""
+    view = View(tab, service.url)
     yield view
+    view.leave()
     assert not view.faults
     assert all(url.startswith((service.url, "blob:", "data:")) for url in view.requests)

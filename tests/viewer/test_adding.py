@@ -47,7 +47,7 @@ def open_service(folder: Path) -> Iterator[Running]:
 @pytest.fixture
 def view(context: BrowserContext, open_service: Running) -> View:
     context.add_init_script(f"sessionStorage.setItem('motionsplice-token', '{TOKEN}')")
-    view = View(context, open_service.url)
+    view = View(context.new_page(), open_service.url)
     view.open()
     return view
 
@@ -138,7 +138,7 @@ def test_names_are_checked_before_anything_is_sent(view: View) -> None:
 
 
 def test_without_uploads_nothing_is_offered(context: BrowserContext, service: Running) -> None:
-    view = View(context, service.url)
+    view = View(context.new_page(), service.url)
     view.open(action="wave")
     expect(view.page.locator("#adding")).to_contain_text(
         "To add clips here, start the service with --clips FOLDER and a --token."

@@ -96,7 +96,7 @@ def written(bank: Bank, folder: Path, data: bytes) -> Floats:
 def test_a_dropped_character_moves_as_the_command_line_writes_it(
     view: View, bank: Bank, tmp_path: Path, name: str, data: bytes
 ) -> None:
-    view.open(locomotion="walk", action="wave", show="splice", time=1.0)
+    view.show(locomotion="walk", action="wave", show="splice", time=1.0)
     drop(view, name, data)
     expect(view.page.get_by_role("radio", name="Own")).to_be_checked()
     places: Any = view.run(PLACES)
@@ -111,7 +111,7 @@ def test_a_dropped_character_moves_as_the_command_line_writes_it(
 
 
 def test_it_stands_and_goes_where_the_mannequin_does(view: View) -> None:
-    view.open(locomotion="walk", action="wave", show="splice", time=1.0)
+    view.show(locomotion="walk", action="wave", show="splice", time=1.0)
     drop(view, "hero.vrm", vrm_0())
     hips = ("LeftUpLeg", "RightUpLeg")
     found: Any = view.run(
@@ -133,7 +133,7 @@ def test_it_stands_and_goes_where_the_mannequin_does(view: View) -> None:
 def test_only_its_rig_is_sent(view: View) -> None:
     bodies: list[str] = []
     view.page.on("request", lambda request: bodies.append(request.post_data or ""))
-    view.open(locomotion="walk", action="wave", show="splice")
+    view.show(locomotion="walk", action="wave", show="splice")
     drop(view, "hero.glb", MIXAMO)
     rigs = [json.loads(body)["rig"] for body in bodies if '"rig"' in body]
     assert rigs
@@ -144,7 +144,7 @@ def test_only_its_rig_is_sent(view: View) -> None:
 
 
 def test_a_click_moves_it_soon(view: View) -> None:
-    view.open(locomotion="walk", show="splice,naive")
+    view.show(locomotion="walk", show="splice,naive")
     drop(view, "hero.glb", MIXAMO)
     view.page.locator("#lists").get_by_role("option").filter(has_text="wave").click()
     view.settle()
@@ -223,7 +223,7 @@ def test_its_pictures_are_loaded_from_the_file_and_nowhere_else(view: View) -> N
         material["normalTexture"] = {"index": 1}
         material["emissiveTexture"] = {"index": 2}
 
-    view.open(locomotion="walk", action="wave", show="splice")
+    view.show(locomotion="walk", action="wave", show="splice")
     drop(view, "hero.glb", edited(MIXAMO, pictured, binary + png + bytes(-len(png) % 4)))
     found = view.run(
         """const found = [];
@@ -249,7 +249,7 @@ def test_a_link_to_a_character_shows_the_mannequin_until_it_is_there(view: View)
 def test_its_own_file_is_saved_with_the_motion(view: View, bank: Bank, tmp_path: Path) -> None:
     """Also where nodes have matrices, which an animation may not move."""
     hero = character_file(WALK.skeleton.scaled(0.9), seed=2, matrices=True)
-    view.open(locomotion="walk", action="wave", show="splice")
+    view.show(locomotion="walk", action="wave", show="splice")
     drop(view, "hero.glb", hero)
     view.page.get_by_role("button", name="Export").click()
     with view.page.expect_download() as download:

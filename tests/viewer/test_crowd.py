@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import Page, expect
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
@@ -89,7 +89,7 @@ def test_a_link_shows_the_same_crowd(view: View) -> None:
 
 
 def test_choosing_a_clip_ends_it_and_the_camera_is_that_of_the_splice(view: View) -> None:
-    view.open(action="wave")
+    view.show(action="wave")
     camera = "return viewer.stage.camera.position.toArray().map((value) => Number(value.toFixed(3)))"
     before = view.run(camera)
     view.run("state.set({ crowd: 10 })")
@@ -120,10 +120,12 @@ def test_its_colours_are_on_the_canvas(view: View) -> None:
 
 
 @pytest.fixture
-def small(bank: Bank, context: BrowserContext) -> Iterator[View]:
+def small(bank: Bank, tab: Page) -> Iterator[View]:
     """The page of a service that allows five characters."""
     with running(bank.path, Settings(max_characters=5)) as service:
-        yield View(context, service.url)
+        view = View(tab, service.url)
+        yield view
+        view.leave()
 
 
 def test_a_refusal_is_shown(small: View) -> None:

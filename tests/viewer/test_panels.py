@@ -9,7 +9,7 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Route, expect
+from playwright.sync_api import Browser, Route, expect
 from pydantic import SecretStr
 
 from motionsplice.motion.formats.reading import read_clip
@@ -17,6 +17,8 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
 from tests.service.running import Running, running
 from tests.viewer.conftest import View
+
+AIMING = {"look": "true", "right_arm": "true", "lock_feet": "true", "point": "1 1.5 4"}
 
 
 @pytest.mark.parametrize(("button", "suffix"), [("BVH", "bvh"), ("GLB", "glb")])
@@ -40,9 +42,9 @@ def test_a_picture_is_saved(view: View, tmp_path: Path) -> None:
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_python_lines_give_the_same_motion(view: View, context: BrowserContext, bank: Bank, tmp_path: Path) -> None:
-    context.grant_permissions(["clipboard-read", "clipboard-write"])
-    view.open(locomotion="run", action="wave", at=0.5, when="foot", mask="arms", blend=0.2)
+def test_the_python_lines_give_the_same_motion(view: View, bank: Bank, tmp_path: Path) -> None:
+    view.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    view.open(locomotion="run", action="wave", at=0.5, when="foot", mask="arms", blend=0.2, **AIMING)
     view.page.get_by_role("button", name="Export").click()
     view.page.get_by_role("button", name="Python").click()
     expect(view.page.get_by_text("on the clipboard")).to_be_visible()
@@ -57,8 +59,8 @@ def test_the_python_lines_give_the_same_motion(view: View, context: BrowserConte
     assert (tmp_path / "run+wave.bvh").read_bytes() == expected
 
 
-def test_a_link_with_the_moment_is_copied(view: View, context: BrowserContext) -> None:
-    context.grant_permissions(["clipboard-read", "clipboard-write"])
+def test_a_link_with_the_moment_is_copied(view: View) -> None:
+    view.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     view.open(locomotion="run", action="wave", time=1.5)
     view.page.keyboard.press("u")
     expect(view.page.get_by_text("on the clipboard").first).to_be_visible()
@@ -70,7 +72,7 @@ def test_a_link_with_the_moment_is_copied(view: View, context: BrowserContext) -
 def test_the_token_is_asked_for_and_kept_out_of_the_address(browser: Browser, bank: Bank) -> None:
     with running(bank.path, Settings(token=SecretStr("secret-token"))) as guarded:
         context = browser.new_context()
-        view = View(context, guarded.url)
+        view = View(context.new_page(), guarded.url)
         view.page.goto(f"{guarded.url}/view/?action=wave&playing=false")
         field = view.page.get_by_role("textbox", name="Token")
         field.fill("wrong-token")
@@ -90,7 +92,7 @@ def test_the_token_is_asked_for_and_kept_out_of_the_address(browser: Browser, ba
 def test_it_says_when_the_service_is_gone_and_comes_back(browser: Browser, bank: Bank) -> None:
     context = browser.new_context()
     with running(bank.path, Settings()) as first:
-        view = View(context, first.url)
+        view = View(context.new_page(), first.url)
         view.open(action="wave")
     view.run("state.set({ action: 'carry_box' })")
     banner = view.page.locator("#banner")

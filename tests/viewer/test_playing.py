@@ -21,7 +21,7 @@ JOINTS = "return viewer.show.positions().map((one) => Array.from(one))"
 
 def chosen(view: View) -> dict[str, str]:
     """Returns the state as the address holds it."""
-    view.page.wait_for_timeout(400)  # until the address has followed
+    view.run("while (location.search !== `?${state.query}`) await new Promise(requestAnimationFrame)")
     return {key: values[0] for key, values in parse_qs(urlparse(view.page.url).query).items()}
 
 
@@ -43,7 +43,7 @@ def test_it_begins_with_the_baseline(view: View) -> None:
 
 
 def test_a_click_plays_a_clip_soon(view: View) -> None:
-    view.open()
+    view.show()
     view.page.locator("#lists").get_by_role("option").filter(has_text="wave").click()
     view.settle()
     assert chosen(view)["action"] == "wave"
@@ -51,7 +51,7 @@ def test_a_click_plays_a_clip_soon(view: View) -> None:
 
 
 def test_the_joints_are_the_services(view: View, bank: Bank) -> None:
-    view.open(locomotion="run", action="carry_box", time=1.0, layout="over")
+    view.show(locomotion="run", action="carry_box", time=1.0, layout="over")
     found, evaluator = joints(view), Evaluator(bank)
     for shown, method in zip(found, ("splice", "naive"), strict=True):
         pose = evaluator.pose(Splice("run", "carry_box", method=method), 1.0)  # type: ignore[arg-type]
@@ -61,7 +61,7 @@ def test_the_joints_are_the_services(view: View, bank: Bank) -> None:
 
 
 def test_the_action_as_captured_is_shown_at_the_moment_that_the_splice_plays(view: View, bank: Bank) -> None:
-    view.open(locomotion="walk", action="wave", show="splice,action", time=1.5, layout="over")
+    view.show(locomotion="walk", action="wave", show="splice,action", time=1.5, layout="over")
     _, captured = joints(view)
     evaluator = Evaluator(bank)
     moment = evaluator.action_frames(Splice("walk", "wave"), np.array([1.5]))[0] / bank.clip("wave").rate
@@ -73,7 +73,7 @@ def test_the_action_as_captured_is_shown_at_the_moment_that_the_splice_plays(vie
 def test_mirror_images_are_shown_of_the_action_the_locomotion_and_the_action_as_captured(
     view: View, bank: Bank
 ) -> None:
-    view.open(locomotion="walk", action="wave", show="splice,action", time=1.5, layout="over")
+    view.show(locomotion="walk", action="wave", show="splice,action", time=1.5, layout="over")
     view.page.keyboard.press("x")
     view.page.get_by_role("checkbox", name="Mirror").nth(1).click()
     view.settle()
@@ -89,7 +89,7 @@ def test_mirror_images_are_shown_of_the_action_the_locomotion_and_the_action_as_
 
 
 def test_both_sides_are_on_the_canvas_in_their_colours(view: View) -> None:
-    view.open(action="wave", path="false", contacts="false")
+    view.show(action="wave", path="false", contacts="false")
     found: Any = view.run(
         """viewer.stage.draw();
         const { width, height } = viewer.stage.canvas;
@@ -108,7 +108,7 @@ def test_both_sides_are_on_the_canvas_in_their_colours(view: View) -> None:
 
 
 def test_distances_are_shown_in_centimetres(view: View) -> None:
-    view.open(locomotion="run", action="wave", against="naive", time=1.0)
+    view.show(locomotion="run", action="wave", against="naive", time=1.0)
     text = view.page.locator("#readout .apart").inner_text()
     found = re.fullmatch(r"([\d.]+) cm from naive, at most ([\d.]+) cm at (\w+)", text)
     assert found, text
@@ -141,7 +141,7 @@ def test_keys_play_step_and_compare(view: View) -> None:
 
 
 def test_a_range_is_repeated(view: View) -> None:
-    view.open(action="wave", **{"from": 1, "to": 1.5}, time=1.0, playing="true", speed=2)
+    view.show(action="wave", **{"from": 1, "to": 1.5}, time=1.0, playing="true", speed=2)
     times: Any = view.run(
         """const times = [];
         for (let n = 0; n < 40; n++) { await new Promise(requestAnimationFrame); times.push(player.time); }
@@ -152,7 +152,7 @@ def test_a_range_is_repeated(view: View) -> None:
 
 
 def test_a_click_on_the_timeline_seeks(view: View) -> None:
-    view.open(action="wave")
+    view.show(action="wave")
     box = view.page.locator("#timeline canvas").first.bounding_box()
     assert box is not None
     view.page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
@@ -160,7 +160,7 @@ def test_a_click_on_the_timeline_seeks(view: View) -> None:
 
 
 def test_controls_act_at_once(view: View, bank: Bank) -> None:
-    view.open(locomotion="walk", action="wave", time=2.0, show="splice")
+    view.show(locomotion="walk", action="wave", time=2.0, show="splice")
     before = joints(view)
     view.run("state.set({ mask: 'left_arm' })")
     view.settle()

@@ -8,7 +8,7 @@ from pathlib import Path
 from urllib.parse import parse_qs, urlparse
 
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
@@ -31,11 +31,12 @@ def reporting(bank: Bank, report_file: Path) -> Iterator[Running]:
 
 
 @pytest.fixture
-def view(context: BrowserContext, reporting: Running) -> Iterator[View]:
-    view = View(context, reporting.url)
+def view(tab: Page, reporting: Running) -> Iterator[View]:
+    view = View(tab, reporting.url)
     view.page.goto(f"{view.url}/view/report")
     expect(view.page.get_by_role("heading", name="Pairs")).to_be_visible()
     yield view
+    view.leave()
     assert not view.faults
     assert all(url.startswith((reporting.url, "blob:", "data:")) for url in view.requests)
 
@@ -54,7 +55,7 @@ def test_the_viewer_links_to_it_only_if_there_is_a_report(
     expect(view.page.get_by_role("heading", name="Pairs")).to_be_visible()
     view.page.get_by_role("link", name="Viewer").click()
     expect(view.page.locator("#stage")).to_be_visible()
-    other = View(context, service.url)
+    other = View(context.new_page(), service.url)
     other.open(action="wave")
     expect(other.page.get_by_role("link", name="API")).to_be_visible()
     assert other.page.get_by_role("link", name="Quality").count() == 0
@@ -118,7 +119,7 @@ def test_a_report_of_another_bank_is_marked(
     numbers["pairs"][0]["locomotion"] = "<b>x"
     other.write_text(json.dumps({**numbers, "bank": "0" * 32}))
     with running(bank.path, Settings(report=other)) as service:
-        view = View(context, service.url)
+        view = View(context.new_page(), service.url)
         view.page.goto(f"{service.url}/view/report")
         expect(view.page.get_by_role("alert")).to_contain_text(f"of another bank, {'0' * 32}")
         row = view.page.locator(".pairs tbody tr").filter(has_text="<b>x")
@@ -128,7 +129,7 @@ def test_a_report_of_another_bank_is_marked(
 
 
 def test_without_a_report_the_page_says_how_to_make_one(context: BrowserContext, service: Running) -> None:
-    view = View(context, service.url)
+    view = View(context.new_page(), service.url)
     view.page.goto(f"{service.url}/view/report")
     expect(view.page.get_by_role("heading", name="No report")).to_be_visible()
     expect(view.page.locator("pre")).to_contain_text("motionsplice serve BANK --report quality/scores.json")

@@ -216,8 +216,8 @@ export class Connection {
       if (typeof data === 'string') this.#happened(JSON.parse(data));
       else this.#arrived(decode(new Uint8Array(data)));
     } catch (error) {
-      if (!(error instanceof FormatError || error instanceof SyntaxError)) throw error;
-      const problem = error instanceof FormatError ? error : new FormatError(`an event is not JSON: ${error.message}`);
+      const problem = error instanceof SyntaxError ? new FormatError(`an event is not JSON: ${error.message}`) : error;
+      if (!(problem instanceof FormatError)) throw problem;
       if (this.#link.isReady) this.#events.emit('error', problem);
       else this.#end(problem);
     }

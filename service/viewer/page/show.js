@@ -3,7 +3,7 @@ import { Body } from './scene/body.js';
 import { distances, mean, shares, upperBody, worst } from './scene/differences.js';
 import { Path } from './scene/path.js';
 import { Traces } from './scene/traces.js';
-import { clipOf } from './takes.js';
+import { clipOf, isLayered } from './takes.js';
 import { Quaternion, Vector3 } from './vendor/three.js';
 
 /** @import { Figure } from './figure/figure.js' */
@@ -14,11 +14,15 @@ import { Quaternion, Vector3 } from './vendor/three.js';
 /** @import { Values } from './state.js' */
 
 const APART = 1.3; // metres between characters that stand beside each other
+const AHEAD = [0.5, 1]; // metres to the left and ahead, where a point is put
+const EYES = 0.6; // metres above the hips
 const UP = new Vector3(0, 1, 0);
 
 /** One side as it is shown: its body, its traces, and where its joints are. */
 class Shown {
   moment = 0;
+  /** Its place beside the others. */
+  offset = [0, 0, 0];
 
   /**
    * @param {Side} side
@@ -100,6 +104,19 @@ export class Show {
     return this.#shown.flatMap(({ figure }) => figure ?? []);
   }
 
+  /** What looks and aims. In one place, the first one only. @param {Values} values */
+  aiming(values) {
+    const found = this.#shown.filter(({ side }) => isLayered(side.name));
+    return found.slice(0, values.layout === 'over' ? 1 : undefined).map((one) => ({ body: one.body, offset: one.offset, shrink: shrinkOf(one) }));
+  }
+
+  /** Returns a point a little ahead of the character, as a value of the state. @param {number} time */
+  ahead(time) {
+    const { x, y, z, heading } = this.#shown[0].path.at(time);
+    const [left, ahead] = AHEAD, sine = Math.sin(heading), cosine = Math.cos(heading);
+    return [x + left * cosine + ahead * sine, y + EYES, z - left * sine + ahead * cosine].map((metres) => metres.toFixed(2)).join(' ');
+  }
+
   /**
    * Poses all characters at a time. Returns how far the first one is from the side that it is compared with.
    *
@@ -145,7 +162,7 @@ export class Show {
     if (!one.pose || !leading.pose) return;
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
     const { heading } = leading.beginning;
-    const offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
+    const offset = one.offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
     const isCarried = one.side.name === 'action' && one !== leading;
     const turn = isCarried ? headingOf(leading) - headingOf(one) : 0;
     if (one.figure) this.#figure(one.figure, one, isCarried ? leading : one, turn, offset);

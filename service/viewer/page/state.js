@@ -20,6 +20,14 @@ export const DEFAULTS = {
   posture: 'relative',
   mirror: false, // whether left and right of the action are exchanged
   mirror_locomotion: false, // and of the locomotions
+  lock_feet: false, // whether standing feet stay where they are
+  look: false, // whether the head turns to the point
+  chest: false, // and what else aims at it
+  left_arm: false,
+  right_arm: false,
+  steady: false, // whether the hands of an aimed chest swivel less
+  turned: 1, // how much of this is visible
+  point: '', // metres; none: a little ahead of the character
   own: false, // whether the action plays by its own clock
   once: false, // whether the action ends instead of repeating
   length: 0, // seconds of the take; 0: as long as the locomotion

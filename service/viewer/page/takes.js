@@ -19,6 +19,8 @@ export const SIDES = {
 /** In the order in which they are shown. */
 export const SIDE_NAMES = /** @type {SideName[]} */ (Object.keys(SIDES));
 export const LONGEST = 60; // seconds of a take
+/** Values that turn a part of the body to the point. */
+export const PARTS = /** @type {const} */ (['look', 'chest', 'left_arm', 'right_arm']);
 
 /**
  * Returns the take of a side; undefined if there is nothing to show.
@@ -36,6 +38,7 @@ export function takeOf(side, values, catalogue) {
   const seconds = Math.min(LONGEST, side === 'action' ? clip.duration : values.length || leading.duration);
   const take = { rate: leading.rate, frames: Math.floor(seconds * leading.rate + 1e-6) + 1, commands: [create(side, values, catalogue)] };
   if ((side === 'splice' || side === 'naive') && hasAction) take.commands.push(act(side, values, leading.rate));
+  if (isLayered(side)) take.commands.push(...layers(values));
   if (values.hands && side !== 'locomotion' && side !== 'truth') take.commands.push({ at: 0, do: 'wear', hands: values.hands, blend: 0 });
   return take;
 }
@@ -59,6 +62,37 @@ export function clipOf(side, values) {
 export function isMirrored(side, values) {
   if (side === 'truth') return false;
   return side === 'action' ? values.mirror : values.mirror_locomotion;
+}
+
+/**
+ * Returns whether a side locks its feet, looks and aims. The others stay as captured, to be compared with.
+ *
+ * @param {SideName} side
+ */
+export function isLayered(side) {
+  return side === 'splice' || side === 'naive';
+}
+
+/**
+ * Returns the point [3] that a value of the state names, in metres; undefined if it names none.
+ *
+ * @param {string} text
+ */
+export function pointOf(text) {
+  const point = text.trim().split(/\s+/).map(Number);
+  return point.length === 3 && text.trim() && point.every(Number.isFinite) ? point : undefined;
+}
+
+/**
+ * @param {Values} values
+ * @returns {Command[]}
+ */
+function layers(values) {
+  const point = pointOf(values.point);
+  const target = { point, ...(values.turned !== 1 && { weight: values.turned }), blend: 0 };
+  const turns = PARTS.filter((part) => point && values[part]).map((part) => (part === 'look' ? { at: 0, do: 'look', ...target }
+    : { at: 0, do: 'aim', part, ...target, ...(part === 'chest' && values.steady && { steady: 1 }) }));
+  return [...(values.lock_feet ? [{ at: 0, do: 'lock_feet', lock_feet: true }] : []), ...turns];
 }
 
 /**

@@ -5,6 +5,7 @@ import { Readout } from './readout.js';
 import { Show } from './show.js';
 import { Stage } from './scene/stage.js';
 import { View } from './scene/view.js';
+import { PARTS, pointOf } from './takes.js';
 import { Curves } from './timeline/curves.js';
 import { Grid } from './timeline/grid.js';
 import { Timeline } from './timeline/timeline.js';
@@ -13,12 +14,13 @@ import { Transport } from './timeline/transport.js';
 /** @import { Crowd } from './crowd/crowd.js' */
 /** @import { Player } from './player.js' */
 /** @import { ViewName } from './scene/view.js' */
+/** @import { Target } from './target/target.js' */
 /** @import { Side, Sides } from './sides.js' */
 /** @import { Key, State } from './state.js' */
 
 const DRAWN = 250; // ms after which the address follows the state
 /** Values that change what the service is asked for. @type {Key[]} */
-const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'mirror', 'mirror_locomotion', 'own', 'once', 'length', 'show', 'truth', 'against', 'body', 'crowd'];
+const ASKED = ['locomotion', 'second', 'share', 'action', 'hands', 'at', 'when', 'start', 'blend', 'weight', 'mask', 'posture', 'mirror', 'mirror_locomotion', 'lock_feet', 'look', 'chest', 'left_arm', 'right_arm', 'steady', 'turned', 'point', 'own', 'once', 'length', 'show', 'truth', 'against', 'body', 'crowd'];
 /** Clips: choosing another one ends a crowd. @type {Key[]} */
 const CHOSEN = ['locomotion', 'second', 'action', 'hands', 'truth'];
 
@@ -58,6 +60,8 @@ export class Viewer {
     this.grid = new Grid(byId('grid'), player);
     /** Loaded when it is asked for. @type {Crowd | undefined} */
     this.crowd = undefined;
+    /** Likewise. @type {Target | undefined} */
+    this.target = undefined;
     this.#look(new Set(['view', 'follow']));
     if (state.values.camera) this.view.text = state.values.camera;
     this.view.onchange = () => { this.#isStale = true; };
@@ -77,7 +81,7 @@ export class Viewer {
 
   /** Whether the picture shows what the state says. */
   get isSettled() {
-    return this.#answered === this.#asked && !this.#isStale;
+    return this.#answered === this.#asked && !this.#isStale && !this.target?.isMoved;
   }
 
   /** Asks for what the state says, and shows it. */
@@ -89,7 +93,10 @@ export class Viewer {
     }
     try {
       const found = await this.sides.of(this.state.values);
-      if (number === this.#asked) this.#take(found);
+      if (number === this.#asked) {
+        this.#take(found);
+        await this.#point();
+      }
       const mismatches = await this.#mismatches();
       if (mismatches && number === this.#asked) this.timeline.add({ mismatches });
     } catch (error) {
@@ -114,6 +121,7 @@ export class Viewer {
     document.body.classList.toggle('crowd', count > 0);
     crowd.set(count);
     if (isNew) this.show.sides([], state.values);
+    if (isNew) this.target?.at([], state.values);
     if (isNew && this.#sides.length) { // else the camera of the address is the crowd's
       this.#camera = state.values.camera;
       state.set({ camera: '' });
@@ -133,6 +141,17 @@ export class Viewer {
     const { stage, view, sides, state } = this;
     this.crowd ??= new Crowd(byId('crowd'), stage, view, sides.service, () => sides.catalogue, () => state.set({ crowd: 0 }));
     return this.crowd;
+  }
+
+  /** Shows the point that the characters look and aim at, if they do. One without a place is put ahead of them. */
+  async #point() {
+    const { state, stage, show, player } = this;
+    if (!this.#sides.length || !PARTS.some((part) => state.values[part])) return;
+    if (!pointOf(state.values.point)) state.set({ point: show.ahead(player.time) });
+    const { Target } = await import('./target/target.js');
+    this.target ??= new Target(stage, () => { this.#isStale = true; });
+    this.target.onmove = (point) => state.set({ point });
+    this.#isStale = true;
   }
 
   /** @param {Side[]} sides */
@@ -207,10 +226,12 @@ export class Viewer {
       this.crowd.picture();
       return;
     }
+    if (this.#answered === this.#asked) this.target?.tell(); // so that one request waits, however fast it is dragged
     if (!state.values.playing && !this.#isStale) return;
     this.#isStale = false;
     const time = player.advance(passed);
     const apart = this.show.at(time, state.values);
+    this.target?.at(this.show.aiming(state.values), state.values);
     this.stage.draw();
     for (const part of [this.transport, this.timeline, this.curves, this.grid]) part.at(time);
     this.readout.at(apart);

@@ -36,6 +36,15 @@ test('a line without a token sends none', () => {
   assert.ok(!curlLine('http://127.0.0.1:8000', take, 'bvh', false).includes('Authorization'));
 });
 
+test('the lines of Python lock feet, look and aim', () => {
+  const [create] = take.commands, target = { at: 0, point: [1, 1.5, -3], blend: 0 };
+  const commands = [create, { at: 0, do: 'lock_feet', lock_feet: true }, { ...target, do: 'look', weight: 0.5 }, { ...target, do: 'aim', part: 'left_arm' }];
+  const lines = pythonLines({ ...take, commands }, '1234').split('\n');
+  const at = lines.indexOf('characters.lock_feet([hero], True)');
+  assert.equal(lines[at + 1], 'characters.look([hero], Look((1, 1.5, -3), weight=0.5), blend=0)');
+  assert.equal(lines[at + 2], 'characters.aim([hero], Aim((1, 1.5, -3), part="left_arm"), blend=0)');
+});
+
 test('the lines of Python give commands at their frames, without defaults', () => {
   const lines = pythonLines(take, '1234').split('\n');
   assert.ok(lines.includes('[hero] = characters.add(1, {"walk": 0.5, "run": 0.5}, loop=True)'));

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.characters import aiming
+from bench.characters import aimed, aiming
 from bench.generated import Size, generate
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
@@ -38,18 +38,18 @@ def at_once(characters: Characters, do, *arguments, **options) -> None:  # type:
 def test_targets_are_missed_without_commands_and_met_with_them(stage: Stage) -> None:
     to = np.array(aiming.ASIDE)
     found = []
-    for tell in (aiming.nothing, lambda one: one.look([0], Look(aiming.ASIDE))):
-        clip = aiming.shown(stage, "walk", "carry_box", tell)
+    for tell in (aimed.nothing, lambda one: one.look([0], Look(aiming.ASIDE))):
+        clip = aimed.shown(stage, "walk", "carry_box", tell)
         ways = to - clip.places[:, stage.bank.roles.head]
-        within = aiming.is_within(clip, ways)
-        assert 60 < within.sum() <= aiming.FRAMES - aiming.SETTLED
-        found.append(aiming.degrees_apart(aiming.gazes(stage, clip), ways)[within].min())
+        within = aimed.is_within(clip, ways)
+        assert 60 < within.sum() <= aimed.FRAMES - aimed.SETTLED
+        found.append(aimed.degrees_apart(aimed.gazes(stage, clip), ways)[within].min())
     assert found[0] > 5.0 > 0.1 > found[1]
 
 
 def test_the_swivel_of_hands_is_that_of_a_run_unless_it_is_taken_out(stage: Stage) -> None:
     swings = [
-        aiming.swivel(stage, aiming.shown(stage, "run", "carry_box", tell), aimed=True)
+        aimed.swivel(stage, aimed.shown(stage, "run", "carry_box", tell), aimed=True)
         for tell in (aiming.ahead_of(0.0), aiming.ahead_of(1.0))
     ]
     assert swings[0] > 4.0 > 0.1 > swings[1]

@@ -1,9 +1,10 @@
 import { characterField } from '../figure/field.js';
-import { LONGEST, SIDES, SIDE_NAMES } from '../takes.js';
+import { isLayered, LONGEST, PARTS, SIDES, SIDE_NAMES } from '../takes.js';
 import { BODIES, CROWDS, LAYOUTS, VIEWS } from './choices.js';
 import { sidesField } from './compared.js';
 import { hint, number, row, segments, select, shownIf, toggle } from './fields.js';
 import { Group } from './group.js';
+import { pointField } from './point.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { Own } from '../figure/own.js' */
@@ -35,7 +36,7 @@ export class Controls {
     this.catalogue = catalogue;
     this.own = own;
     this.state = state;
-    this.groups = [this.#compare(), this.#action(), this.#mix(), this.#camera(), this.#show(), this.#length(), this.#crowd()];
+    this.groups = [this.#compare(), this.#action(), this.#mix(), this.#aim(), this.#camera(), this.#show(), this.#length(), this.#crowd()];
     element.replaceChildren(...this.groups.map((group) => group.element));
     state.on(() => this.#sync());
   }
@@ -98,14 +99,31 @@ export class Controls {
 
   #mix() {
     const { state } = this;
-    return new Group(state, 'Locomotion', ['mirror_locomotion', 'second', 'share'], [
-      toggle(state, 'mirror_locomotion', 'Mirror', 'Exchanges left and right of the locomotion'),
+    return new Group(state, 'Locomotion', ['mirror_locomotion', 'lock_feet', 'second', 'share'], [
+      row(
+        toggle(state, 'mirror_locomotion', 'Mirror', 'Exchanges left and right of the locomotion'),
+        toggle(state, 'lock_feet', 'Lock feet', 'A standing foot stays where it is, in the splice and in naive'),
+      ),
       select(state, 'second', 'Mix in', () => this.#clips('Nothing')),
       shownIf(number(state, 'share', 'Share', { ...PERCENT, title: 'How much of the second locomotion' }),
         () => state.values.second !== ''),
       hint(state, ({ locomotion, second, share }) => (second && second !== locomotion
         ? `${Math.round(100 * (1 - share))} % ${locomotion}, ${Math.round(100 * share)} % ${second}` : '')),
     ]);
+  }
+
+  #aim() {
+    const { state } = this;
+    const isAiming = () => PARTS.some((part) => state.values[part]);
+    return new Group(state, 'Look and aim', [...PARTS, 'steady', 'turned', 'point'], [
+      row(toggle(state, 'look', 'Head'), toggle(state, 'left_arm', 'Left arm'), toggle(state, 'right_arm', 'Right arm')),
+      row(
+        toggle(state, 'chest', 'Chest'),
+        shownIf(toggle(state, 'steady', 'Steady hands', 'The hands do not swivel about the point'), () => state.values.chest),
+      ),
+      ...[pointField(state), number(state, 'turned', 'Weight', PERCENT)].map((field) => shownIf(field, isAiming)),
+      hint(state, () => (isAiming() ? 'Drag the point in the scene. D brings it to the character.' : '')),
+    ], ({ show }) => (SIDE_NAMES.some((side) => isLayered(side) && show.split(',').includes(side)) ? '' : 'Show the splice or naive.'));
   }
 
   #length() {

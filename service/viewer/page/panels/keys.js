@@ -5,6 +5,7 @@ import { toggleSide } from './compared.js';
 /** @import { Own } from '../figure/own.js' */
 /** @import { Player } from '../player.js' */
 /** @import { State, Values } from '../state.js' */
+/** @import { PARTS } from '../takes.js' */
 /** @import { Lists } from './lists.js' */
 /** @import { TakeAway } from './take_away.js' */
 
@@ -40,7 +41,12 @@ export const BINDINGS = [
   bind('Clips', ['Escape'], 'No action; end of a crowd', ({ state }) => state.set(state.values.crowd ? { crowd: 0 } : { action: '' })),
   bind('Clips', ['x'], 'Mirror the action', (parts) => flip(parts, 'mirror')),
   bind('Clips', ['y'], 'Mirror the locomotion', (parts) => flip(parts, 'mirror_locomotion')),
+  bind('Clips', ['g'], 'Lock feet', (parts) => flip(parts, 'lock_feet')),
   bind('Clips', ['ContextMenu', 'Shift+F10'], 'Menu of a clip: mix in, compare as truth'),
+  bind('Look and aim', ['h'], 'Head', (parts) => flip(parts, 'look')),
+  bind('Look and aim', ['a'], 'Chest', (parts) => flip(parts, 'chest')),
+  bind('Look and aim', ['q', 'e'], 'Left arm, right arm', (parts, key) => flip(parts, key === 'q' ? 'left_arm' : 'right_arm')),
+  bind('Look and aim', ['d'], 'Bring the point to the character', ({ state }) => state.set({ point: '' })),
   bind('Compare', ['1', '2', '3', '4', '5'], 'Splice, naive, locomotion, action, truth',
     ({ state }, key) => toggleSide(state, SIDE_NAMES[Number(key) - 1])),
   bind('Compare', ['b'], 'Beside or over each other', (parts) => next(parts, 'layout', Object.keys(LAYOUTS))),
@@ -125,7 +131,7 @@ function bind(group, keys, does, run) {
 
 /**
  * @param {Parts} parts
- * @param {'follow' | 'trails' | 'path' | 'contacts' | 'mirror' | 'mirror_locomotion'} key
+ * @param {'follow' | 'trails' | 'path' | 'contacts' | 'mirror' | 'mirror_locomotion' | 'lock_feet' | typeof PARTS[number]} key
  */
 function flip({ state }, key) {
   state.set({ [key]: !state.values[key] });

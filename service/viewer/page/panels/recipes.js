@@ -46,7 +46,7 @@ export function pythonLines(take, bank) {
   return `from pathlib import Path
 
 import numpy as np
-from motionsplice import Action, Bank, Characters, Clip, Evaluator, Stage, dump_bvh
+from motionsplice import Action, Aim, Bank, Characters, Clip, Evaluator, Look, Stage, dump_bvh
 
 bank = Bank.open("bank")  # the folder of the bank ${bank}
 evaluator = Evaluator(bank)
@@ -73,10 +73,15 @@ const ACTION = {
 
 /** @param {Command} command */
 function call({ at, do: name, action, hands, ...settings }) {
-  const named = Object.entries(settings).filter(([key, value]) => name !== 'act' || ACTION[key] !== value)
-    .map(([key, value]) => `${key}=${python(value)}`);
-  if (name === 'act') return `characters.act([hero], Action(${[python(action), ...named].join(', ')}))`;
-  return `characters.${name}(${['[hero]', python(hands), ...named].join(', ')})`;
+  const named = (/** @type {object} */ values) => Object.entries(values).map(([key, value]) => `${key}=${python(value)}`);
+  if (name === 'lock_feet') return `characters.lock_feet([hero], ${python(settings.lock_feet)})`;
+  if (name === 'look' || name === 'aim') {
+    const { point, blend, ...others } = settings;
+    return `characters.${name}([hero], ${name === 'look' ? 'Look' : 'Aim'}(${[python(point), ...named(others)].join(', ')}), blend=${python(blend)})`;
+  }
+  if (name === 'wear') return `characters.wear(${['[hero]', python(hands), ...named(settings)].join(', ')})`;
+  const others = Object.fromEntries(Object.entries(settings).filter(([key, value]) => ACTION[key] !== value));
+  return `characters.act([hero], Action(${[python(action), ...named(others)].join(', ')}))`;
 }
 
 /**

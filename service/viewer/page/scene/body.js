@@ -54,6 +54,11 @@ export class Body {
     sphere.center.set(this.positions[0] + offset[0], this.positions[1] + offset[1], this.positions[2] + offset[2]);
   }
 
+  /** The rig's body parts. */
+  get anatomy() {
+    return this.#forms.anatomy;
+  }
+
   get style() {
     return this.#style ?? 'mannequin';
   }

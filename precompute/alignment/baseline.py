@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError
@@ -14,6 +15,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
 from motionsplice.precompute.alignment.ring import wind
+from motionsplice.precompute.alignment.stretches import Stretch, runs, standing_frames, steadied, stretches_of
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.body.contacts import left_strike
 from motionsplice.precompute.body.facing import facing, facing_joints
@@ -55,13 +57,15 @@ class Alignment:
 
     phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
     chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees, over
-    LOOP_WINDOW frames, from where they are half a stride later, in leg lengths.
+    LOOP_WINDOW frames, from where they are half a stride later, in leg lengths. stretches: those in which it stands and
+    walks; none if it does only one of both.
     """
 
     phase: Floats
     cost: Floats
     chance: float
     swing: float
+    stretches: tuple[Stretch, ...] = ()
 
     @property
     def cycles(self) -> float:
@@ -187,16 +191,34 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     at, before, after = (distances[frames, (wound + shift) % cells] for shift in (0, -1, 1))
     bend = before - 2.0 * at + after
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
-    seconds = np.linspace(0.0, clip.duration, len(wound))
-    curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS)
+    seconds, cycles = np.linspace(0.0, clip.duration, len(wound)), (wound + between - baseline.zero) / cells
     windows = windowed(
         clouds, LOOP_WINDOW
     )  # single clouds of a symmetric walk equal, turned, those half a stride later
+    stands = _stands(windows, at, distances, baseline)
+    stretches = stretches_of(stands, clip.duration)
+    if stretches:
+        cycles = steadied(cycles, stands)
+    curve = fit_increasing(seconds, cycles, KNOT_SPACING, STIFFNESS)
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
     apart = planar_distance(windows, windows[np.minimum(half_later[: len(windows)], len(windows) - 1)])
     swing = float(np.sqrt(apart.mean() / (3.0 * LOOP_WINDOW))) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
-    return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()), swing)
+    return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()), swing, stretches)
+
+
+def _stands(windows: Floats, cost: Floats, distances: Floats, baseline: Baseline) -> NDArray[np.bool_]:
+    """Returns in which working frames [F] a clip has no gait: its legs hardly move, or not as the baseline's do.
+
+    `cost` [F] is that of the winding, `distances` [F, cells] those to the whole ring.
+    """
+    half, margin = round(0.5 * (baseline.end - baseline.start) * WORKING_RATE), LOOP_WINDOW // 2
+    still = standing_frames(windows, half, LEAST_SWING * baseline.leg, WORKING_RATE)
+    stands = np.pad(still, (margin, len(cost) - len(still) - margin), mode="edge")
+    for begin, end in runs(stands):
+        foreign = cost[begin:end].mean() > FOREIGN_GAIT * distances[begin:end].mean()
+        stands[begin:end] |= foreign and len(stands) > end - begin
+    return stands
 
 
 def level(clouds: Floats) -> Floats:

@@ -74,7 +74,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         if stands:
             stance = (number // 3, int(draw.integers(1, UPPER_BODY + 1)), ("trunk",))
         label, found = (f"clip {number}", "action", (), RATE), (0.0, 0.0, 0.0)
-        entries.append(ClipEntry(*label, *place, *span, strides, not stands, *found, *stance, (), (), ""))
+        entries.append(ClipEntry(*label, *place, *span, strides, not stands, *found, *stance, (), 0.0, 0.0, (), (), ""))
         row += rows
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
     listed, digests = (tuple(entries), tuple(hands)), dict.fromkeys(TABLES, "")

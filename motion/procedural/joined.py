@@ -1,4 +1,4 @@
-"""Clips joined to one that first stands, then walks: material of hybrid clips, with the truth of each of its stretches."""
+"""Clips joined to one, such as one that first stands, then walks."""
 
 from __future__ import annotations
 

@@ -27,6 +27,7 @@ STIFFNESS = 1.0  # of the phase curve, against changes of its slope
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
+LEAST_STEPS = 0.04  # leg lengths, in the same way: small steps on the spot still have a phase
 FOREIGN_GAIT = 0.65  # of the cost at random phases: a clip with a higher cost does not look like locomotion
 OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
 MOST_CANDIDATES = 16  # strides that are compared with all others
@@ -213,7 +214,7 @@ def _stands(windows: Floats, cost: Floats, distances: Floats, baseline: Baseline
     `cost` [F] is that of the winding, `distances` [F, cells] those to the whole ring.
     """
     half, margin = round(0.5 * (baseline.end - baseline.start) * WORKING_RATE), LOOP_WINDOW // 2
-    still = standing_frames(windows, half, LEAST_SWING * baseline.leg, WORKING_RATE)
+    still = standing_frames(windows, half, LEAST_STEPS * baseline.leg, WORKING_RATE)
     stands = np.pad(still, (margin, len(cost) - len(still) - margin), mode="edge")
     for begin, end in runs(stands):
         foreign = cost[begin:end].mean() > FOREIGN_GAIT * distances[begin:end].mean()

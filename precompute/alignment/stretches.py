@@ -7,6 +7,7 @@ steadily, at the clip's own mean pace.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,7 @@ def standing_frames(windows: Floats, half: int, least: float, rate: float) -> ND
 def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Returns the first index of each run of equal flags [n], and the first index after it."""
     edges = [0, *(np.flatnonzero(np.diff(flags)) + 1).tolist(), len(flags)]
-    return list(zip(edges[:-1], edges[1:], strict=True))
+    return list(pairwise(edges))
 
 
 def steadied(cycles: Floats, stands: NDArray[np.bool_]) -> Floats:
@@ -78,4 +79,7 @@ def stretches_of(stands: NDArray[np.bool_], seconds: float) -> tuple[Stretch, ..
     if len(found) == 1:
         return ()
     edges = [0.0, *(step * (begin - 0.5) for begin, _ in found[1:]), seconds]
-    return tuple(Stretch(*edges[k : k + 2], bool(stands[begin])) for k, (begin, _) in enumerate(found))
+    return tuple(
+        Stretch(first, last, bool(stands[begin]))
+        for (begin, _), (first, last) in zip(found, pairwise(edges), strict=True)
+    )

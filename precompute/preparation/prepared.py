@@ -19,6 +19,7 @@ from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, B
 from motionsplice.precompute.alignment.gait import mean_gait
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.preparation.cuts import Cut
 from motionsplice.precompute.preparation.feet import standing_feet, support
 from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.root_path import root_path
@@ -38,8 +39,9 @@ class PreparedClip:
     phase. fetch: returns a large array by name: the clip's rows in the tables `lower` and `upper`, or `upright`, its
     torso clouds [rows, P, 3] in metres. kind: `locomotion` or `action`. neutral: name of the clip that its posture is
     relative to. stands: whether it is an action without a gait, laid on locomotions as what it adds to a stance. mask:
-    the parts that it then poses; None to measure them. notes: from reading and moving it. file_warnings: from reading
-    its file. source: digest of that file.
+    the parts that it then poses; None to measure them. cut: the stretch of a hybrid clip that it is, or None.
+    stretches: the names of its stretches, if it is a hybrid action. notes: from reading and moving it. file_warnings:
+    from reading its file. source: digest of that file.
     """
 
     name: str
@@ -60,6 +62,8 @@ class PreparedClip:
     neutral: str = ""
     stands: bool = False
     mask: str | None = None
+    cut: Cut | None = None
+    stretches: tuple[str, ...] = ()
     tags: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     file_warnings: tuple[str, ...] = ()
@@ -69,9 +73,9 @@ class PreparedClip:
     def warnings(self) -> tuple[str, ...]:
         """What the user should know before using the clip."""
         warnings = list(self.file_warnings)
-        if self.stands:
+        if self.stands or self.stretches:
             return tuple(warnings)
-        if self.mask is not None:
+        if self.mask is not None and self.cut is None:
             warnings.append("its mask is not used: it is no action without a gait")
         if self.alignment.swing < LEAST_SWING:
             warnings.append("does not look like locomotion: its legs hardly move")
@@ -81,7 +85,8 @@ class PreparedClip:
                 f"does not look like locomotion: its legs are {centimetres} from the baseline's, "
                 "hardly nearer than at random phases"
             )
-        if self.kind == "action" and self.strides == 0:
+        goes_on = self.cut is not None and self.cut.leaves < self.frame_count - 1.0
+        if self.kind == "action" and self.strides == 0 and not goes_on:
             warnings.append("cannot loop: no earlier stride is enough like its end, so as an action it plays once")
         return tuple(warnings)
 

@@ -1,0 +1,39 @@
+"""Where a hybrid clip is cut: each stretch becomes a clip of its own, with frames before and after that are blended."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from motionsplice.precompute.alignment.stretches import Stretch
+
+LEAD = 0.6  # seconds before a walking stretch: about half a stride, by which it may begin earlier to be in step
+TAIL = 0.6  # seconds after a stretch: it goes on while the next fades in
+
+
+@dataclass(frozen=True)
+class Cut:
+    """The frames of a clip from `begin` to `end` - 1, which take over at `enters` and hand over at `leaves`.
+
+    These two are real-valued frames, counted from `begin`. number: of the stretch, from 1 on.
+    """
+
+    number: int
+    begin: int
+    end: int
+    enters: float
+    leaves: float
+
+
+def cuts(stretches: Sequence[Stretch], rate: float, frame_count: int) -> tuple[Cut, ...]:
+    """Returns how a clip of so many frames per second is cut into its stretches."""
+    found = []
+    for number, one in enumerate(stretches, 1):
+        lead = 0.0 if one.stands else LEAD
+        begin = max(int(np.floor((one.begin - lead) * rate)), 0)
+        end = min(int(np.ceil((one.end + TAIL) * rate)) + 1, frame_count)
+        last = frame_count - 1.0 if number == len(stretches) else one.end * rate
+        found.append(Cut(number, begin, end, one.begin * rate - begin, last - begin))
+    return tuple(found)

@@ -18,8 +18,8 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE, frame_of, is_mirrored
 from motionsplice.runtime.kernels.phase import phase_of, row_of
-from motionsplice.runtime.kernels.stretches import HANDOVER, shift_of
 from motionsplice.runtime.kernels.rotations import ONE
+from motionsplice.runtime.kernels.stretches import HANDOVER, shift_of
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 
 UNKNOWN = np.inf  # the phase of a character that plays nothing with a phase

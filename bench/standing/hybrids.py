@@ -11,7 +11,10 @@ Methods: `alone` is the same stretch captured as a clip of its own, `hybrid` the
 from __future__ import annotations
 
 import tempfile
+from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Annotated
 
@@ -50,24 +53,21 @@ def main(seeds: Annotated[int, typer.Option(min=1, help="Number of persons")] = 
 
 def table(person: Person) -> Table:
     """Returns the mean error of each method in standing and in walking stretches, over all locomotions."""
-    errors: dict[str, dict[str, list[float]]] = {}
+    errors: defaultdict[str, list[Mapping[str, float]]] = defaultdict(list)
     for locomotion in LOCOMOTIONS:
         for stand, walk in person.pairs:
             for order in ((stand, walk), (walk, stand)):
                 for name, found in person.errors(locomotion, order).items():
-                    label = "stands" if name == stand else "walks"
-                    for how, error in found.items():
-                        errors.setdefault(f"{label}, {'first' if name == order[0] else 'then'}", {}).setdefault(
-                            how, []
-                        ).append(error)
+                    place = "first" if name == order[0] else "then"
+                    errors[f"{'stands' if name == stand else 'walks'}, {place}"].append(found)
     methods = ("alone", "hybrid", "replaced", "additive")
-    found = Table(title=f"person {person.seed}: error, cm", title_justify="left")
+    shown = Table(title=f"person {person.seed}: error, cm", title_justify="left")
     for column in ("", *methods, "hybrid / alone"):
-        found.add_column(column, justify="right" if column else "left")
-    for label, by_method in sorted(errors.items()):
-        means = [float(np.mean(by_method[how])) for how in methods]
-        found.add_row(label, *(f"{mean:.2f}" for mean in means), f"{means[1] / means[0]:.2f}")
-    return found
+        shown.add_column(column, justify="right" if column else "left")
+    for label, of_label in sorted(errors.items()):
+        means = [float(np.mean([one[how] for one in of_label])) for how in methods]
+        shown.add_row(label, *(f"{mean:.2f}" for mean in means), f"{means[1] / means[0]:.2f}")
+    return shown
 
 
 class Person:
@@ -88,13 +88,14 @@ class Person:
             (clips / f"{name}.bvh").write_bytes(dump_bvh(clip))
         (clips / "clips.toml").write_text("\n".join(f'["{name}"]\nkind = "action"' for name in actions))
         build_bank([clips], folder / "bank", baseline="walk")
+        self.alone, self.truth = cache(self._alone), cache(self._truth)
         self.evaluator = Evaluator(Bank.open(folder / "bank"))
 
     def errors(self, locomotion: str, order: tuple[str, str]) -> dict[str, dict[str, float]]:
         """Returns the mean error of each method, centimetres, by the name of the stretch."""
         bank, hybrid = self.evaluator.bank, "-".join(order)
         clip_l, clip_u = bank.motion(locomotion), bank.motion(hybrid)
-        times = np.arange(clip_l.frame_count) * FRAME
+        times = self.evaluator.frame_times(locomotion)
         played = self.evaluator.action_frames(Splice(locomotion, hybrid), times) * FRAME
         clips = {
             "hybrid": (self.evaluator.clip(Splice(locomotion, hybrid)), played),
@@ -107,20 +108,20 @@ class Person:
         found: dict[str, dict[str, float]] = {}
         for name, (begin, end) in zip(order, ((0.0, handover), (handover, clip_u.duration)), strict=True):
             settled = SETTLED if begin else 0.0
-            found[name] = {"alone": self._alone(locomotion, name)}
+            found[name] = {"alone": self.alone(locomotion, name)}
             for how, (clip, at) in clips.items():
                 within = np.flatnonzero((at >= begin) & (at < end))
-                within = within[
-                    (times[within] >= times[within[0]] + settled) & (np.arange(len(within)) < SECONDS / FRAME)
-                ]
-                truth = self._truth(locomotion, name, float((times - at)[within[0]]) + begins[name])
-                found[name][how] = 100.0 * float(upper_body_errors(clip, truth, bank.roles)[within].mean())
+                once = within[: 1 + int(np.argmax(np.append(np.diff(at[within]), -1.0) < 0.0))]  # not its repetition
+                counted = once[times[once] >= times[once[0]] + settled]
+                delay = 0.0 if name in WALKED else float((times - at)[within[0]]) + begins[name]
+                truth = self.truth(locomotion, name, round(delay, 4))
+                found[name][how] = 100.0 * float(upper_body_errors(clip, truth, bank.roles)[counted].mean())
         return found
 
     def _alone(self, locomotion: str, name: str) -> float:
         clip = self.evaluator.clip(Splice(locomotion, name)).frames(0, round(5.0 / FRAME))
         return 100.0 * float(
-            upper_body_errors(clip, self._truth(locomotion, name, 0.0), self.evaluator.bank.roles).mean()
+            upper_body_errors(clip, self.truth(locomotion, name, 0.0), self.evaluator.bank.roles).mean()
         )
 
     def _truth(self, locomotion: str, name: str, delay: float) -> Clip:

@@ -36,7 +36,7 @@ def resolve(bank: BankArrays, requests: Array, now: Array, before: Array, shares
 @kernel
 def find_stretch(bank: BankArrays, request: Array, now: Array, before: Array) -> float:
     """Writes requests for the stretch of a hybrid that is shown and for the one before; returns the share of `now`."""
-    clips, locomotion, played, looped = bank.clips, int(request["locomotion"]), request["time"], 0
+    clips, locomotion, played, looped = bank.clips, int(request["locomotion"]), float(request["time"]), 0
     if request["cycles"] != 0 and clips[locomotion, arrays.LOOP] > 0.0:
         looped = int(request["cycles"])
         strides = looped * frames_in_loop(bank, locomotion) / clips[locomotion, arrays.LOOP]

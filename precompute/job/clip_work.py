@@ -184,7 +184,7 @@ class Preparation:
         """Prepares the clip and stores it. Raises MotionError if it cannot be read or does not fit the bank."""
         reading, cut = stored_reading(self.cache, one), one.source.cut
         clip = reading.clip if cut is None else reading.clip.frames(cut.begin, cut.end)
-        made = prepare(clip, reading.roles, self.rig, self.ring, retargeting=self.retargeting)
+        made = prepare(clip, reading.roles, self.rig, self.ring, retargeting=self.retargeting, cut=cut)
         made = replace(made, notes=(*reading.notes, *made.notes), file_warnings=reading.warnings)
         if cut is not None:  # the whole clip says all of these
             made = replace(made, notes=(), file_warnings=())

@@ -10,6 +10,7 @@ import numpy as np
 from motionsplice.precompute.alignment.stretches import Stretch
 
 LEAD = 0.6  # seconds before a walking stretch: about half a stride, by which it may begin earlier to be in step
+SETTLING = 0.5  # seconds in which a person stops or starts
 TAIL = 0.6  # seconds after a stretch: it goes on while the next fades in
 
 
@@ -25,6 +26,13 @@ class Cut:
     end: int
     enters: float
     leaves: float
+
+    def settled(self, rate: float) -> slice:
+        """Returns the frames, counted from `begin`, that are not about a stop or a start."""
+        most = 0.25 * (self.leaves - self.enters)
+        first = 0.0 if self.begin == 0 else self.enters + min(SETTLING * rate, most)
+        last = self.leaves if self.end - self.begin - 1 == self.leaves else self.leaves - min(SETTLING * rate, most)
+        return slice(int(np.ceil(first)), int(last) + 1)
 
 
 def cuts(stretches: Sequence[Stretch], rate: float, frame_count: int) -> tuple[Cut, ...]:

@@ -91,11 +91,13 @@ class PreparedClip:
         return tuple(warnings)
 
 
-def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeting: bool = True) -> PreparedClip:
+def prepare(
+    clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeting: bool = True, cut: Cut | None = None
+) -> PreparedClip:
     """Moves a clip onto the bank's rig, aligns it to the baseline, adds its seam and measures it.
 
-    retargeting: as in `onto_rig`. Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be
-    aligned or measured.
+    retargeting: as in `onto_rig`. cut: the stretch that the clip is, or None; gait and posture are then measured where
+    it is settled. Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be aligned or measured.
     """
     fitted = onto_rig(clip, roles, rig, retargeting=retargeting)
     ours, skeleton_roles = fitted.clip, rig.roles
@@ -104,6 +106,7 @@ def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeti
     path = root_path(*looped.played, seamed.strides, skeleton_roles, alignment.has_gait)[rows]
     contacts = foot_contacts(looped.played[0], skeleton_roles)
     torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
+    settled = slice(0, count) if cut is None else cut.settled(clip.rate)
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     large: dict[str, NDArray[Any]] = {
         **Layout.of(rig.skeleton, skeleton_roles).pack(
@@ -119,12 +122,13 @@ def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeti
         period=looped.period,
         alignment=alignment,
         phase=seamed.phase,
-        posture=torso.upright[:count, -2:].mean(axis=0),
+        posture=torso.upright[settled, -2:].mean(axis=0),
         path=path,
         contacts=contacts[rows],
         feet=standing_feet(seamed.clip, path, support(contacts, clip.rate)[rows], skeleton_roles),
-        gait=mean_gait(ours, alignment.phase, skeleton_roles),
-        stride=MeanStride.of(torso.upright[:count], alignment.phase),
+        gait=mean_gait(ours.frames(settled.start, settled.stop), alignment.phase[settled], skeleton_roles),
+        stride=MeanStride.of(torso.upright[settled], alignment.phase[settled]),
         fetch=large.__getitem__,
+        cut=cut,
         notes=fitted.notes,
     )

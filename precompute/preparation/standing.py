@@ -17,13 +17,7 @@ from motionsplice.runtime.format.standing import Standing
 NO_REST = "has no frames at rest at its ends, so it poses the whole upper body: name an idle as its neutral"
 UNUSED = "no part of it departs from its stance, so it shows nothing: name an idle as its neutral, or set its mask"
 
-SETTLING = (
-    0.0,
-    0.25,
-    0.5,
-    0.75,
-    1.0,
-)  # seconds after a stop or before a start: the first at which there is rest counts
+TRIMS = (0.0, 0.25, 0.5, 0.75, 1.0)  # seconds after a stop and before a start: the first with rest between counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +56,14 @@ def measure_standing(
         standing = _posing(standing, UPPER_BODY if mask is None else MASKS[mask])
         uses = tuple(name for number, name in enumerate(PART_NAMES) if standing.parts >> number & 1)
         return Measured(standing, uses, () if at_rest else (NO_REST,))
-    uses = parts_used(clip, standing, roles)
+    uses = parts_used(clip, standing, roles, slice(None) if cut is None else cut.settled(clip.rate))
     return Measured(standing, uses, () if uses else (UNUSED,))
 
 
 def _rest_within(clip: Clip, cut: Cut, roles: Roles) -> NDArray[np.int64]:
     """Returns the frames at rest near the ends of a stretch, once a person who stops or starts stands still."""
     first, last = int(np.ceil(cut.enters)), int(cut.leaves)
-    for trim in (np.array(SETTLING) * clip.rate).astype(np.int64).tolist():
+    for trim in (np.array(TRIMS) * clip.rate).astype(np.int64).tolist():
         if first + trim < last - trim:
             rest = rest_frames(clip.frames(first + trim, last - trim + 1), roles)
             if len(rest):

@@ -12,11 +12,6 @@ from hypothesis import strategies as st
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import BankError, SettingsError
-from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.procedural.joined import joined
-from motionsplice.motion.procedural.library import make
-from motionsplice.motion.procedural.stances import Performer, standing_action
-from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
@@ -31,20 +26,6 @@ from tests.random_bank import random_bank
 
 RATE = 60.0
 STRETCHES = ("talk~1", "talk~2", "talk~3")
-
-
-@pytest.fixture(scope="module")
-def talk_bank(tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    """A walk of 14 s, a run, and `talk`, a person who walks, stops and hails, and walks on."""
-    folder = tmp_path_factory.mktemp("talk")
-    parts = [make("walk", seconds=4.0), standing_action("hail", Performer()), make("walk", seconds=4.0, seed=1)]
-    clips = {"walk": make("walk", seconds=14.0, seed=2), "run": make("run", seed=3), "talk": joined("talk", parts)}
-    clips["hail"] = parts[1]
-    for name, clip in clips.items():
-        (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
-    (folder / "clips.toml").write_text('[talk]\nkind = "action"\n[hail]\nkind = "action"')
-    build_bank([folder], folder / "bank", baseline="walk")
-    return Bank.open(folder / "bank")
 
 
 @pytest.fixture(scope="module")

@@ -188,7 +188,7 @@ def hybrid_pose(
             shown.append((one.name, frame / one.rate - begun, cycles))
         else:
             begins, leaves = np.interp([frame, one.leaves], np.arange(one.row_count), phases)
-            shift = np.round(begins - phase_after(begun)) if number else math.ceil(begins - phase_after(0.0) - 1e-3)
+            shift = math.ceil(begins - phase_after(begun) - (0.25 if number else 1e-3))
             shift += 1 if number and phase_after(begun) + shift < phases[0] else 0
             ends = seconds_until(leaves - shift)
             shown.append((one.name, 0.0, int(shift) + cycles - math.ceil(phases[0] - entry_l.first_phase - 1e-3)))

@@ -355,6 +355,7 @@ constexpr std::size_t PELVIS = 0, POSTURE_FRAME = 1, TORSO_OFFSET = 2, FIRST_JOI
 constexpr double LATE = 1e-6;                              // seconds after a clip's end that count as its end
 constexpr double IN_STEP = 1e-3;                           // cycles by which an action may begin before its start
 constexpr double HANDOVER = 0.4;                           // seconds in which a stretch of a hybrid fades in
+constexpr double EARLIER = 0.25;                           // cycles by which such a stretch may begin earlier
 constexpr double LEAST_GAP = 1e-3;                         // of a clear rotation, see docs/bank.md
 constexpr std::int64_t MOST_ROWS = std::int64_t(1) << 40;  // sums and products of counts stay far from overflow
 constexpr std::size_t LARGEST_MANIFEST = std::size_t(64) << 20;  // bytes
@@ -1609,7 +1610,7 @@ inline double Evaluator::find_stretch(const Splice& splice, double time, Splice&
         } else {
             const double start = bank.phase_of(number, frame), phase = bank.unrolled_phase(splice.locomotion, begun);
             double shift = std::ceil(start - phase - detail::IN_STEP);
-            if (begun > 0.0) shift = std::nearbyint(start - phase);
+            if (begun > 0.0) shift = std::ceil(start - phase - detail::EARLIER);
             if (begun > 0.0 && phase + shift < one.first_phase) shift += 1.0;
             now.start = 0.0;
             now.cycles = cycles + static_cast<std::int64_t>(

@@ -9,7 +9,7 @@ import numpy as np
 
 from motionsplice.precompute.alignment.stretches import Stretch
 
-LEAD = 0.6  # seconds before a walking stretch: about half a stride, by which it may begin earlier to be in step
+LEAD = 0.6  # seconds before a walking stretch: more than the part of a stride by which it may begin earlier
 SETTLING = 0.5  # seconds in which a person stops or starts
 TAIL = 0.6  # seconds after a stretch: it goes on while the next fades in
 

@@ -18,6 +18,7 @@ from motionsplice.runtime.kernels.phase import phase_of
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 HANDOVER = 0.4  # seconds in which a stretch fades in over the one before
+EARLIER = 0.25  # cycles by which a walking stretch may begin before it takes over, to be in step
 
 
 @kernel
@@ -83,11 +84,11 @@ def stretch_at(bank: BankArrays, hybrid: int, seconds: float) -> tuple[int, floa
 def shift_of(bank: BankArrays, clip: int, start: float, phase: float, takes_over: bool) -> float:
     """Returns the whole cycles from a locomotion's phase to that of a stretch that begins at its phase `start`.
 
-    The first stretch begins at `start` or later. One that takes over is at the nearest frame that is in step.
+    The first stretch begins at `start` or later. One that takes over may begin EARLIER, while it fades in.
     """
     if not takes_over:
         return np.ceil(start - phase - IN_STEP)
-    shift = np.round(start - phase)
+    shift = np.ceil(start - phase - EARLIER)
     return shift + 1.0 if phase + shift < bank.clips[clip, arrays.FIRST_PHASE] else shift
 
 

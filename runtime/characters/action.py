@@ -63,7 +63,7 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
 
     Raises UnknownClipError, TimeRangeError or SettingsError.
     """
-    entry, start = bank.clip(action.clip), action.start
+    entry, start, leaving = bank.clip(action.clip), action.start, 0.0
     if (fault := time_fault("start", start, entry)) is not None:
         raise fault
     if entry.stretches and action.method == "splice":
@@ -71,7 +71,7 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
             problem = f"own_clock of {action.clip!r} is that of its stretches, which stand and walk by turns"
             raise SettingsError(problem, mend=f"Leave it out, or play one of {', '.join(entry.stretches)}")
         name = max((one for one in entry.stretches if bank.begin_of(one) <= start), key=bank.begin_of)
-        entry = bank.clip(name)
+        entry, leaving = bank.clip(name), col.PLAYS_ON
         start += entry.enters / entry.rate - bank.begin_of(name)
     asked = entry.stands if action.own_clock is None else action.own_clock
     own = (0.0, np.inf) if asked is True else asked or (np.inf, np.inf)
@@ -87,6 +87,7 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
     slot[col.FADING_OUT], slot[col.LOOP] = not_negative("blend_out", action.blend_out), action.loop
     slot[col.MASK], slot[col.POSTURE] = mask_of(limbs, action.mask), known(POSTURES, "posture", action.posture)
     slot[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
+    slot[col.LEAVING] = leaving
     slot[col.REMEMBERED :] = Memory.begin(1, rate).state[0]
     return slot
 

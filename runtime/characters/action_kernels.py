@@ -68,7 +68,7 @@ def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) 
     clip, kind = int(s[slot + col.CLIP]), s[slot + col.KIND]
     if kind == col.OWN or s[slot + col.LEAVING] > 0.0 or count == col.MOST_ACTIONS:
         return
-    if kind == SPLICE and bank.clips[clip, arrays.NEXT_STRETCH] >= 0.0:
+    if s[slot + col.LEAVING] == col.PLAYS_ON and bank.clips[clip, arrays.NEXT_STRETCH] >= 0.0:
         if s[slot + col.FRAME] >= bank.clips[clip, arrays.LEAVES]:
             hand_over(bank, s, c, slot)
         return

@@ -125,6 +125,18 @@ def test_an_action_that_does_not_loop_ends_after_its_last_stretch(evaluator: Eva
     assert whole_of(characters, col.ENDED) == "talk"
 
 
+def test_a_stretch_that_is_played_alone_does_not_go_on(evaluator: Evaluator) -> None:
+    characters, number = Characters(Stage(evaluator), RATE), evaluator.bank.number("talk~2")
+    characters.add(1, "walk")
+    characters.act([0], Action("talk~2", loop=False))
+    clips = set()
+    for _ in range(round(7.0 * RATE)):
+        clips.add(int(characters.state[0, col.FIRST_ACTION + col.CLIP]) if characters.state[0, col.ACTIONS] else number)
+        characters.advance()
+    assert clips == {number}
+    assert characters.state[0, col.ACTIONS] == 0
+
+
 def test_own_clock_is_refused(evaluator: Evaluator) -> None:
     characters = Characters(Stage(evaluator), RATE)
     characters.add(1, "walk")

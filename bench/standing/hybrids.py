@@ -21,7 +21,6 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -122,13 +121,10 @@ class Person:
                 truth = self.truth(locomotion, name, round(delay, 4))
                 found[name][how] = 100.0 * float(upper_body_errors(clip, truth, bank.roles)[counted].mean())
                 if how == "hybrid":
-                    alone = self.alone(locomotion, name)[self._frames(name, times[counted] - delay)]
+                    frames = np.round((times[counted] - delay) / FRAME).astype(np.int64)
+                    alone = self.alone(locomotion, name)[frames]
                     found[name]["alone"] = float(alone.mean())
         return found
-
-    def _frames(self, name: str, at: Floats) -> NDArray[np.int64]:
-        """Returns the frames of an action alone that show what a stretch shows at these times [n] of a gesture."""
-        return np.arange(round(5.0 / FRAME)) if name in WALKED else np.round(at / FRAME).astype(np.int64)
 
     def _alone(self, locomotion: str, name: str) -> Floats:
         clip = self.evaluator.clip(Splice(locomotion, name))

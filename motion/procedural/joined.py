@@ -11,7 +11,6 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import heading
-from motionsplice.motion.procedural.body import SKELETON
 from motionsplice.motion.procedural.path import ease
 from motionsplice.motion.quaternion import Floats
 
@@ -47,10 +46,9 @@ def _followed(first: Clip, then: Clip) -> Clip:
     step[1 : first.frame_count] = (1.0 - share[1 : first.frame_count, None]) * np.diff(first.root_positions, axis=0)
     step[before + 1 :] += share[before + 1 :, None] * steps
     positions = first.root_positions[0] + np.cumsum(step, axis=0)
-    heights = first.root_positions[held, 1] + share * (then.root_positions[own, 1] - first.root_positions[held, 1])
-    positions[:, 1] = heights
+    positions[:, 1] = (1.0 - share) * first.root_positions[held, 1] + share * then.root_positions[own, 1]
     mixed = quaternion.slerp(first.rotations[held], rotations[own], share[:, None])
-    return Clip(first.name, SKELETON, first.rate, positions, mixed)
+    return replace(first, root_positions=positions, rotations=mixed)
 
 
 def _facing(clip: Clip) -> Floats:

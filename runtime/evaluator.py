@@ -96,7 +96,7 @@ class Evaluator:
                 gives the upper body, posture `running` has no memory, or sizes differ.
         """
         self._check_room(requests, out, memory)
-        if self._has_hybrids:
+        if self._has_hybrids and stretch_kernels.shows_hybrids(self.arrays, requests.records):
             self._evaluate_stretches(requests, out, memory)
         else:
             self._evaluate(requests, out, memory)

@@ -22,6 +22,17 @@ EARLIER = 0.25  # cycles by which a walking stretch may begin before it takes ov
 
 
 @kernel
+def shows_hybrids(bank: BankArrays, requests: Array) -> bool:
+    """Whether any request shows a hybrid; invalid ones do not."""
+    for character in range(len(requests)):
+        action = requests[character]["action"]
+        spliced = requests[character]["method"] == SPLICE and 0 <= action < len(bank.clips)
+        if spliced and bank.clips[action, arrays.FIRST_STRETCH] >= 0.0:
+            return True
+    return False
+
+
+@kernel
 def resolve(bank: BankArrays, requests: Array, now: Array, before: Array, shares: Array) -> None:
     """Replaces hybrids by their stretches.
 

@@ -16,6 +16,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
+from motionsplice.runtime.characters.clip_references import clip_references
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.format.checks import check_fit
 from motionsplice.runtime.requests import Requests
@@ -129,11 +130,11 @@ def test_a_stretch_that_is_played_alone_does_not_go_on(evaluator: Evaluator) -> 
     characters, number = Characters(Stage(evaluator), RATE), evaluator.bank.number("talk~2")
     characters.add(1, "walk")
     characters.act([0], Action("talk~2", loop=False))
-    clips = set()
+    played = set[int]()
     for _ in range(round(7.0 * RATE)):
-        clips.add(int(characters.state[0, col.FIRST_ACTION + col.CLIP]) if characters.state[0, col.ACTIONS] else number)
+        played |= set(clip_references(characters.state)[1].tolist())
         characters.advance()
-    assert clips == {number}
+    assert played == {number, evaluator.bank.number("walk")}
     assert characters.state[0, col.ACTIONS] == 0
 
 

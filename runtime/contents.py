@@ -103,6 +103,24 @@ class Contents:
         """
         return self.numbered[self.number(name)]
 
+    @cached_property
+    def _wholes(self) -> dict[str, tuple[str, float]]:
+        wholes = {}
+        for hybrid in self.numbered:
+            begin = 0.0
+            for one in map(self.clip, hybrid.stretches):
+                wholes[one.name] = hybrid.name, begin
+                begin += (one.leaves - one.enters) / one.rate
+        return wholes
+
+    def whole(self, name: str) -> str:
+        """Returns the name of the hybrid action of which a clip is a stretch; the clip's own if it is none."""
+        return self._wholes.get(name, (name, 0.0))[0]
+
+    def begin_of(self, name: str) -> float:
+        """Returns the seconds into its hybrid action at which a stretch takes over; 0 for any other clip."""
+        return self._wholes.get(name, (name, 0.0))[1]
+
     def _mirror_of(self, name: str) -> Mirror | None:
         """Returns the mirror if a name is that of a mirror image, else None."""
         return self.mirror if self.number(name) >= len(self.clips) else None

@@ -14,6 +14,7 @@ from motionsplice.motion.errors import SettingsError, TimeRangeError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels import evaluate as kernels
+from motionsplice.runtime.kernels import stretches as stretch_kernels
 from motionsplice.runtime.kernels import world as world_kernels
 from motionsplice.runtime.kernels.lookup import NONE
 from motionsplice.runtime.requests import (
@@ -74,6 +75,7 @@ class Evaluator:
         self.scratch = arrays.scratch(self.arrays, threads)
         self._world = world_kernels.scratch(bank.skeleton.joint_count)
         self._one = Requests.empty(1)
+        self._has_hybrids = any(clip.stretches for clip in bank.clips)
 
     def poses(self, count: int) -> Poses:
         """Returns arrays for the poses of `count` characters; their contents are undefined."""
@@ -94,6 +96,12 @@ class Evaluator:
                 gives the upper body, posture `running` has no memory, or sizes differ.
         """
         self._check_room(requests, out, memory)
+        if self._has_hybrids and stretch_kernels.shows_hybrids(self.arrays, requests.records):
+            self._evaluate_stretches(requests, out, memory)
+        else:
+            self._evaluate(requests, out, memory)
+
+    def _evaluate(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         remembered = memory or NO_MEMORY
         work = (self.arrays, requests.records, remembered.state, remembered.share, self.scratch)
         if self._threads == 1 or len(remembered.state) == 1:
@@ -104,6 +112,33 @@ class Evaluator:
                 fault = kernels.evaluate_in_parallel(*work, out.root_positions, out.flat)
         if fault >= 0:
             raise self._fault(requests, fault)
+
+    def _evaluate_stretches(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
+        """Evaluates the stretches that hybrids show; where one takes over, blends it with the one before."""
+        now, before, shares = self._resolved(requests)
+        rows = np.flatnonzero(shares < 1.0)
+        if len(rows) > 0:
+            faded, poses = Requests(before.records[rows]), self.poses(len(rows))
+            kept = None
+            if memory is not None:
+                remembered = rows if len(memory.state) == len(requests) else slice(None)
+                kept = Memory(memory.state[remembered].copy(), memory.share)
+            self._evaluate(faded, poses, kept)
+        self._evaluate(now, out, memory)
+        if len(rows) > 0:
+            stretch_kernels.blend(out.flat, poses.flat, rows, shares)
+
+    def _resolved(self, requests: Requests) -> tuple[Requests, Requests, NDArray[np.float64]]:
+        """Returns requests for the stretches that hybrids show, for those before, and the shares [n] of the former.
+
+        Raises TimeRangeError or SettingsError for an invalid request.
+        """
+        if (fault := kernels.first_at_fault(self.arrays, requests.records, True)) >= 0:
+            raise self._fault(requests, fault)
+        now, before = Requests(requests.records.copy()), Requests(requests.records.copy())
+        shares = np.empty(len(requests))
+        stretch_kernels.resolve(self.arrays, requests.records, now.records, before.records, shares)
+        return now, before, shares
 
     def world_positions(self, poses: Poses, out: Float32s) -> None:
         """Writes the world positions of all joints by forward kinematics.
@@ -192,9 +227,9 @@ class Evaluator:
         requests, frames = Requests.empty(len(times)), np.empty(len(times))
         requests.records[:] = self.record(splice)
         requests.time[:] = times
-        if (fault := kernels.first_at_fault(self.arrays, requests.records, True)) >= 0:
-            raise self._fault(requests, fault)
-        kernels.action_frames(self.arrays, requests.records, frames)
+        now = self._resolved(requests)[0]
+        kernels.action_frames(self.arrays, now.records, frames)
+        stretch_kernels.frames_of_hybrids(self.arrays, requests.records, now.records, frames)
         return frames
 
     def frame_times(self, locomotion: str) -> NDArray[np.float64]:

@@ -37,6 +37,7 @@ def mirrored_entry(clip: ClipEntry) -> ClipEntry:
         last_phase=clip.last_phase + HALF_A_CYCLE,
         parts=sum((clip.parts >> twin & 1) << part for part, twin in enumerate(TWIN_PARTS)),
         uses=tuple(name for name, twin in zip(PART_NAMES, TWIN_PARTS, strict=True) if PART_NAMES[twin] in clip.uses),
+        stretches=tuple(map(mirrored_name, clip.stretches)),
     )
 
 

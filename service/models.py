@@ -163,6 +163,7 @@ class ClipInfo(BaseModel):
     shoulder_motion: float = Field(description="motion of the torso beyond the neutral's gait, radians")
     stands: bool = Field(description="whether it is an action without a gait, which plays at its own speed")
     uses: list[str] = Field(description="parts of the upper body that such an action uses")
+    stretches: list[str] = Field(description="clips that an action which stands and walks by turns plays in order")
     warnings: list[str]
     notes: list[str]
     source: str = Field(description="digest of its motion file")
@@ -186,6 +187,7 @@ class ClipInfo(BaseModel):
             shoulder_motion=clip.shoulder_motion,
             stands=clip.stands,
             uses=list(clip.uses),
+            stretches=list(clip.stretches),
             warnings=list(clip.warnings),
             notes=list(clip.notes),
             source=clip.source,

@@ -10,6 +10,7 @@ from hypothesis import settings
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.gestures import gesture_pair
+from motionsplice.motion.procedural.joined import joined
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.procedural.stances import Performer, fair, standing_action
 from motionsplice.precompute.job.job import build_bank
@@ -115,6 +116,16 @@ def standing_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def standing_bank(standing_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """The bank of `standing_folder`; tests must not change it."""
     return built(standing_folder, tmp_path_factory.mktemp("banks") / "standing")
+
+
+@pytest.fixture(scope="session")
+def talk_bank(tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """A long walk, a run, and `talk`, a person who walks, stops and hails, and walks on; tests must not change it."""
+    parts = [make("walk", seconds=4.0), standing_action("hail", Performer()), make("walk", seconds=4.0, seed=1)]
+    clips = {"walk": make("walk", seconds=14.0, seed=2), "run": make("run", seed=3), "hail": parts[1]}
+    settings = '[talk]\nkind = "action"\n[hail]\nkind = "action"'
+    folder = written(tmp_path_factory.mktemp("talk"), clips | {"talk": joined("talk", parts)}, settings)
+    return built(folder, tmp_path_factory.mktemp("banks") / "talk")
 
 
 COUNTING = gesture_pair(3, kinds=["count", "point", "wave"], seconds=4.5, hand_rate=50.0)

@@ -95,6 +95,8 @@ def pose(
 ) -> tuple[Floats, Floats]:
     """One character's root position [3] and local rotations [J, 4], from the bank's clips in their editable form."""
     entry_l, entry_u = bank.clip(locomotion), bank.clip(action)
+    if entry_u.stretches and method == "splice":
+        return hybrid_pose(bank, locomotion, time, action, start, posture, cycles, hands)
     pelvis, upper = bank.roles.pelvis, bank.skeleton.subtree(bank.roles.pelvis)
 
     def phase_between(clip: str, frame: float) -> float:
@@ -140,6 +142,70 @@ def pose(
     world_turn = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
     rotations[pelvis] = quaternion.multiply(world_turn, turned)
     return root, rotations
+
+
+def hybrid_pose(
+    bank: Bank,
+    locomotion: str,
+    time: float,
+    action: str,
+    start: float,
+    posture: str,
+    cycles: int,
+    hands: str | None,
+) -> tuple[Floats, Floats]:
+    """As `pose`, of a hybrid: plays its stretches one after another, until the one that is shown."""
+    entry_l, seam = bank.clip(locomotion), bool(bank.clip(locomotion).loop)
+    phase_l, lasting = bank.phase(locomotion, seam=seam), 0.0
+    if seam:
+        lasting = frames_in_loop(bank, locomotion) / entry_l.rate
+    rows = np.arange(len(phase_l))
+    cycles = cycles if seam else 0
+    played = max(time + cycles * lasting / entry_l.loop, 0.0) if seam else time
+    last = (len(phase_l) - 1) / entry_l.rate
+
+    def phase_after(seconds: float) -> float:
+        rounds = 0
+        while seam and seconds > last:
+            seconds, rounds = seconds - lasting, rounds + 1
+        return float(np.interp(seconds * entry_l.rate, rows, phase_l)) + rounds * entry_l.loop
+
+    def seconds_until(phase: float) -> float:
+        rounds = 0
+        while phase > phase_l[-1]:
+            if not seam:
+                return math.inf
+            phase, rounds = phase - entry_l.loop, rounds + 1
+        return float(np.interp(phase, phase_l, rows)) / entry_l.rate + rounds * lasting
+
+    stretches = [bank.clip(name) for name in bank.clip(action).stretches]
+    while len(stretches) > 1 and start * stretches[0].rate >= stretches[0].leaves - stretches[0].enters:
+        start -= (stretches[0].leaves - stretches[0].enters) / stretches[0].rate
+        stretches.pop(0)
+    begun, shown = 0.0, list[tuple[str, float, int]]()
+    for number, one in enumerate(stretches):
+        frame, phases = one.enters + (0.0 if number else start * one.rate), bank.phase(one.name, seam=True)
+        if one.stands:
+            ends = begun + (one.leaves - frame) / one.rate
+            shown.append((one.name, frame / one.rate - begun, cycles))
+        else:
+            begins, leaves = np.interp([frame, one.leaves], np.arange(one.row_count), phases)
+            shift = math.ceil(begins - phase_after(begun) - (0.25 if number else 1e-3))
+            shift += 1 if number and phase_after(begun) + shift < phases[0] else 0
+            ends = seconds_until(leaves - shift)
+            shown.append((one.name, 0.0, int(shift) + cycles - math.ceil(phases[0] - entry_l.first_phase - 1e-3)))
+        ends = max(ends, begun + 0.4)
+        if played < ends:
+            break
+        begun = ends if one is not stretches[-1] else begun
+    poses = [pose(bank, locomotion, time, name, at, "splice", posture, by, hands) for name, at, by in shown[-2:]]
+    root, rotations = poses[-1]
+    t = min((played - begun) / 0.4, 1.0)
+    if len(poses) == 1 or t == 1.0:
+        return root, rotations
+    share = t * t * (3.0 - 2.0 * t)
+    near = np.where(np.sum(rotations * poses[0][1], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    return root, quaternion.normalise(share * rotations + (1.0 - share) * near * poses[0][1])
 
 
 def own_frame(bank: Bank, clip: str, seconds: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,11 @@ CLOUDS = ("torso", "line", "point")
 RATE = 30.0
 
 
-def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) -> Bank:
-    """Returns a bank in memory. The `points` of its upper cloud lie as in a torso, on a line or in one point."""
+def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str, hybrids: bool = False) -> Bank:
+    """Returns a bank in memory. The `points` of its upper cloud lie as in a torso, on a line or in one point.
+
+    With `hybrids`, every third clip plays the two after it, one of which stands.
+    """
     draw = np.random.default_rng(seed)
     skeleton = Skeleton(
         names=tuple(f"joint {number}" for number in range(joints)),
@@ -74,8 +78,14 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str) ->
         if stands:
             stance = (number // 3, int(draw.integers(1, UPPER_BODY + 1)), ("trunk",))
         label, found = (f"clip {number}", "action", (), RATE), (0.0, 0.0, 0.0)
-        entries.append(ClipEntry(*label, *place, *span, strides, not stands, *found, *stance, (), (), ""))
+        entries.append(ClipEntry(*label, *place, *span, strides, not stands, *found, *stance, (), 0.0, 0.0, (), (), ""))
         row += rows
+    for number in range(0, clips - 2, 3) if hybrids else ():
+        stretches = range(number + 1, number + 3)
+        entries[number] = replace(entries[number], stretches=tuple(f"clip {one}" for one in stretches))
+        for one in stretches:
+            enters, leaves = np.sort(draw.uniform(0.0, entries[one].frame_count - 1.0, 2)).tolist()
+            entries[one] = replace(entries[one], enters=enters, leaves=leaves)
     baseline = BaselineEntry("clip 0", 0.0, 1.0, 0.0, 30)
     listed, digests = (tuple(entries), tuple(hands)), dict.fromkeys(TABLES, "")
     manifest = Manifest(b"", "", skeleton, roles, _mirror(draw, layout, joints), baseline, *listed, digests)

@@ -116,6 +116,10 @@ struct Skeleton {
 struct ClipEntry {
     std::string name, kind, source;
     std::vector<std::string> tags, warnings, notes, uses;
+    std::vector<std::string> stretches;  ///< the clips that an action which stands and walks by turns plays in order
+    double enters = 0.0, leaves = 0.0;   ///< frames at which a stretch takes over and hands over
+    int first_stretch = NOT_FOUND;       ///< number of the first of `stretches`; not in the manifest
+    int next_stretch = NOT_FOUND;        ///< number of the stretch after this one; not in the manifest
     double rate = 0.0, first_phase = 0.0, last_phase = 0.0, cycles = 0.0;
     double mean_mismatch = 0.0, worst_mismatch = 0.0, shoulder_motion = 0.0;
     std::int64_t first_row = 0, frame_count = 0, row_count = 0, first_cell = 0, cell_count = 0, loop = 0;
@@ -234,6 +238,7 @@ private:
     void find_parts(std::int64_t left_shoulder, std::int64_t right_shoulder, std::int64_t head);
     std::vector<std::int64_t> chain(std::int64_t joint) const;
     std::string clips_fault(const std::string& baseline);
+    std::string link_stretches();
     std::string hands_fault();
     void lay_out(std::int64_t left_elbow, std::int64_t right_elbow);
     int find_own(std::string_view clip) const;
@@ -247,6 +252,9 @@ private:
     double frame_at(int clip, double phase, double near) const;
     double own_frame(int clip, double seconds) const;
     double frames_in_loop(int clip) const;
+    double phase_of(int clip, double frame) const;
+    double unrolled_phase(int clip, double seconds) const;
+    double seconds_at(int clip, double phase) const;
     std::array<double, 6> posture(int clip) const;
 
     std::string digest_;
@@ -258,6 +266,7 @@ private:
     std::vector<std::pair<std::pair<int, int>, int>> hands_of_;  // ((hands clip, clip), entry), sorted
     std::int64_t pelvis_ = 0, points_ = 0, cloud_width_ = 0;
     std::int64_t rows_ = 0, cells_ = 0, hand_rows_ = 0, stances_ = 0;
+    bool has_stretches_ = false;
     std::vector<unsigned char> parts_of_lanes_;  // of `upper`: 0 trunk, 1 left arm, 2 right arm, 3 head
     detail::Half lower_half_, upper_half_, hands_half_;
     std::vector<int> lanes_of_hands_;             // in the upper half
@@ -308,6 +317,11 @@ private:
 
     bool exists(int clip) const;
     Error fault(const Splice& splice, double time, bool remembers) const;
+    void evaluate(const Splice* splices, const double* times, int count, float* rotations, float* root_positions,
+                  Memory* memories);
+    void blend(const Splice& before, double time, double share, float* rotations, float* root_position,
+               const Memory* memory);
+    double find_stretch(const Splice& splice, double time, Splice& now, Splice& before) const;
     void look_up(const Splice* splices, const double* times, int count, Character* characters) const;
     void prefetch_upper(const Splice& splice, Character& character) const;
     void sample(const Character& character, float* rotations, float* root_position);
@@ -327,6 +341,7 @@ private:
     // sampled rotations of one character: [4, width]; spare_lanes_ are a copy of those that are being mirrored
     std::vector<float> lower_lanes_, upper_lanes_, hand_lanes_, own_lanes_, stance_lanes_, spare_lanes_;
     std::vector<float> world_;  // [J, 7, LANES]
+    std::vector<float> faded_;  // [J, 4], the pose of a stretch that is faded out
 };
 
 // ------------------------------------------------------------------------------------------------------------- details
@@ -339,10 +354,12 @@ constexpr std::int64_t ROOT = 0, CLOUD = 4;  // first columns of a row
 constexpr std::size_t PELVIS = 0, POSTURE_FRAME = 1, TORSO_OFFSET = 2, FIRST_JOINT = 3;  // lanes of a row
 constexpr double LATE = 1e-6;                              // seconds after a clip's end that count as its end
 constexpr double IN_STEP = 1e-3;                           // cycles by which an action may begin before its start
+constexpr double HANDOVER = 0.4;                           // seconds in which a stretch of a hybrid fades in
+constexpr double EARLIER = 0.25;                           // cycles by which such a stretch may begin earlier
 constexpr double LEAST_GAP = 1e-3;                         // of a clear rotation, see docs/bank.md
 constexpr std::int64_t MOST_ROWS = std::int64_t(1) << 40;  // sums and products of counts stay far from overflow
 constexpr std::size_t LARGEST_MANIFEST = std::size_t(64) << 20;  // bytes
-constexpr int VERSION = 6;
+constexpr int VERSION = 7;
 constexpr std::string_view MIRRORED = "~mirror";  // ends the name of a mirror image
 constexpr double HALF_A_CYCLE = 0.5;              // a mirror image is this much later in phase than its clip
 constexpr const char* FORMAT = "motionsplice bank";
@@ -1040,6 +1057,7 @@ inline std::string Bank::read_clips(const detail::Value& body) {
         fields("first_phase", clip.first_phase)("last_phase", clip.last_phase);
         fields("mean_mismatch", clip.mean_mismatch)("worst_mismatch", clip.worst_mismatch);
         fields("shoulder_motion", clip.shoulder_motion)("stance", clip.stance)("parts", clip.parts)("uses", clip.uses);
+        fields("stretches", clip.stretches)("enters", clip.enters)("leaves", clip.leaves);
         problem = fields.fault();
         return problem.empty();
     });
@@ -1055,6 +1073,7 @@ inline std::string Bank::read_clips(const detail::Value& body) {
     if (!problem.empty()) return problem;
     if (!all_clips || !all_hands) return "the manifest has a missing or invalid field ('clips' or 'hands')";
     if (problem = clips_fault(baseline); !problem.empty()) return problem;
+    if (problem = link_stretches(); !problem.empty()) return problem;
     return hands_fault();
 }
 
@@ -1089,6 +1108,10 @@ inline std::string Bank::read_mirror(const detail::Value& map) {
         image.name += detail::MIRRORED;
         image.first_phase += detail::HALF_A_CYCLE, image.last_phase += detail::HALF_A_CYCLE;
         image.mirrored = true;
+        for (std::string& stretch : image.stretches) stretch += detail::MIRRORED;
+        for (int* number : {&image.first_stretch, &image.next_stretch}) {
+            if (*number != NOT_FOUND) *number += static_cast<int>(clips_.size());
+        }
         image.parts = (clip.parts & 9) | (clip.parts & 2) << 1 | (clip.parts & 4) >> 1;
         for (std::string& use : image.uses) {
             use = use == "left arm" ? "right arm" : use == "right arm" ? "left arm" : use;
@@ -1172,6 +1195,28 @@ inline std::string Bank::clips_fault(const std::string& baseline) {
         return "the bank has no clips, or two clips of the same name";
     }
     return find_own(baseline) == NOT_FOUND ? "the baseline is a clip that does not exist" : "";
+}
+
+/// Finds the numbers of all stretches. Returns a problem if they do not match the clips.
+inline std::string Bank::link_stretches() {
+    std::vector<bool> used(clips_.size());
+    for (std::size_t hybrid = 0; hybrid < clips_.size(); ++hybrid) {
+        int before = NOT_FOUND;
+        for (const std::string& name : clips_[hybrid].stretches) {
+            const int number = find_own(name);
+            const ClipEntry* one = number == NOT_FOUND ? nullptr : &clips_[std::size_t(number)];
+            const bool fits = one && one->stretches.empty() && one->enters >= 0.0 && one->enters < one->leaves &&
+                              one->leaves <= static_cast<double>(one->frame_count - 1);
+            if (!fits || used[std::size_t(number)]) {
+                return "the stretch " + detail::quoted(name) + " of clip " + detail::quoted(clips_[hybrid].name) +
+                       " does not match the clips";
+            }
+            (before == NOT_FOUND ? clips_[hybrid].first_stretch : clips_[std::size_t(before)].next_stretch) = number;
+            before = number;
+            used[std::size_t(number)] = has_stretches_ = true;
+        }
+    }
+    return "";
 }
 
 inline std::string Bank::hands_fault() {
@@ -1393,6 +1438,38 @@ inline double Bank::frames_in_loop(int number) const {
     return static_cast<double>(entry.row_count - 1) - frame_at(number, phase, guess(number, phase));
 }
 
+/// Returns a clip's phase at a frame.
+inline double Bank::phase_of(int number, double frame) const {
+    return phase_at(number, between(number, frame, static_cast<double>(clip(number).row_count - 1)));
+}
+
+/// Returns the phase of a clip so many seconds after its start, through all its loops.
+inline double Bank::unrolled_phase(int number, double seconds) const {
+    const ClipEntry& entry = clip(number);
+    double frame = seconds * entry.rate, rounds = 0.0;
+    if (entry.loop == 0) return phase_of(number, std::min(frame, entry.last_frame()));
+    if (frame > entry.last_frame()) {
+        const double lasting = frames_in_loop(number);
+        rounds = std::ceil((frame - entry.last_frame()) / lasting);
+        frame -= rounds * lasting;
+    }
+    return phase_of(number, frame) + rounds * static_cast<double>(entry.loop);
+}
+
+/// Returns the time of such a phase; infinite if the clip ends before.
+inline double Bank::seconds_at(int number, double phase) const {
+    const ClipEntry& entry = clip(number);
+    const double loop = static_cast<double>(entry.loop);
+    double rounds = 0.0;
+    if (phase > entry.last_phase) {
+        if (entry.loop == 0) return std::numeric_limits<double>::infinity();
+        rounds = std::ceil((phase - entry.last_phase) / loop);
+        phase -= rounds * loop;
+    }
+    const double frame = frame_at(number, phase, guess(number, phase));
+    return (frame + (rounds > 0.0 ? rounds * frames_in_loop(number) : 0.0)) / entry.rate;
+}
+
 /// Where one character of a block is in the tables.
 struct Evaluator::Character {
     detail::Between lower, upper;
@@ -1418,7 +1495,8 @@ inline Evaluator::Evaluator(const Bank& bank)
       own_lanes_(upper_lanes_.size()),
       stance_lanes_(upper_lanes_.size()),
       spare_lanes_(std::max(lower_lanes_.size(), upper_lanes_.size())),
-      world_(std::size_t(7 * detail::LANES) * bank.skeleton_.names.size()) {}
+      world_(std::size_t(7 * detail::LANES) * bank.skeleton_.names.size()),
+      faded_(4 * bank.skeleton_.names.size()) {}
 
 inline Error Evaluator::pose(const Splice& splice, double time, float* rotations, float* root_position,
                              Memory* memory) {
@@ -1437,28 +1515,117 @@ inline Error Evaluator::poses(const Splice* splices, const double* times, int co
         const int block = std::min(BLOCK, count - first);
         float* block_rotations = rotations + first * width;
         float* block_roots = root_positions + 3 * std::ptrdiff_t(first);
-        Character characters[BLOCK];
-        Torsos torsos;
-        look_up(splices + first, times + first, block, characters);
-        bool any = false;
-        for (int k = 0; k < block; ++k) {
-            sample(characters[k], block_rotations + k * width, block_roots + 3 * k);
-            if (characters[k].method != Method::splice) continue;
-            correlate(characters[k], k, torsos);
-            any = true;
+        Memory* block_memories = memories ? memories + first : nullptr;
+        if (!bank_->has_stretches_) {
+            evaluate(splices + first, times + first, block, block_rotations, block_roots, block_memories);
+            continue;
         }
-        if (!any) continue;
-        turn_pelves(splices + first, characters, block, torsos, memories ? memories + first : nullptr);
+        Splice now[BLOCK], before[BLOCK];
+        Memory remembered[BLOCK];
+        double shares[BLOCK];
         for (int k = 0; k < block; ++k) {
-            if (characters[k].method != Method::splice) continue;
-            double q[4];
-            torsos.pelves.get(k, q);
-            const double scale = 1.0 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-            float* pelvis = block_rotations + k * width + 4 * bank_->pelvis_;
-            for (int i = 0; i < 4; ++i) pelvis[i] = static_cast<float>(q[i] * scale);
+            const Splice& splice = now[k] = before[k] = splices[first + k];
+            const bool hybrid = splice.action != NOTHING && splice.method == Method::splice &&
+                                bank_->clip(splice.action).first_stretch != NOT_FOUND;
+            shares[k] = hybrid ? find_stretch(splice, times[first + k], now[k], before[k]) : 1.0;
+            if (memories) remembered[k] = block_memories[k];
+        }
+        evaluate(now, times + first, block, block_rotations, block_roots, block_memories);
+        for (int k = 0; k < block; ++k) {
+            if (shares[k] == 1.0) continue;
+            blend(before[k], times[first + k], shares[k], block_rotations + k * width, block_roots + 3 * k,
+                  memories ? &remembered[k] : nullptr);
         }
     }
     return Error();
+}
+
+/// Evaluates a block of valid splices that are no hybrids.
+inline void Evaluator::evaluate(const Splice* splices, const double* times, int count, float* rotations,
+                                float* root_positions, Memory* memories) {
+    const std::ptrdiff_t width = 4 * std::ptrdiff_t(bank_->joint_count());
+    Character characters[BLOCK];
+    Torsos torsos;
+    look_up(splices, times, count, characters);
+    bool any = false;
+    for (int k = 0; k < count; ++k) {
+        sample(characters[k], rotations + k * width, root_positions + 3 * k);
+        if (characters[k].method != Method::splice) continue;
+        correlate(characters[k], k, torsos);
+        any = true;
+    }
+    if (!any) return;
+    turn_pelves(splices, characters, count, torsos, memories);
+    for (int k = 0; k < count; ++k) {
+        if (characters[k].method != Method::splice) continue;
+        double q[4];
+        torsos.pelves.get(k, q);
+        const double scale = 1.0 / std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        float* pelvis = rotations + k * width + 4 * bank_->pelvis_;
+        for (int i = 0; i < 4; ++i) pelvis[i] = static_cast<float>(q[i] * scale);
+    }
+}
+
+/// Blends a pose with that of the stretch which is faded out below it.
+inline void Evaluator::blend(const Splice& before, double time, double share, float* rotations, float* root_position,
+                             const Memory* memory) {
+    Memory remembered = memory ? *memory : Memory();
+    evaluate(&before, &time, 1, faded_.data(), root_position, memory ? &remembered : nullptr);
+    for (std::size_t joint = 0; joint < faded_.size(); joint += 4) {
+        double q[4], dot = 0.0, square = 0.0;
+        for (std::size_t i = 0; i < 4; ++i) dot += double(rotations[joint + i]) * double(faded_[joint + i]);
+        for (std::size_t i = 0; i < 4; ++i) {
+            const double other = dot < 0.0 ? share - 1.0 : 1.0 - share;
+            q[i] = share * double(rotations[joint + i]) + other * double(faded_[joint + i]);
+            square += q[i] * q[i];
+        }
+        for (std::size_t i = 0; i < 4; ++i) rotations[joint + i] = static_cast<float>(q[i] / std::sqrt(square));
+    }
+}
+
+/// Fills in splices of the stretch of a hybrid that is shown, and of the one before; returns the share of the former.
+inline double Evaluator::find_stretch(const Splice& splice, double time, Splice& now, Splice& before) const {
+    const Bank& bank = *bank_;
+    const ClipEntry& below = bank.clip(splice.locomotion);
+    const std::int64_t cycles = below.loop > 0 ? splice.cycles : 0;
+    if (cycles != 0) {
+        const double strides = static_cast<double>(cycles) / static_cast<double>(below.loop);
+        time = std::max(time + strides * bank.frames_in_loop(splice.locomotion) / below.rate, 0.0);
+    }
+    const ClipEntry& hybrid = bank.clip(splice.action);
+    int number = hybrid.first_stretch;
+    double ahead = splice.start * hybrid.rate, begun = 0.0;
+    for (const ClipEntry* one = &bank.clip(number); one->next_stretch != NOT_FOUND; one = &bank.clip(number)) {
+        if (ahead < one->leaves - one->enters) break;
+        ahead -= one->leaves - one->enters;
+        number = one->next_stretch;
+    }
+    for (double frame = bank.clip(number).enters + ahead;; frame = bank.clip(number).enters) {
+        const ClipEntry& one = bank.clip(number);
+        now.action = number, now.cycles = splice.cycles;
+        double ends = 0.0;
+        if (one.stands()) {
+            now.start = frame / one.rate - begun;
+            ends = begun + (one.leaves - frame) / one.rate;
+        } else {
+            const double start = bank.phase_of(number, frame), phase = bank.unrolled_phase(splice.locomotion, begun);
+            double shift = std::ceil(start - phase - detail::IN_STEP);
+            if (begun > 0.0) shift = std::ceil(start - phase - detail::EARLIER);
+            if (begun > 0.0 && phase + shift < one.first_phase) shift += 1.0;
+            now.start = 0.0;
+            now.cycles = cycles + static_cast<std::int64_t>(
+                                      shift - std::ceil(one.first_phase - below.first_phase - detail::IN_STEP));
+            ends = bank.seconds_at(splice.locomotion, bank.phase_of(number, one.leaves) - shift);
+        }
+        ends = std::max(ends, begun + detail::HANDOVER);
+        if (one.next_stretch == NOT_FOUND || time < ends) {
+            const double t = std::min((time - begun) / detail::HANDOVER, 1.0);
+            return begun == 0.0 ? 1.0 : t * t * (3.0 - 2.0 * t);
+        }
+        before = now;
+        number = one.next_stretch;
+        begun = ends;
+    }
 }
 
 inline bool Evaluator::exists(int clip) const {
@@ -1497,7 +1664,12 @@ inline Error Evaluator::fault(const Splice& splice, double time, bool remembers)
                         "Evaluate frame by frame with a Memory");
     }
     const int upper = splice.method == Method::none ? splice.locomotion : action;
-    if (splice.hands != NOTHING && bank_->hand_row(splice.hands, upper) < 0) {
+    bool fits = splice.hands == NOTHING || bank_->hand_row(splice.hands, upper) >= 0;
+    for (int one = bank_->clip(upper).first_stretch; fits && spliced && splice.hands != NOTHING && one != NOT_FOUND;
+         one = bank_->clip(one).next_stretch) {
+        fits = bank_->hand_row(splice.hands, one) >= 0;
+    }
+    if (!fits) {
         const std::string name = detail::quoted(bank_->clip(upper).name);
         return settings("hands number " + std::to_string(splice.hands) + " are not aligned to clip " + name,
                         "Find their number with Bank::find_hands");

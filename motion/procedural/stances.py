@@ -165,14 +165,21 @@ def standing_action(name: str, performer: Performer, *, seed: int = 0, rate: flo
 
 
 def standing_truth(
-    locomotion: str, name: str, performer: Performer, *, locomotion_seed: int, seed: int = 0, rate: float = 60.0
+    locomotion: str,
+    name: str,
+    performer: Performer,
+    *,
+    locomotion_seed: int,
+    seed: int = 0,
+    seconds: float = 6.0,
+    rate: float = 60.0,
 ) -> Clip:
     """Generates the gesture of `standing_action` as performed on a locomotion, from its first frame on."""
 
     def upper(carriage: Carriage, rhythm: Rhythm) -> Upper:
         return _performed(carriage, rhythm, _gesture(name, seed, performer.times(rhythm.time)), performer)
 
-    return moving(f"{locomotion}+{name}", locomotion, upper, 6.0, rate, locomotion_seed)
+    return moving(f"{locomotion}+{name}", locomotion, upper, seconds, rate, locomotion_seed)
 
 
 def _performed(carriage: Carriage, rhythm: Rhythm, gesture: Gesture, performer: Performer) -> Upper:

@@ -139,6 +139,9 @@ def spliced(
         )
     if hands is not None:
         raise SettingsError("the exact splice cannot lay hands", mend="Leave out --hands, or use --method splice")
+    if stretches := bank.clip(action).stretches:
+        problem = f"the exact splice cannot play {action!r}, which stands and walks by turns"
+        raise SettingsError(problem, mend=f"Use --method splice, or one of {', '.join(stretches)}")
     standing, clip_l, clip_u = bank.standing(action), bank.motion(locomotion), bank.motion(action)
     if standing is not None and posture is Posture.RELATIVE:
         from motionsplice.precompute.splice import splice_standing

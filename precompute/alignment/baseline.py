@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError
@@ -17,6 +17,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.half_cycle import symmetric_phases
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
 from motionsplice.precompute.alignment.ring import between_cells, wind, wind_steadily
+from motionsplice.precompute.alignment.stretches import Stretch, runs, standing_frames, steadied, stretches_of
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.body.contacts import left_strike
 from motionsplice.precompute.body.facing import facing, facing_joints
@@ -29,6 +30,7 @@ SLOWEST = 0.5  # of the clip's mean slope: the least slope of its phase curve
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
+LEAST_STEPS = 0.04  # leg lengths, in the same way: small steps on the spot still have a phase
 FOREIGN_GAIT = 0.65  # of the cost at random phases: a clip with a higher cost does not look like locomotion
 OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
 MOST_CANDIDATES = 16  # strides that are compared with all others
@@ -72,13 +74,15 @@ class Alignment:
 
     phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
     chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees, over
-    LOOP_WINDOW frames, from where they are half a stride later, in leg lengths.
+    LOOP_WINDOW frames, from where they are half a stride later, in leg lengths. stretches: those in which it stands and
+    walks; none if it does only one of both.
     """
 
     phase: Floats
     cost: Floats
     chance: float
     swing: float
+    stretches: tuple[Stretch, ...] = ()
 
     @property
     def cycles(self) -> float:
@@ -200,18 +204,35 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     distances = planar_distances(level(clouds), level(baseline.clouds))
     wound = wind_steadily(distances)
     frames = np.arange(len(wound))
-    seconds = np.linspace(0.0, clip.duration, len(wound))
-    places = baseline.phase_at(between_cells(distances, wound))
-    curve = fit_increasing(seconds, places, KNOT_SPACING, STIFFNESS, SLOWEST)
+    cost = distances[frames, wound % distances.shape[1]]
+    seconds, cycles = np.linspace(0.0, clip.duration, len(wound)), baseline.phase_at(between_cells(distances, wound))
     windows = windowed(
         clouds, LOOP_WINDOW
     )  # single clouds of a symmetric walk equal, turned, those half a stride later
+    stands = _stands(windows, cost, distances, baseline)
+    stretches = stretches_of(stands, clip.duration)
+    if stretches:
+        cycles = steadied(cycles, stands)
+    curve = fit_increasing(seconds, cycles, KNOT_SPACING, STIFFNESS, SLOWEST)
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
     apart = planar_distance(windows, windows[np.minimum(half_later[: len(windows)], len(windows) - 1)])
     swing = float(np.sqrt(apart.mean() / (3.0 * LOOP_WINDOW))) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
-    cost = distances[frames, wound % distances.shape[1]]
-    return Alignment(phase - np.floor(phase[0]), cost, float(distances.mean()), swing)
+    return Alignment(phase - np.floor(phase[0]), cost, float(distances.mean()), swing, stretches)
+
+
+def _stands(windows: Floats, cost: Floats, distances: Floats, baseline: Baseline) -> NDArray[np.bool_]:
+    """Returns in which working frames [F] a clip has no gait: its legs hardly move, or not as the baseline's do.
+
+    `cost` [F] is that of the winding, `distances` [F, cells] those to the whole ring.
+    """
+    half, margin = round(0.5 * (baseline.end - baseline.start) * WORKING_RATE), LOOP_WINDOW // 2
+    still = standing_frames(windows, half, LEAST_STEPS * baseline.leg, WORKING_RATE)
+    stands = np.pad(still, (margin, len(cost) - len(still) - margin), mode="edge")
+    for begin, end in runs(stands):
+        foreign = cost[begin:end].mean() > FOREIGN_GAIT * distances[begin:end].mean()
+        stands[begin:end] |= foreign and len(stands) > end - begin
+    return stands
 
 
 def level(clouds: Floats) -> Floats:

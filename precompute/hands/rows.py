@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,20 +50,37 @@ def lay_hands(prepared: PreparedClip, layout: Layout, rig: Rig, reading: Reading
     count = prepared.frame_count
     body, roles, hands, hand_roles = whole.frames(0, count), rig.roles, reading.clip, reading.roles
     spliced = splice_hands(body, roles, hands, hand_roles, settings)
-    merged = spliced.clip
     frames = np.stack([spliced.frames.get(side, np.zeros(count)) for side in SIDES], axis=1)
-    laid = whole.rotations.copy()
-    laid[:count] = merged.rotations
+    rows, frames = _with_seam(prepared, layout, spliced.clip, frames)
+    warnings = (*reading.warnings, *spliced.warnings)
+    return LaidHands(hands.name, prepared.name, hands.rate, settings, rows, frames, spliced.mismatch, warnings)
+
+
+def hands_on_stretch(laid: LaidHands, stretch: PreparedClip, layout: Layout, rig: Rig) -> LaidHands:
+    """Returns hands on a hybrid as hands on one of its stretches, which has a seam of its own."""
+    assert stretch.cut is not None
+    within = slice(stretch.cut.begin, stretch.cut.end)
+    rotations = np.tile(quaternion.IDENTITY, (stretch.frame_count, rig.skeleton.joint_count, 1))
+    rotations[:, layout.hands.joints] = layout.hands.lanes(laid.rows[within])[:, : len(layout.hands.joints)]
+    shown = Clip(stretch.name, rig.skeleton, stretch.rate, np.zeros((len(rotations), 3)), rotations)
+    rows, frames = _with_seam(stretch, layout, shown, laid.frames[within])
+    return replace(laid, body=stretch.name, rows=rows, frames=frames, warnings=())
+
+
+def _with_seam(
+    prepared: PreparedClip, layout: Layout, merged: Clip, frames: Floats
+) -> tuple[NDArray[np.float32], Floats]:
+    """Returns the rows of hands [rows, columns], and their frames [rows, 2], for a body's own frames and its seam."""
+    laid = merged.rotations
     if prepared.strides:
         after = _counterparts(prepared)
         joints = list(layout.hands.joints)
-        laid[count:, joints] = bent_onto(merged.rotations[-2:, joints], merged.sampled(after)[1][:, joints])
-        frames = np.concatenate(
-            [frames, np.stack([np.interp(after[2:], np.arange(count), of_side) for of_side in frames.T], axis=1)]
-        )
-    rows = layout.pack_hands(quaternion.one_hemisphere(laid))
-    warnings = (*reading.warnings, *spliced.warnings)
-    return LaidHands(hands.name, prepared.name, hands.rate, settings, rows, frames, spliced.mismatch, warnings)
+        seam = np.tile(quaternion.IDENTITY, (len(after) - 2, laid.shape[1], 1))
+        seam[:, joints] = bent_onto(laid[-2:, joints], merged.sampled(after)[1][:, joints])
+        laid = np.concatenate([laid, seam])
+        along = np.arange(merged.frame_count)
+        frames = np.concatenate([frames, np.stack([np.interp(after[2:], along, side) for side in frames.T], axis=1)])
+    return layout.pack_hands(quaternion.one_hemisphere(laid)), frames
 
 
 def _counterparts(prepared: PreparedClip) -> Floats:

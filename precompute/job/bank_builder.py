@@ -217,13 +217,27 @@ def _entries(
                 stance=stances.get(one.name, -1),
                 parts=UPPER_BODY if stands is None else stands.standing.parts,
                 uses=() if stands is None else stands.uses,
+                stretches=one.stretches,
+                enters=0.0 if one.cut is None else one.cut.enters,
+                leaves=0.0 if one.cut is None else one.cut.leaves,
                 warnings=one.warnings if stands is None else (*one.warnings, *stands.warnings),
-                notes=one.notes if stands is None else (*one.notes, stands.note),
+                notes=(*one.notes, *_notes(one, stands)),
                 source=one.source,
             )
         )
         row += rows
     return entries
+
+
+def _notes(one: PreparedClip, stands: Measured | None) -> tuple[str, ...]:
+    """Returns what the user should know of a standing action or a hybrid."""
+    if one.stretches:
+        turns = (
+            f"{name} {'stands' if stretch.stands else 'walks'} from {stretch.begin:.1f} to {stretch.end:.1f} s"
+            for name, stretch in zip(one.stretches, one.alignment.stretches, strict=True)
+        )
+        return (f"stands and walks by turns, so it plays as {', '.join(turns)}",)
+    return () if stands is None else (stands.note,)
 
 
 def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeVar
@@ -168,7 +168,8 @@ class Preparation:
         return cls(cache, rig, ring, retargeting, digest)
 
     def key(self, one: Identified) -> str:
-        return key_of("prepared", one.reading_key, self.digest)
+        cut = one.source.cut
+        return key_of("prepared", one.reading_key, self.digest, None if cut is None else astuple(cut))
 
     def recipe(self, clips: Clips, hands: Sequence[tuple[str, str]]) -> str:
         """Returns the digest of everything that a bank of these clips, and of hands on them, depends on."""
@@ -181,9 +182,12 @@ class Preparation:
 
     def run(self, one: Identified) -> None:
         """Prepares the clip and stores it. Raises MotionError if it cannot be read or does not fit the bank."""
-        reading = stored_reading(self.cache, one)
-        made = prepare(reading.clip, reading.roles, self.rig, self.ring, retargeting=self.retargeting)
+        reading, cut = stored_reading(self.cache, one), one.source.cut
+        clip = reading.clip if cut is None else reading.clip.frames(cut.begin, cut.end)
+        made = prepare(clip, reading.roles, self.rig, self.ring, retargeting=self.retargeting, cut=cut)
         made = replace(made, notes=(*reading.notes, *made.notes), file_warnings=reading.warnings)
+        if cut is not None:  # the whole clip says all of these
+            made = replace(made, notes=(), file_warnings=())
         self.cache.store(self.key(one), *pack_prepared(made))
 
     def load(self, one: Identified) -> PreparedClip | None:
@@ -194,7 +198,7 @@ class Preparation:
             return None
         neutral = settings.neutral or ""
         found = replace(found, kind=settings.kind, neutral=neutral, mask=settings.mask, tags=settings.tags)
-        return replace(found, source=one.file_digest)
+        return replace(found, source=one.file_digest, cut=one.source.cut)
 
     def _fetch(self, one: Identified, name: str) -> NDArray[Any]:
         """Returns a large array of a result, made again if the entry is damaged. Raises MotionError."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Alignment, Baseline
+from motionsplice.precompute.alignment.stretches import Stretch
 from motionsplice.precompute.job.cache import Arrays, Fields
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.torso_offset import MeanStride
@@ -116,6 +117,7 @@ def pack_prepared(one: PreparedClip) -> tuple[Fields, Arrays]:
         "period": one.period,
         "chance": alignment.chance,
         "swing": alignment.swing,
+        "stretches": [astuple(one) for one in alignment.stretches],
         "notes": one.notes,
         "warnings": one.file_warnings,
     }
@@ -144,7 +146,13 @@ def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], fields: Fie
         frame_count=fields["frame_count"],
         strides=fields["strides"],
         period=fields["period"],
-        alignment=Alignment(aligned, arrays["cost"], fields["chance"], fields["swing"]),
+        alignment=Alignment(
+            aligned,
+            arrays["cost"],
+            fields["chance"],
+            fields["swing"],
+            tuple(Stretch(*one) for one in fields["stretches"]),
+        ),
         phase=phase,
         posture=arrays["posture"],
         path=arrays["path"],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from os import PathLike
 from pathlib import Path
@@ -35,6 +35,7 @@ from motionsplice.precompute.job.hand_work import (
     tasks_of,
     with_fingers,
 )
+from motionsplice.precompute.job.hybrids import Hybrids, cuts_key, fail_whole, hands_on_stretches, hybrids_among
 from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
 from motionsplice.precompute.job.outcome import Outcome, Progress
 from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
@@ -98,7 +99,8 @@ def build_bank(
 class Job:
     """One run of the offline job: a method for each stage, in the order in which `run` calls them.
 
-    clips and hand_clips are by name, in order of name; failed has the errors of those that drop out.
+    clips and hand_clips are by name, in order of name; failed has the errors of those that drop out. hybrids: the
+    stretches of each hybrid action, which are among the clips too.
     """
 
     paths: Iterable[Path]
@@ -114,6 +116,7 @@ class Job:
     clips: Clips = field(default_factory=dict, init=False)
     hand_clips: Clips = field(default_factory=dict, init=False)
     failed: dict[str, MotionError] = field(default_factory=dict, init=False)
+    hybrids: Hybrids = field(default_factory=dict, init=False)
 
     def run(self) -> Outcome:
         """Runs all stages. Raises MotionError."""
@@ -124,7 +127,7 @@ class Job:
         stride, used = self.on_skeleton(cache, self.choose_baseline(search, candidates))
         self.read_hands(readings)
         preparation = Preparation.of(cache, with_fingers(stride, readings, self.hand_clips), self.retarget)
-        aligned, new = self.align(preparation)
+        aligned, new, cut = self.align(preparation)
         laying = HandsLaying(preparation, readings)
         tasks = self.lay_hands(laying, tasks_of(pairs, aligned, self.hand_clips))
         recipe = preparation.recipe(aligned, recipe_of(laying, tasks))
@@ -135,7 +138,7 @@ class Job:
             cache.store(recipe, {"bank": digest}, {})
         used |= {work.key(one) for work in (search, preparation) for one in self.clips.values()}
         used |= {readings.key(one) for one in self.hand_clips.values()} | {laying.key(task) for task in tasks.values()}
-        cache.keep_only({recipe, search.choice_key(candidates), *used})
+        cache.keep_only({recipe, search.choice_key(candidates), cut, *used})
         failed = dict(sorted(self.failed.items()))
         return Outcome(digest, preparation.ring, tuple(aligned), failed, len(aligned.keys() - new), unchanged)
 
@@ -181,17 +184,24 @@ class Job:
         self._do("hands", readings, self.hand_clips)
         self.hand_clips = self._without_failed(self.hand_clips)
 
-    def align(self, preparation: Preparation) -> tuple[Clips, set[str]]:
-        """Prepares all clips. Returns those that did not fail, and the names of those that no earlier run had done.
+    def align(self, preparation: Preparation) -> tuple[Clips, set[str], str]:
+        """Prepares all clips, and the stretches of hybrids.
 
-        Raises BaselineError if the baseline itself failed.
+        Returns those that did not fail, the names of those that no earlier run had done, and the key of what was found
+        of hybrids. Raises BaselineError if the baseline itself failed.
         """
         new = self._do("aligning", preparation, self._without_failed(self.clips))
+        whole = self._without_failed(self.clips)
+        self.hybrids = hybrids_among(preparation, whole, self.failed)
+        stretches = {name: one for clips in self.hybrids.values() for name, one in clips.items()}
+        new |= self._do("aligning", preparation, stretches)
+        self.clips = dict(sorted((self.clips | stretches).items()))
+        fail_whole(self.hybrids, self.failed)
         fail_with_missing_limbs(self.clips, preparation.rig, self.failed)
         fail_without_neutral(self.clips, self.failed)
         if preparation.ring.name in self.failed:
             raise BaselineError(f"the baseline cannot be used: {self.failed[preparation.ring.name]}")
-        return self._without_failed(self.clips), new
+        return self._without_failed(self.clips), new, cuts_key(preparation, whole)
 
     def lay_hands(self, laying: HandsLaying, tasks: Mapping[str, HandsTask]) -> dict[str, HandsTask]:
         """Lays hands on bodies. Returns the tasks that did not fail."""
@@ -203,7 +213,9 @@ class Job:
     ) -> str:
         """Writes the bank, and returns its digest."""
         prepared = [load_or_run(preparation, one) for one in aligned.values()]
+        prepared = [replace(one, stretches=tuple(self.hybrids.get(one.name, ()))) for one in prepared]
         hands = [load_or_run(laying, task) for task in tasks.values()]
+        hands += hands_on_stretches(hands, prepared, preparation.rig)
         ring = preparation.ring
         return write_bank(self.out, preparation.rig, ring, with_neutrals(prepared, ring.name), hands)
 

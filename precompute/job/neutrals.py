@@ -27,6 +27,7 @@ def with_neutrals(prepared: Sequence[PreparedClip], baseline: str) -> list[Prepa
     The neutral is the clip that its settings name. Without one, a locomotion is its own neutral, and an action's is the
     locomotion nearest in gait, or the baseline if there are no locomotions. An action stands if it has no gait, or if
     its named neutral has none. Its neutral is a clip without a gait, or itself: then its own frames at rest count.
+    A hybrid does not stand itself. Its stretches have its neutral, those of them that stand or walk as this does.
     """
     gaits = {one.name: one.alignment.has_gait for one in prepared}
     locomotions = {one.name: one for one in prepared if one.kind == "locomotion"}
@@ -36,7 +37,9 @@ def with_neutrals(prepared: Sequence[PreparedClip], baseline: str) -> list[Prepa
         return one.neutral or (one.name if one.kind == "locomotion" else nearest_gait(one, candidates))
 
     def labelled(one: PreparedClip) -> PreparedClip:
-        if one.kind == "locomotion" or (gaits[one.name] and gaits.get(one.neutral, True)):
+        if one.cut is not None and gaits.get(one.neutral) != gaits[one.name]:
+            one = replace(one, neutral="")
+        if one.kind == "locomotion" or one.stretches or (gaits[one.name] and gaits.get(one.neutral, True)):
             return replace(one, neutral=neutral_of(one))
         if one.neutral and gaits[one.neutral]:
             warning = f"stands, so {one.neutral!r}, which walks, cannot be its neutral; its own frames at rest are used"

@@ -11,6 +11,7 @@ from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip
 from motionsplice.motion.errors import ClipError, FormatError, SettingsError, did_you_mean, listed
 from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in, other_files
 from motionsplice.motion.roles import GivenRole
+from motionsplice.precompute.preparation.cuts import Cut
 from motionsplice.runtime.mirrored import MIRRORED
 
 
@@ -18,13 +19,14 @@ from motionsplice.runtime.mirrored import MIRRORED
 class Source:
     """A clip of a file, and its settings.
 
-    animation: which of a file's several animations it is, or None.
+    animation: which of a file's several animations it is, or None. cut: which stretch of a hybrid it is, or None.
     """
 
     name: str
     file: Path
     animation: str | None
     settings: ClipSettings
+    cut: Cut | None = None
 
 
 def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default: ClipSettings) -> list[Source]:

@@ -37,7 +37,7 @@ def standing_of(clips: Sequence[PreparedClip], skeleton: Skeleton, roles: Roles)
 def _measured(one: PreparedClip, clips: Mapping[str, PreparedClip], skeleton: Skeleton, roles: Roles) -> Measured:
     idle = None if one.neutral == one.name else clips[one.neutral]
     shown = None if idle is None else _motion(idle, skeleton, roles).frames(0, idle.frame_count)
-    return measure_standing(_motion(one, skeleton, roles), one.frame_count, shown, one.mask, roles)
+    return measure_standing(_motion(one, skeleton, roles), one.frame_count, shown, one.mask, roles, one.cut)
 
 
 def _motion(one: PreparedClip, skeleton: Skeleton, roles: Roles) -> Clip:

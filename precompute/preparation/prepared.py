@@ -19,6 +19,7 @@ from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, B
 from motionsplice.precompute.alignment.gait import mean_gait
 from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.preparation.cuts import Cut
 from motionsplice.precompute.preparation.feet import standing_feet, support
 from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.root_path import root_path
@@ -38,8 +39,9 @@ class PreparedClip:
     phase. fetch: returns a large array by name: the clip's rows in the tables `lower` and `upper`, or `upright`, its
     torso clouds [rows, P, 3] in metres. kind: `locomotion` or `action`. neutral: name of the clip that its posture is
     relative to. stands: whether it is an action without a gait, laid on locomotions as what it adds to a stance. mask:
-    the parts that it then poses; None to measure them. notes: from reading and moving it. file_warnings: from reading
-    its file. source: digest of that file.
+    the parts that it then poses; None to measure them. cut: the stretch of a hybrid clip that it is, or None.
+    stretches: the names of its stretches, if it is a hybrid action. notes: from reading and moving it. file_warnings:
+    from reading its file. source: digest of that file.
     """
 
     name: str
@@ -60,6 +62,8 @@ class PreparedClip:
     neutral: str = ""
     stands: bool = False
     mask: str | None = None
+    cut: Cut | None = None
+    stretches: tuple[str, ...] = ()
     tags: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     file_warnings: tuple[str, ...] = ()
@@ -69,9 +73,9 @@ class PreparedClip:
     def warnings(self) -> tuple[str, ...]:
         """What the user should know before using the clip."""
         warnings = list(self.file_warnings)
-        if self.stands:
+        if self.stands or self.stretches:
             return tuple(warnings)
-        if self.mask is not None:
+        if self.mask is not None and self.cut is None:
             warnings.append("its mask is not used: it is no action without a gait")
         if self.alignment.swing < LEAST_SWING:
             warnings.append("does not look like locomotion: its legs hardly move")
@@ -81,16 +85,19 @@ class PreparedClip:
                 f"does not look like locomotion: its legs are {centimetres} from the baseline's, "
                 "hardly nearer than at random phases"
             )
-        if self.kind == "action" and self.strides == 0:
+        goes_on = self.cut is not None and self.cut.leaves < self.frame_count - 1.0
+        if self.kind == "action" and self.strides == 0 and not goes_on:
             warnings.append("cannot loop: no earlier stride is enough like its end, so as an action it plays once")
         return tuple(warnings)
 
 
-def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeting: bool = True) -> PreparedClip:
+def prepare(
+    clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeting: bool = True, cut: Cut | None = None
+) -> PreparedClip:
     """Moves a clip onto the bank's rig, aligns it to the baseline, adds its seam and measures it.
 
-    retargeting: as in `onto_rig`. Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be
-    aligned or measured.
+    retargeting: as in `onto_rig`. cut: the stretch that the clip is, or None; gait and posture are then measured where
+    it is settled. Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be aligned or measured.
     """
     fitted = onto_rig(clip, roles, rig, retargeting=retargeting)
     ours, skeleton_roles = fitted.clip, rig.roles
@@ -99,6 +106,7 @@ def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeti
     path = root_path(*looped.played, seamed.strides, skeleton_roles, alignment.has_gait)[rows]
     contacts = foot_contacts(looped.played[0], skeleton_roles)
     torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
+    settled = slice(0, count) if cut is None else cut.settled(clip.rate)
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     large: dict[str, NDArray[Any]] = {
         **Layout.of(rig.skeleton, skeleton_roles).pack(
@@ -114,12 +122,13 @@ def prepare(clip: Clip, roles: Roles, rig: Rig, baseline: Baseline, *, retargeti
         period=looped.period,
         alignment=alignment,
         phase=seamed.phase,
-        posture=torso.upright[:count, -2:].mean(axis=0),
+        posture=torso.upright[settled, -2:].mean(axis=0),
         path=path,
         contacts=contacts[rows],
         feet=standing_feet(seamed.clip, path, support(contacts, clip.rate)[rows], skeleton_roles),
-        gait=mean_gait(ours, alignment.phase, skeleton_roles),
-        stride=MeanStride.of(torso.upright[:count], alignment.phase),
+        gait=mean_gait(ours.frames(settled.start, settled.stop), alignment.phase[settled], skeleton_roles),
+        stride=MeanStride.of(torso.upright[settled], alignment.phase[settled]),
         fetch=large.__getitem__,
+        cut=cut,
         notes=fitted.notes,
     )

@@ -88,14 +88,14 @@ def departures(clip: Clip, stance: Stance, roles: Roles, rest: NDArray[np.int64]
     )
 
 
-def parts_used(clip: Clip, standing: Standing, roles: Roles) -> tuple[str, ...]:
-    """Returns the names of the parts that depart noticeably from the stance."""
-    turns = quaternion.angle(clip.rotations, standing.stance)
-    turns[:, roles.pelvis] = quaternion.angle(standing.turns, quaternion.IDENTITY)
+def parts_used(clip: Clip, standing: Standing, roles: Roles, frames: slice = slice(None)) -> tuple[str, ...]:
+    """Returns the names of the parts that depart noticeably from the stance in these frames."""
+    turns = quaternion.angle(clip.rotations[frames], standing.stance)
+    turns[:, roles.pelvis] = quaternion.angle(standing.turns[frames], quaternion.IDENTITY)
     turned = np.zeros(PARTS)
     turned[0] = turns[:, sorted({roles.pelvis, *roles.spine})].sum(axis=1).max()
     turned[-1] = turns[:, [joint for joint in (roles.neck, roles.head) if joint >= 0]].sum(axis=1).max(initial=0.0)
-    used = (standing.usage.max(axis=0) >= NOTICEABLE) | (turned >= TURNED)
+    used = (standing.usage[frames].max(axis=0) >= NOTICEABLE) | (turned >= TURNED)
     return tuple(name for name, one in zip(PART_NAMES, used, strict=True) if one)
 
 

@@ -39,7 +39,8 @@ class Action:
         posture: How the action's posture is kept, as in `Splice`.
         loop: Whether the action jumps back by whole strides at its end and goes on, instead of fading out.
         own_clock: Whether the action plays at its own speed instead of in step; or a pair of times of the clip, in
-            seconds, between which it does. None for a standing action's own speed, and in step for any other.
+            seconds, between which it does. None for a standing action's own speed, and in step for any other; a clip
+            that stands and walks by turns does both.
     """
 
     clip: str
@@ -62,10 +63,16 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
 
     Raises UnknownClipError, TimeRangeError or SettingsError.
     """
-    clip = bank.number(action.clip)
-    entry = bank.numbered[clip]
-    if (fault := time_fault("start", action.start, entry)) is not None:
+    entry, start, leaving = bank.clip(action.clip), action.start, 0.0
+    if (fault := time_fault("start", start, entry)) is not None:
         raise fault
+    if entry.stretches and action.method == "splice":
+        if action.own_clock is not None:
+            problem = f"own_clock of {action.clip!r} is that of its stretches, which stand and walk by turns"
+            raise SettingsError(problem, mend=f"Leave it out, or play one of {', '.join(entry.stretches)}")
+        name = max((one for one in entry.stretches if bank.begin_of(one) <= start), key=bank.begin_of)
+        entry, leaving = bank.clip(name), col.PLAYS_ON
+        start += entry.enters / entry.rate - bank.begin_of(name)
     asked = entry.stands if action.own_clock is None else action.own_clock
     own = (0.0, np.inf) if asked is True else asked or (np.inf, np.inf)
     if not 0.0 <= own[0] <= own[1]:
@@ -73,13 +80,14 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
             f"own_clock {own} is not a range of times", mend="Give start and end in seconds, the start first"
         )
     slot = np.zeros(col.ACTION_COLUMNS)
-    slot[col.CLIP], slot[col.KIND] = clip, known(ACTION_METHODS, "method", action.method)
-    slot[col.PHASE], slot[col.FRAME] = bank.phase_at(action.clip, action.start), action.start * entry.rate
+    slot[col.CLIP], slot[col.KIND] = bank.number(entry.name), known(ACTION_METHODS, "method", action.method)
+    slot[col.PHASE], slot[col.FRAME] = bank.phase_at(entry.name, start), start * entry.rate
     slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(action.weight)
     slot[col.LASTING], slot[col.CURVE] = not_negative("blend", action.blend), known(col.CURVES, "curve", action.curve)
     slot[col.FADING_OUT], slot[col.LOOP] = not_negative("blend_out", action.blend_out), action.loop
     slot[col.MASK], slot[col.POSTURE] = mask_of(limbs, action.mask), known(POSTURES, "posture", action.posture)
     slot[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
+    slot[col.LEAVING] = leaving
     slot[col.REMEMBERED :] = Memory.begin(1, rate).state[0]
     return slot
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
-from motionsplice.runtime.characters.transition_kernels import UNKNOWN, is_own_clock, leave_action
+from motionsplice.runtime.characters.transition_kernels import UNKNOWN, hand_over, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_of
@@ -60,13 +60,17 @@ def advance_splice(
 
 @kernel
 def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
-    """Fades out the newest action near its end.
+    """Fades out the newest action near its end, or lets the next stretch of a hybrid take over.
 
     If the action should loop but its clip has no seam, crossfades it into its own start.
     """
     slot = action_slot(c, count - 1)
     clip, kind = int(s[slot + col.CLIP]), s[slot + col.KIND]
     if kind == col.OWN or s[slot + col.LEAVING] > 0.0 or count == col.MOST_ACTIONS:
+        return
+    if s[slot + col.LEAVING] == col.PLAYS_ON and bank.clips[clip, arrays.NEXT_STRETCH] >= 0.0:
+        if s[slot + col.FRAME] >= bank.clips[clip, arrays.LEAVES]:
+            hand_over(bank, s, c, slot)
         return
     goes_on = s[slot + col.LOOP] > 0.0
     if goes_on and (kind == NAIVE or bank.clips[clip, arrays.LOOP] > 0.0):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.slots import smooth
+from motionsplice.runtime.kernels.curves import smooth
 from motionsplice.runtime.kernels.turns import Turn
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 

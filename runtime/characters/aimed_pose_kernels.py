@@ -12,8 +12,8 @@ import math
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.aim_kernels import SOFT, soft, way_to
 from motionsplice.runtime.characters.chains import LEFT_ARM, NECK, RIGHT_ARM, TRUNK, Chains
-from motionsplice.runtime.characters.slots import smooth
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
+from motionsplice.runtime.kernels.curves import smooth
 from motionsplice.runtime.kernels.rotations import TINY
 from motionsplice.runtime.kernels.turns import (
     Turn,

@@ -12,9 +12,10 @@ import math
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Ground
-from motionsplice.runtime.characters.slots import locomotion_slot, smooth
+from motionsplice.runtime.characters.slots import locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame, leading
 from motionsplice.runtime.kernels.arrays import BankArrays
+from motionsplice.runtime.kernels.curves import smooth
 from motionsplice.runtime.kernels.lookup import is_mirrored
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.rotations import ONE, TINY

@@ -14,8 +14,8 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Legs
 from motionsplice.runtime.characters.feet_kernels import Place, Step, Sums, firmness, last_step, moved
-from motionsplice.runtime.characters.slots import smooth
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
+from motionsplice.runtime.kernels.curves import smooth
 from motionsplice.runtime.kernels.rotations import TINY
 from motionsplice.runtime.kernels.turns import (
     Turn,

@@ -15,15 +15,17 @@ def phases(state: Floats) -> Floats:
     return _of_newest(state, col.LOCOMOTIONS, col.FIRST_LOCOMOTION, col.LOCOMOTION_COLUMNS, col.PHASE)
 
 
-def action_times(state: Floats, rates: Floats) -> Floats:
+def action_times(state: Floats, rates: Floats, begins: Floats) -> Floats:
     """Returns how many seconds [n] into the newest action rows [n, COLUMNS] are; NaN without one.
 
-    Times past the clip's last frame are in its seam (docs/bank.md). `rates` are those of the bank's clips.
+    Times past the clip's last frame are in its seam (docs/bank.md). `rates` are those of the bank's clips, `begins` the
+    seconds into a hybrid at which its stretches begin, 0 for other clips.
     """
     slots = col.ACTIONS, col.FIRST_ACTION, col.ACTION_COLUMNS
     kinds, clips, frames = (_of_newest(state, *slots, column) for column in (col.KIND, col.CLIP, col.FRAME))
     plays = (state[:, col.ACTIONS] > 0.0) & (kinds != col.OWN)
-    return np.where(plays, frames / rates[np.where(plays, clips, 0).astype(np.int64)], np.nan)
+    played = np.where(plays, clips, 0).astype(np.int64)
+    return np.where(plays, begins[played] + frames / rates[played], np.nan)
 
 
 def _of_newest(state: Floats, count: int, first: int, width: int, column: int) -> Floats:

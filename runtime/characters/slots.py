@@ -28,13 +28,6 @@ def hands_slot(c: int, number: int) -> int:
 
 
 @inlined
-def smooth(t: float) -> float:
-    """Returns a step from 0 to 1 without a kink, for t from 0 to 1; held outside."""
-    t = min(max(t, 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t)
-
-
-@inlined
 def fade_of(s: Array, slot: int) -> float:
     """Returns how far a slot is faded in, 0 to 1."""
     elapsed, lasting, curve = s[slot + col.ELAPSED], s[slot + col.LASTING], s[slot + col.CURVE]

@@ -19,6 +19,7 @@ from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE, frame_of, is_mirrored
 from motionsplice.runtime.kernels.phase import phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
+from motionsplice.runtime.kernels.stretches import HANDOVER, shift_of
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 
 UNKNOWN = np.inf  # the phase of a character that plays nothing with a phase
@@ -195,6 +196,26 @@ def begin_action(bank: BankArrays, s: Array, c: int) -> None:
     s[c + col.ACTIONS] += 1.0
     s[c + col.WHEN] = col.NEVER
     drop_actions(s, c)
+
+
+@kernel
+def hand_over(bank: BankArrays, s: Array, c: int, slot: int) -> None:
+    """Begins the next stretch of a hybrid action above the one in `slot`, the newest action."""
+    over, before = slot + col.ACTION_COLUMNS, int(s[slot + col.CLIP])
+    clip, phase = int(bank.clips[before, arrays.NEXT_STRETCH]), reference(bank, s, c)
+    for column in range(col.ACTION_COLUMNS):
+        s[over + column] = s[slot + column]
+    stands = bank.clips[clip, arrays.STANCE] >= 0.0
+    late = s[slot + col.FRAME] - bank.clips[before, arrays.LEAVES]
+    frame = bank.clips[clip, arrays.ENTERS] + late
+    start = phase_of(bank, clip, frame)
+    if not stands and phase != UNKNOWN:
+        start = phase + shift_of(bank, clip, start, phase, True)
+        frame = frame_of(bank, clip, start)
+    s[over + col.CLIP], s[over + col.PHASE], s[over + col.FRAME] = clip, start, frame
+    s[over + col.OWN_FROM], s[over + col.OWN_TO] = 0.0 if stands else np.inf, np.inf
+    s[over + col.ELAPSED], s[over + col.LASTING], s[over + col.CURVE] = 0.0, HANDOVER, col.SMOOTH
+    s[c + col.ACTIONS] += 1.0
 
 
 @inlined

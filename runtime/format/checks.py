@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from motionsplice.runtime.format.manifest import (
     TABLES,
     UPPER,
     C,
+    ClipEntry,
     Manifest,
     file_digest,
 )
@@ -86,13 +87,25 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
         if not (follows and sized and 0 <= clip.loop < clip.last_phase - clip.first_phase < 1e9):
             return f"the entry of clip {clip.name!r} does not match the tables"
         row, cell, stance = row + clip.row_count, cell + clip.cell_count, max(stance, clip.stance + 1)
-    return ""
+    return _misfit_of_stretches(clips)
 
 
 def _stays_in_half(twins: NDArray[np.int64], layout: Layout) -> bool:
     """Whether twins [J] lie in the same half of the body, so that a row can be mirrored."""
     halves = [{-1, layout.pelvis}, *({-1, *half.joints} for half in layout.halves.values())]
     return all(set(twins[list(half - {-1})].tolist()) <= half for half in halves)
+
+
+def _misfit_of_stretches(clips: Sequence[ClipEntry]) -> str:
+    by_name, seen = {clip.name: clip for clip in clips}, set[str]()
+    for hybrid in clips:
+        for name in hybrid.stretches:
+            one = by_name.get(name)
+            fits = one is not None and not one.stretches and 0.0 <= one.enters < one.leaves <= one.frame_count - 1.0
+            if not fits or name in seen:
+                return f"the stretch {name!r} of clip {hybrid.name!r} does not match the clips"
+            seen.add(name)
+    return ""
 
 
 def _misfit_of_hands(manifest: Manifest, rows_of: Mapping[str, int]) -> str:

@@ -18,7 +18,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
 FORMAT = "motionsplice bank"
-VERSION = 6
+VERSION = 7
 MANIFEST = "manifest.msgpack"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
 REBUILD = "Build it again with `motionsplice precompute`"
@@ -67,6 +67,9 @@ class ClipEntry:
         stance: Row of its stance in the table `stances`; -1 if it is no standing action.
         parts: Bits of the parts that a standing action drives (`motion.parts`).
         uses: Names of the parts that a standing action uses.
+        stretches: Names of the clips that a hybrid action plays one after another; empty for any other clip.
+        enters: Real-valued frame at which a stretch of a hybrid takes over; 0 for any other clip.
+        leaves: Real-valued frame at which it hands over to the next; 0 for any other clip.
         warnings: Problems found by the offline job.
         notes: Remarks of the offline job.
         source: Digest of the file.
@@ -92,6 +95,9 @@ class ClipEntry:
     stance: int
     parts: int
     uses: tuple[str, ...]
+    stretches: tuple[str, ...]
+    enters: float
+    leaves: float
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
     source: str

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,13 @@ LATE = 1e-6  # seconds: times this much after a clip's end count as its end
 FIRST_ROW, FRAME_COUNT, ROW_COUNT, RATE, FIRST_CELL, CELL_COUNT = 0, 1, 2, 3, 4, 5
 FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, GAIT = 6, 7, 8, 9, 10, 16
 MIRRORED, PHASE_SHIFT = 17, 18  # whether rows are mirrored; what is added to the table of phases
-STANCE, DRIVES, CLIP_COLUMNS = 19, 20, 21  # row in BankArrays.stances, -1 if none; bits of the parts that are driven
+STANCE, DRIVES = 19, 20  # row in BankArrays.stances, -1 if none; bits of the parts that are driven
+FIRST_STRETCH, NEXT_STRETCH = (
+    21,
+    22,
+)  # numbers of clips: of a hybrid's first stretch, of the one after a stretch; else -1
+# frames of a stretch at which it takes over and hands over, 0 for other clips; and the hybrid's frame at which it does
+ENTERS, LEAVES, BEGINS, CLIP_COLUMNS = 23, 24, 25, 26
 # entries of BankArrays.rig
 FIRST_PLANE, LOWER_WIDTH, UPPER_WIDTH, CLOUD_WIDTH, POINTS, PELVIS_COLUMN, LOWER_COUNT = 0, 1, 2, 3, 4, 5, 6
 HANDS_WIDTH, SPARE, HANDS_COUNT, OWN_UPPER, COLUMNS = 7, 8, 9, 10, 11
@@ -86,6 +93,10 @@ class RigArrays(NamedTuple):
 def bank_arrays(bank: Bank) -> BankArrays:
     """Returns a bank as flat arrays, without copying its large tables."""
     layout, standing = bank.layout, {clip.name: row for row, clip in enumerate(c for c in bank.numbered if c.stands)}
+    following, begins = dict[str, int](), dict[str, float]()
+    for clip in bank.numbered:
+        following |= {one: bank.number(then) for one, then in pairwise(clip.stretches)}
+        begins |= {one: bank.begin_of(one) * clip.rate for one in clip.stretches}
     clips = np.array(
         [
             (
@@ -98,6 +109,8 @@ def bank_arrays(bank: Bank) -> BankArrays:
                 HALF_A_CYCLE * (number >= len(bank.clips)),
                 standing.get(clip.name, -1),
                 clip.parts,
+                *(bank.number(clip.stretches[0]) if clip.stretches else -1, following.get(clip.name, -1)),
+                *(clip.enters, clip.leaves, begins.get(clip.name, 0.0)),
             )
             for number, clip in enumerate(bank.numbered)
         ]
@@ -107,6 +120,9 @@ def bank_arrays(bank: Bank) -> BankArrays:
     hand_rows = np.full((len(bank.hand_clips), len(bank.numbered)), -1, np.int64)
     for one in bank.hands:
         hand_rows[bank.hand_number(one.name), bank.number(one.body) :: len(bank.clips)] = one.first_row
+    for number, clip in enumerate(bank.numbered):
+        if clip.stretches:  # hands fit a hybrid if they fit all that it plays
+            hand_rows[(hand_rows[:, [bank.number(one) for one in clip.stretches]] < 0).any(axis=1), number] = -1
     spare = layout.lower.width + layout.upper.width + layout.hands.width
     own = spare + max(layout.lower.width, layout.upper.width)
     counts = (len(layout.lower.joints), layout.hands.width, spare, len(layout.hands.joints), own)

@@ -81,7 +81,8 @@ def first_at_fault(bank: BankArrays, requests: Array, remembers: bool) -> int:
             return character
         if hands >= 0 and bank.hand_rows[hands, upper_clip(request)] < 0:
             return character
-        if not (within(clips, locomotion, request["time"]) and within(clips, action, request["start"])):
+        waits = request["start"] < 0.0 and clips[action, arrays.LEAVES] > 0.0  # a stretch that takes over later
+        if not (within(clips, locomotion, request["time"]) and (waits or within(clips, action, request["start"]))):
             return character
     return -1
 

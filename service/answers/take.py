@@ -149,6 +149,9 @@ class Played:
         self.times = np.empty(take.frames, np.float32)
         self.events: list[dict[str, Any]] = []
         self._rates = np.array([clip.rate for clip in edition.bank.numbered])
+        self._begins = np.array(
+            [edition.bank.begin_of(clip.name) - clip.enters / clip.rate for clip in edition.bank.numbered]
+        )
         self._take = take
         self._scene = Scene(edition, take.rate, 1)
         self._scene.subscribe(tuple(EVENT_NAMES.values()))
@@ -167,7 +170,7 @@ class Played:
             states.append(self._scene.characters.state[0].copy())
         rows = np.array(states)
         self.phases[first:end] = phases(rows)
-        self.times[first:end] = action_times(rows, self._rates)
+        self.times[first:end] = action_times(rows, self._rates, self._begins)
 
     @property
     def clip(self) -> Clip:

@@ -106,7 +106,8 @@ class Scene:
                 elif column is not None:
                     for number in np.unique(state[rows, column]):
                         ids = [int(self.ids[row]) for row in rows if state[row, column] == number]
-                        yield {"event": name, "ids": ids, "action": self.edition.bank.numbered[int(number)].name}
+                        bank = self.edition.bank
+                        yield {"event": name, "ids": ids, "action": bank.whole(bank.numbered[int(number)].name)}
 
     def do(self, command: Command) -> None:
         """Does a command. Raises MotionError; the command may then be done in part."""

@@ -32,7 +32,7 @@ def joined(files: list[bytes]) -> bytes:
 def small_banks() -> Iterator[Bank]:
     """Yields six banks small enough to fuzz, in which hands drive joints."""
     kinds = enumerate(itertools.cycle(random_bank.CLOUDS))
-    banks = (random_bank.random_bank(seed, 9, 2, 3, clouds) for seed, clouds in kinds)
+    banks = (random_bank.random_bank(seed, 9, 3, 3, clouds, hybrids=True) for seed, clouds in kinds)
     return itertools.islice((bank for bank in banks if bank.layout.hands.columns), 6)
 
 

@@ -89,12 +89,12 @@ def test_actions_captured_standing_are_added_as_by_the_kernels(standing_bank: Ba
     )
 
 
-@given(seeds, st.integers(3, 60), st.integers(3, 20), st.sampled_from(random_bank.CLOUDS), st.booleans())
-@settings(max_examples=40)
+@given(seeds, st.integers(3, 60), st.integers(3, 20), st.sampled_from(random_bank.CLOUDS), st.booleans(), st.booleans())
+@settings(max_examples=60)
 def test_random_banks_are_evaluated_as_by_the_kernels(
-    program: Path, seed: int, joints: int, points: int, clouds: str, remembers: bool
+    program: Path, seed: int, joints: int, points: int, clouds: str, remembers: bool, hybrids: bool
 ) -> None:
-    bank = random_bank.random_bank(seed, joints, 3, points, clouds)
+    bank = random_bank.random_bank(seed, joints, 3, points, clouds, hybrids)
     clips = tuple(replace(clip, gait=number != 1) for number, clip in enumerate(bank.clips))
     bank = replace(bank, manifest=replace(bank.manifest, clips=clips))
     with tempfile.TemporaryDirectory() as folder:

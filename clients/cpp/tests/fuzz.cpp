@@ -60,7 +60,7 @@ static std::string run(const unsigned char* data, std::size_t size) {
             bytes.assign(data, data + length);
         } else {
             const char outer[] =
-                "\x84\xa6" "format\xb1motionsplice bank\xa7version\x06\xa6" "digest\xa0\xa4" "body\xc6";
+                "\x84\xa6" "format\xb1motionsplice bank\xa7version\x07\xa6" "digest\xa0\xa4" "body\xc6";
             bytes.assign(outer, outer + sizeof outer - 1);
             for (int i = 3; i >= 0; --i) bytes.push_back(static_cast<unsigned char>(length >> (8 * i)));
             bytes.insert(bytes.end(), data, data + length);

@@ -9,7 +9,7 @@ import numpy as np
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError
-from motionsplice.motion.pointcloud import planar_distance, planar_distances, planar_lag_distances, windowed
+from motionsplice.motion.pointcloud import planar_distances, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
@@ -54,8 +54,8 @@ class Alignment:
     """The phase of each frame of a clip in the baseline's stride, and how well the clip fits there.
 
     phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
-    chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees, over
-    LOOP_WINDOW frames, from where they are half a stride later, in leg lengths.
+    chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees, as
+    seen from the hips, from where they are half a stride later, in leg lengths.
     """
 
     phase: Floats
@@ -179,8 +179,8 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
             place=f"clip {clip.name!r}",
             mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more",
         )
-    clouds = _at_working_rate(clip, roles.lower_cloud)
-    distances = planar_distances(level(clouds), level(baseline.clouds))
+    paths = _at_working_rate(clip, facing_joints(roles))
+    distances = planar_distances(level(paths[:, :3]), level(baseline.clouds))
     wound = wind(distances)
     cells = distances.shape[1]
     frames = np.arange(len(wound))
@@ -189,12 +189,9 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
     seconds = np.linspace(0.0, clip.duration, len(wound))
     curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS)
-    windows = windowed(
-        clouds, LOOP_WINDOW
-    )  # single clouds of a symmetric walk equal, turned, those half a stride later
+    seen = level(facing(paths))  # not turned freely: half a stride later a symmetric walk is itself, turned
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
-    apart = planar_distance(windows, windows[np.minimum(half_later[: len(windows)], len(windows) - 1)])
-    swing = float(np.sqrt(apart.mean() / (3.0 * LOOP_WINDOW))) / baseline.leg
+    swing = float(np.sqrt(np.sum((seen[half_later] - seen) ** 2, axis=2).mean())) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
     return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()), swing)
 

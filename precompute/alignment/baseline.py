@@ -12,6 +12,7 @@ from motionsplice.motion.errors import BaselineError, ClipError
 from motionsplice.motion.pointcloud import planar_distances, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.precompute.alignment.arm_swing import arm_joints, arm_swing, swing_distances
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
 from motionsplice.precompute.alignment.ring import wind
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
@@ -169,7 +170,7 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
 
 
 def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
-    """Aligns a clip to the baseline by winding it round the baseline's ring.
+    """Aligns a clip to the baseline by winding it round the baseline's ring: first by its legs, then also by its arms.
 
     The clip must have the baseline's skeleton. Raises ClipError if it is shorter than SHORTEST_CLIP.
     """
@@ -180,10 +181,11 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
             mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more",
         )
     paths = _at_working_rate(clip, facing_joints(roles))
-    distances = planar_distances(level(paths[:, :3]), level(baseline.clouds))
+    apart = planar_distances(level(paths[:, :3]), level(baseline.clouds))
+    cells, frames = apart.shape[1], np.arange(len(paths))
+    swing = arm_swing(_at_working_rate(clip, arm_joints(roles)))
+    distances = apart + swing_distances(swing, wind(apart) / cells, cells, baseline.leg)
     wound = wind(distances)
-    cells = distances.shape[1]
-    frames = np.arange(len(wound))
     at, before, after = (distances[frames, (wound + shift) % cells] for shift in (0, -1, 1))
     bend = before - 2.0 * at + after
     between = np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5)
@@ -191,9 +193,9 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
     curve = fit_increasing(seconds, (wound + between - baseline.zero) / cells, KNOT_SPACING, STIFFNESS)
     seen = level(facing(paths))  # not turned freely: half a stride later a symmetric walk is itself, turned
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
-    swing = float(np.sqrt(np.sum((seen[half_later] - seen) ** 2, axis=2).mean())) / baseline.leg
+    moved = float(np.sqrt(np.sum((seen[half_later] - seen) ** 2, axis=2).mean())) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
-    return Alignment(phase - np.floor(phase[0]), at, float(distances.mean()), swing)
+    return Alignment(phase - np.floor(phase[0]), apart[frames, wound % cells], float(apart.mean()), moved)
 
 
 def level(clouds: Floats) -> Floats:

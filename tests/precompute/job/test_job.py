@@ -257,6 +257,14 @@ def test_settings_are_applied_to_the_clip(tmp_path: Path) -> None:
     assert bank.neutral("box") == "walk"  # nearer in gait than the run
 
 
+def test_a_walk_of_less_than_two_strides_is_no_neutral(tmp_path: Path) -> None:
+    short, action = make("walk", seconds=1.2, seed=3), make("walk", "carry_box", seed=3)
+    clips = write(tmp_path / "clips", short=short, slow=make("slow_walk"), box=action)
+    (clips / "clips.toml").write_text("[box]\nkind = 'action'\n")
+    build_bank([clips], tmp_path / "bank", baseline="slow")
+    assert Bank.open(tmp_path / "bank").neutral("box") == "slow"
+
+
 def test_settings_hold_where_clips_toml_says_nothing_else(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"], box=CLIPS["carry_box"], run=CLIPS["run"])
     (clips / "clips.toml").write_text("[box]\nkind = 'action'\n[run]\nskip_frames = 3\n")

@@ -91,11 +91,12 @@ class ClipSettings:
 DEFAULT_SETTINGS = ClipSettings()
 
 
-def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
+def read_clip_settings(file: Path, default: ClipSettings = DEFAULT_SETTINGS) -> dict[str, ClipSettings]:
     """Reads a `clips.toml`.
 
     Args:
         file: The file, which must exist.
+        default: The settings that the file leaves out.
 
     Returns:
         Settings by the name of a clip, or of a file with several; `settings_for` finds those of a clip.
@@ -108,7 +109,7 @@ def read_clip_settings(file: Path) -> dict[str, ClipSettings]:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         mend = 'Write a name with a colon in quotes, as ["moves:run"]' if "table declaration" in str(error) else ""
         raise SettingsError(f"the file is not TOML: {error}", file=str(file), mend=mend) from None
-    return {name: _settings(name, _with_those_of_file(name, entries), file) for name in entries}
+    return {name: _settings(name, _with_those_of_file(name, entries), file, default) for name in entries}
 
 
 def settings_for(clip: str, settings: Mapping[str, ClipSettings], default: ClipSettings) -> ClipSettings:
@@ -121,7 +122,7 @@ def _with_those_of_file(name: str, entries: Mapping[str, Any]) -> Any:
     return {**shared, **own} if isinstance(own, Mapping) and isinstance(shared, Mapping) else own
 
 
-def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
+def _settings(name: str, entry: Any, file: Path, default: ClipSettings) -> ClipSettings:
     where = f"clip {name!r}"
     if not isinstance(entry, Mapping):
         raise SettingsError(
@@ -131,8 +132,9 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
     for key in entry:
         if key not in keys:
             raise SettingsError(f"unknown key {key!r}", file=str(file), place=where, mend=did_you_mean(key, keys))
-    tags, roles = entry.get("tags", []), entry.get("roles")
-    settings = ClipSettings(**{**entry, "tags": tuple(tags) if isinstance(tags, list) else (), "roles": {}})
+    tags, roles = entry.get("tags", list(default.tags)), entry.get("roles")
+    given = {key: entry[key] for key in entry if key != "roles"}
+    settings = replace(default, **{**given, "tags": tuple(tags) if isinstance(tags, list) else ()})
     invalid = [
         key
         for key, valid in {
@@ -148,7 +150,7 @@ def _settings(name: str, entry: Any, file: Path) -> ClipSettings:
             "mirror": isinstance(settings.mirror, bool),
             "roles": isinstance(roles, str | None),
         }.items()
-        if not valid
+        if key in entry and not valid
     ]
     if invalid:
         key = invalid[0]

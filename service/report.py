@@ -17,7 +17,7 @@ MOST_WRONG = 3  # faults of a file that an error names
 class MethodReport(BaseModel):
     """The scores of one splice of a pair. Null where a number has no meaning."""
 
-    method: str = Field(description="`naive` is plain replacement, `exact` the papers' splice, `splice` the bank's")
+    method: str = Field(description="`naive`: plain replacement, `additive`, `exact`: the papers', `splice`: ours")
     seconds: float
     error: float | None = Field(description="mean error of the upper body's joints, cm")
     worst_error: float | None = Field(description="95th percentile of the error, cm")
@@ -28,8 +28,19 @@ class MethodReport(BaseModel):
     excursion: float | None = Field(description="largest distance of the neck divided by the larger source's")
     monotone: bool | None = Field(description="whether the action's time always increases")
     slopes: tuple[float, float] | None = Field(description="smallest and largest speed of the action's time")
+    hands: float | None = Field(description="fastest hand divided by the 99th percentile in the action's clip")
     mismatch: float | None = Field(description="distance of the legs at aligned frames, cm")
     change: float | None = Field(description="largest change within either half, degrees")
+
+
+class LackingReport(BaseModel):
+    """The error that the bank's splice would have if one thing were known from the truth, divided by `naive`'s."""
+
+    lag: float = Field(description="with the best constant lag of the action's time")
+    lag_seconds: float = Field(description="that lag, seconds; positive plays later frames")
+    time: float = Field(description="with the best time that never goes back")
+    torso: float = Field(description="with the best turn of the torso at each frame")
+    oracle: float = Field(description="with the best frames of the action, without regard to time")
 
 
 class WorstMoment(BaseModel):
@@ -48,6 +59,8 @@ class PairReport(BaseModel):
     example: str = Field(description="title of the pair")
     oracle: float | None = Field(description="error of a splice that knows the truth, cm")
     floor: float | None = Field(description="difference of the truth from itself a stride later, cm")
+    lacking: LackingReport | None = Field(description="what the bank's splice lacks; null without a truth")
+    group: str = Field(description="of pairs that were averaged together")
     methods: list[MethodReport]
     measure: Literal["error", "legs"] = Field(
         description="what is measured over time: the error, or without a truth the legs"

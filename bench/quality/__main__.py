@@ -23,7 +23,7 @@ from bench.clips import bank_of
 from bench.quality.document import document
 from bench.quality.judge import STRIP_RATE, Judged, claim_values, errors_over_time, judge
 from bench.quality.pair_list import EXAMPLES, PAIRS, grid_pairs, has_built_in_clips, pairs_of_bank, read_pairs
-from bench.quality.report import Cell, claim_row, clip_table, means_table, pair_table, picture, write_report
+from bench.quality.report import Cell, by_part, claim_row, clip_table, means_table, pair_table, picture, write_report
 from bench.quality.scores import Form, score_clip
 from bench.quality.targets import BUILT_IN, OURS, REAL, targets
 from motionsplice.cli import run
@@ -32,7 +32,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 
-FORMS = (Form("naive"), Form("exact"), Form("splice"))
+FORMS = (Form("naive"), Form("additive"), Form("exact"), Form("splice"))
 WORST_DRAWN = 4  # number of the grid's worst pairs that the report draws
 OPEN = 2  # number of pictures that are open when the report loads
 
@@ -47,7 +47,8 @@ def main(
     pairs: Annotated[
         Path | None,
         typer.Option(
-            help="CSV file with the columns locomotion, action, truth, example, claim; the last three may be empty"
+            help="CSV file with the columns locomotion, action, truth, aligned, group, example, claim; only the first "
+            "two must be filled"
         ),
     ] = None,
     baseline: Annotated[
@@ -75,9 +76,14 @@ def main(
         clip_scores = [score_clip(bank, clip.name) for clip in bank.clips]
         judged_targets = targets(scores, clip_scores, bounds)
         claims = [claim_row(one.pair, claim_values(bank, one)) for one in listed if one.pair.claim]
-        parts = ("action", "locomotion") if grid else ()
+        groups = {"action": by_part(scores, "action"), "locomotion": by_part(scores, "locomotion")}
+        if not grid:
+            names = dict.fromkeys(one.pair.group for one in listed)
+            groups = {"group": {name: [one.score for one in listed if one.pair.group == name] for name in names}}
         means = [
-            (f"Mean error / mean error of the naive splice, by {part}", *means_table(scores, part)) for part in parts
+            (f"Mean error / mean error of the naive splice, by {part}", *means_table(some))
+            for part, some in groups.items()
+            if any(one.truth for one in scores)
         ]
         show("Pairs", *pair_table(scores))
         for mean in means:

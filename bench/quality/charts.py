@@ -20,7 +20,14 @@ from motionsplice.precompute.alignment.baseline import WORKING_RATE, level
 from motionsplice.runtime.bank import Bank
 
 # Okabe and Ito's palette, suitable for colour-blind readers.
-COLOURS = {"naive": "#d55e00", "exact": "#cc79a7", "splice": "#0072b2", "truth": "#222222", "own": "#999999"}
+COLOURS = {
+    "naive": "#d55e00",
+    "additive": "#e69f00",
+    "exact": "#cc79a7",
+    "splice": "#0072b2",
+    "truth": "#222222",
+    "own": "#999999",
+}
 WORST = 20.0  # cm, the end of the colour scale
 
 

@@ -19,7 +19,7 @@ def document(
     bank: Bank, judged: Iterable[Judged], clips: Sequence[ClipScore], targets: Sequence[Target]
 ) -> dict[str, Any]:
     """Returns all numbers, and of which bank they are. A pair that was judged twice is there once, with its title."""
-    pairs = {(one.pair.locomotion, one.pair.action, one.pair.truth): one for one in judged}
+    pairs = {(one.pair.locomotion, one.pair.action, one.score.truth): one for one in judged}
     return {
         "bank": bank.digest,
         "version": __version__,
@@ -38,8 +38,14 @@ def _pair(bank: Bank, judged: Judged) -> dict[str, Any]:
     measure = "legs" if judged.truth is None else "error"
     over_time = legs_over_time(bank, judged) if judged.truth is None else errors_over_time(bank, judged)
     worst = int(np.argmax(over_time[OURS]))
+    score = judged.score
+    scores = asdict(score)
+    del scores["lacks"]
     return {
-        **asdict(judged.score),
+        **scores,
+        "oracle": score.oracle,
+        "lacking": {**score.lacking, "lag_seconds": score.lacks.lag_seconds} if score.lacks else None,
+        "group": judged.pair.group,
         "example": judged.pair.example,
         "measure": measure,
         "over_time": {label: np.round(values, 2).tolist() for label, values in over_time.items()},

@@ -22,12 +22,14 @@ def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
     Compares the frames that both clips have. The pelvis is left out, as it is in the same place in both.
     """
     frames = min(result.frame_count, truth.frame_count)
-    upper = result.skeleton.subtree(roles.pelvis)[1:]
-    over_root = []
-    for clip in (result, truth):
-        positions = joint_positions(clip.frames(0, frames))
-        over_root.append(positions[:, upper] - positions[:, :1])
-    return np.asarray(np.linalg.norm(over_root[0] - over_root[1], axis=-1))
+    ours, theirs = (over_root(clip.frames(0, frames), roles) for clip in (result, truth))
+    return np.asarray(np.linalg.norm(ours - theirs, axis=-1))
+
+
+def over_root(clip: Clip, roles: Roles) -> Floats:
+    """Returns the joints above the pelvis relative to the root [F, n, 3], in metres."""
+    positions = joint_positions(clip)
+    return np.asarray(positions[:, clip.skeleton.subtree(roles.pelvis)[1:]] - positions[:, :1])
 
 
 def posture_error(result: Clip, wanted: Clip, roles: Roles) -> float:
@@ -71,6 +73,15 @@ def neck_excursion(clip: Clip, roles: Roles) -> float:
     neck = neck_over_root(clip, roles)
     profile = np.stack([neck[:, 1], np.hypot(neck[:, 0], neck[:, 2])], axis=1)
     return float(np.linalg.norm(profile - profile.mean(axis=0), axis=1).max())
+
+
+def hand_speeds(clip: Clip, roles: Roles) -> Floats:
+    """Returns how fast both wrists move, seen from the hips [frames - 1, 2], in m/s. Clips are resampled to 30 Hz."""
+    resampled = _for_derivatives(clip)
+    positions = joint_positions(resampled)
+    over = positions[:, [roles.left_wrist, roles.right_wrist]] - positions[:, :1]
+    seen = quaternion.rotate(quaternion.conjugate(resampled.rotations[:, :1]), over)
+    return np.asarray(np.linalg.norm(np.diff(seen, axis=0), axis=-1) * resampled.rate)
 
 
 def accelerations(clip: Clip) -> Floats:

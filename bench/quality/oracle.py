@@ -2,20 +2,79 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.quality.measures import upper_body_errors
+from bench.quality.measures import over_root, upper_body_errors
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import joint_positions, world_transforms
+from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.body.posture import measure_torso
+from motionsplice.precompute.body.best_rotations import best_rotations
+from motionsplice.precompute.body.posture import Torso, measure_torso
 from motionsplice.precompute.splice import attach
 
 ORACLE_RATE = 30.0  # frames per second at which the oracle picks frames
+
+
+@dataclass(frozen=True, eq=False)
+class Laying:
+    """Lays any frame of an action on any frame of a locomotion, as a splice does, and compares it with the truth.
+
+    local: [Fu, n, 3] the action's joints in its pelvis's frame, metres. pelvis: [F, 4] local rotations of the
+    locomotion's pelvis. above: [F, 4] world rotations of its parent. goals: [F, n, 3] the truth's joints over the
+    locomotion's pelvis, metres. offsets: torso offsets of the locomotion [F, 4] and of the action [Fu, 4].
+    """
+
+    torso_l: Torso
+    torso_u: Torso
+    offsets: tuple[Floats, Floats]
+    local: Floats
+    pelvis: Floats
+    above: Floats
+    goals: Floats
+
+    @classmethod
+    def of(cls, locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Floats, Floats], roles: Roles) -> Laying:
+        """Prepares the frames that locomotion and truth have in common."""
+        used = locomotion.frames(0, min(locomotion.frame_count, truth.frame_count))
+        upper = action.skeleton.subtree(roles.pelvis)[1:]
+        positions, world = world_transforms(used.skeleton, used.root_positions, used.rotations)
+        pelvis = positions[:, [roles.pelvis]] - positions[:, :1]
+        return cls(
+            torso_l=measure_torso(used, roles),
+            torso_u=measure_torso(action, roles),
+            offsets=offsets,
+            local=_in_pelvis_frame(action, upper, roles),
+            pelvis=used.rotations[:, roles.pelvis],
+            above=world[:, int(used.skeleton.parents[roles.pelvis])],
+            goals=over_root(truth.frames(0, used.frame_count), roles) - pelvis,
+        )
+
+    def errors(self, frames: NDArray[np.int64], action_frames: Floats) -> Floats:
+        """Returns the mean error [n] in metres of real-valued action frames [n] on frames [n] of the locomotion."""
+        before, after, t = quaternion.neighbours(len(self.local), action_frames)
+        local, clouds = (
+            table[before] + t[:, None, None] * (table[after] - table[before])
+            for table in (self.local, self.torso_u.clouds)
+        )
+        theirs = quaternion.slerp(self.offsets[1][before], self.offsets[1][after], t)
+        turn = quaternion.multiply(theirs, quaternion.conjugate(self.offsets[0][frames]))
+        frame = self.torso_l.frames[frames]
+        lean = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
+        aligned = best_rotations(self.torso_l.clouds[frames], clouds)
+        pelvis = quaternion.multiply(lean, quaternion.multiply(self.pelvis[frames], aligned))
+        turned = quaternion.rotate(quaternion.multiply(self.above[frames], pelvis)[:, None], local)
+        return np.asarray(np.linalg.norm(turned - self.goals[frames], axis=-1).mean(axis=1))
+
+    def grid(self, frames: NDArray[np.int64], action_frames: NDArray[np.int64]) -> Floats:
+        """Returns the mean error [n, m] in metres of each of m action frames on each of n frames of the locomotion."""
+        candidates = action_frames.astype(np.float64)
+        return np.stack([self.errors(np.full(len(candidates), frame), candidates) for frame in frames])
 
 
 def oracle_error(locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Floats, Floats], roles: Roles) -> float:
@@ -25,24 +84,11 @@ def oracle_error(locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Flo
     locomotion and action at their own frames. Each frame is picked independently, without regard to time, which no real
     motion could do.
     """
-    upper = locomotion.skeleton.subtree(roles.pelvis)[1:]
-    torso_l, torso_u = measure_torso(locomotion, roles), measure_torso(action, roles)
-    local = _in_pelvis_frame(action, upper, roles)
-    world = world_transforms(locomotion.skeleton, locomotion.root_positions, locomotion.rotations)[1]
-    goals = joint_positions(truth)
-    parent = int(locomotion.skeleton.parents[roles.pelvis])
-    candidates = _sampled_frames(action)
-    nearest = []
-    for frame in _sampled_frames(locomotion.frames(0, min(locomotion.frame_count, truth.frame_count))):
-        turn = quaternion.multiply(offsets[1][candidates], quaternion.conjugate(offsets[0][frame]))
-        lean = quaternion.multiply(torso_l.frames[frame], turn)
-        lean = quaternion.multiply(lean, quaternion.conjugate(torso_l.frames[frame]))
-        aligned = horn_rotation(torso_l.clouds[frame], torso_u.clouds[candidates])
-        pelvis = quaternion.multiply(lean, quaternion.multiply(locomotion.rotations[frame, roles.pelvis], aligned))
-        turned = quaternion.rotate(quaternion.multiply(world[frame, parent], pelvis)[:, None], local[candidates])
-        goal = goals[frame, upper] - goals[frame, roles.pelvis]
-        nearest.append(np.linalg.norm(turned - goal, axis=-1).mean(axis=1).min())
-    return float(np.mean(nearest))
+    laying = Laying.of(locomotion, action, truth, offsets, roles)
+    grid = laying.grid(
+        sampled_frames(len(laying.goals), locomotion.rate), sampled_frames(len(laying.local), action.rate)
+    )
+    return float(grid.min(axis=1).mean())
 
 
 def stride_to_stride(truth: Clip, phase: Floats, roles: Roles) -> float:
@@ -64,9 +110,9 @@ def stride_to_stride(truth: Clip, phase: Floats, roles: Roles) -> float:
     return float(np.mean(errors))
 
 
-def _sampled_frames(clip: Clip) -> NDArray[np.int64]:
-    """Returns the frame numbers of a clip at about ORACLE_RATE."""
-    return np.arange(0, clip.frame_count, max(1, round(clip.rate / ORACLE_RATE)))
+def sampled_frames(count: int, rate: float) -> NDArray[np.int64]:
+    """Returns the frame numbers of a clip of `count` frames at about ORACLE_RATE."""
+    return np.arange(0, count, max(1, round(rate / ORACLE_RATE)))
 
 
 def _in_pelvis_frame(clip: Clip, joints: list[int], roles: Roles) -> Floats:

@@ -6,6 +6,7 @@ import csv
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench.quality.aligned_truth import aligned_truth
 from bench.quality.claims import CLAIMS
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError, did_you_mean
@@ -17,7 +18,7 @@ from motionsplice.runtime.bank import Bank
 
 PAIRS, EXAMPLES = (Path(__file__).with_name(name) for name in ("pairs.csv", "examples.csv"))
 MOST_PAIRS = 400  # of a bank that are judged without a list; each takes about a second
-COLUMNS = ("locomotion", "action", "truth", "example", "claim")
+COLUMNS = ("locomotion", "action", "truth", "aligned", "group", "example", "claim")
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,9 @@ class Pair:
     """A locomotion and an action to splice.
 
     truth: a clip of the bank, or LOCOMOTION+ACTION of the built-in motions, or empty if unknown. example: a title for
-    the report. claim: a key of `bench.quality.claims.CLAIMS`.
+    the report. claim: a key of `bench.quality.claims.CLAIMS`. aligned: `yes` if the truth is another take or gait of
+    the action, to be aligned to the locomotion by its legs; empty if it has the locomotion's legs frame by frame.
+    group: of pairs whose mean the report shows.
     """
 
     locomotion: str
@@ -33,10 +36,12 @@ class Pair:
     truth: str = ""
     example: str = ""
     claim: str = ""
+    aligned: str = ""
+    group: str = ""
 
 
 def read_pairs(file: Path) -> list[Pair]:
-    """Reads pairs from a CSV file with the columns locomotion and action, and optionally truth, example and claim.
+    """Reads pairs from a CSV file with the columns locomotion and action, and optionally those of COLUMNS.
 
     Raises SettingsError with the file and line.
     """
@@ -56,6 +61,9 @@ def read_pairs(file: Path) -> list[Pair]:
         if pair.claim and pair.claim not in CLAIMS:
             mend = did_you_mean(pair.claim, CLAIMS)
             raise SettingsError(f"unknown claim {pair.claim!r}", file=str(file), place=f"line {line}", mend=mend)
+        if pair.aligned not in ("", "yes"):
+            problem = f"aligned is {pair.aligned!r}, expected yes or nothing"
+            raise SettingsError(problem, file=str(file), place=f"line {line}")
         pairs.append(pair)
     return pairs
 
@@ -85,7 +93,7 @@ def has_built_in_clips(bank: Bank) -> bool:
 def truth_of(pair: Pair, bank: Bank) -> Clip | None:
     """Returns the truth of a pair on the bank's skeleton, None if unknown.
 
-    Raises UnknownClipError, or SettingsError for unknown built-in motions.
+    Raises UnknownClipError, SettingsError for unknown built-in motions, or ClipError if they cannot be aligned.
     """
     if not pair.truth:
         return None
@@ -93,4 +101,6 @@ def truth_of(pair: Pair, bank: Bank) -> Clip | None:
     if locomotion in LOCOMOTIONS and action in ACTIONS:
         generated = truth(locomotion, action)
         return onto_rig(generated, find_roles(generated.skeleton), Rig(bank.skeleton, bank.roles)).clip
+    if pair.aligned:
+        return aligned_truth(bank.motion(pair.locomotion), bank.motion(pair.truth), bank.roles)
     return bank.motion(pair.truth)

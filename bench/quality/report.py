@@ -21,13 +21,15 @@ from motionsplice.pictures.sheets import contact_sheet
 from motionsplice.runtime.bank import Bank
 
 PAIR_NOTE = (
-    "ratio: mean error divided by that of the naive splice. floor: how much the truth differs from itself a stride "
-    "later, spliced in the same way. oracle: the error of a splice that knows the truth and picks the best frames of "
-    "the action. lag: how far the timing of the arms is from the truth's (or the locomotion's, if unknown), in degrees "
-    "of a stride. jitter, excursion: motion of the neck over the root, divided by that of the larger source. "
-    "speed: speed of the action's time relative to its own. legs: distance between the legs at aligned frames. "
-    "posture: angle from the posture that the form promises. within halves: largest angle of a joint in either half "
-    "from its source."
+    "ratio: mean error divided by that of the naive splice. oracle, cm: the error of a splice that knows the truth and "
+    "picks the best frames of the action. floor: how much the truth differs from itself a stride later, spliced in the "
+    "same way. best lag, best time, best torso, oracle: the ratio that the bank's splice would have with the best "
+    "constant lag, the best time that never goes back, the best turn of the torso at each frame, or the best frames of "
+    "the action. lag, degrees: how far the timing of the arms is from the truth's (or the locomotion's, if unknown). "
+    "jitter, excursion: motion of the neck over the root, divided by that of the larger source. hands: speed of the "
+    "fastest hand, divided by the 99th percentile in the action's clip. speed: speed of the action's time relative to "
+    "its own. legs: distance between the legs at aligned frames. posture: angle from the posture that the form "
+    "promises. within halves: largest angle of a joint in either half from its source."
 )
 CLIP_NOTE = (
     "knee passes: moments at which the left knee passes the right one going forward. strides between: strides between "
@@ -69,9 +71,10 @@ def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]
     methods = [one.method for one in scores[0].methods]
     columns = ["locomotion <- action", *(f"{name}\ncm mean / p95" for name in methods)]
     columns += [*(f"{name}\nratio" for name in methods[1:]), "oracle\ncm", "floor\ncm"]
+    columns += [f"{name}\nratio" for name in ("best lag", "best time", "best torso", "oracle")]
     columns += [*(f"{name}\n{what}" for what in ("posture °",) for name in methods[1:])]
     columns += [*(f"{name}\n{what}" for what in ("lag °", "jitter", "excursion") for name in (methods[0], OURS))]
-    columns += [f"{OURS}\nspeed", f"{OURS}\nlegs cm", f"{OURS}\nwithin halves °"]
+    columns += [f"{OURS}\nhands", f"{OURS}\nspeed", f"{OURS}\nlegs cm", f"{OURS}\nwithin halves °"]
     rows = []
     for one in scores:
         ours, naive = one.of(OURS), one.methods[0]
@@ -79,6 +82,7 @@ def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]
         row += [Cell("" if m.error is None else f"{m.error:.1f} / {m.worst_error:.1f}") for m in one.methods]
         row += [_graded(m.ratio, 0.45, 0.7) for m in one.methods[1:]]
         row += [_graded(one.oracle), _graded(one.floor)]
+        row += [_graded(one.lacking.get(name)) for name in ("lag", "time", "torso", "oracle")]
         row += [_graded(m.posture, 1.5, 3.0) for m in one.methods[1:]]
         row += [
             _graded(naive.lag),
@@ -88,21 +92,35 @@ def pair_table(scores: Sequence[PairScore]) -> tuple[list[str], list[list[Cell]]
         ]
         row += [_graded(naive.excursion), _graded(ours.excursion, 1.2, 1.6)]
         low, high = ours.slopes or (0.0, 0.0)
+        row += [_graded(ours.hands, 1.3, 2.0)]
         row += [Cell(f"{low:.2f} to {high:.2f}", "" if ours.monotone else "bad"), _graded(ours.mismatch)]
         rows.append([*row, Cell("" if ours.change is None else f"{ours.change:.1e}")])
     return columns, rows
 
 
-def means_table(scores: Sequence[PairScore], part: str) -> tuple[list[str], list[list[Cell]]]:
-    """Returns columns and rows: each method's mean ratio to the naive splice, by locomotion or action, and over all."""
-    names = list(dict.fromkeys(getattr(one, part) for one in scores))
+def means_table(scores: Mapping[str, Sequence[PairScore]]) -> tuple[list[str], list[list[Cell]]]:
+    """Returns columns and rows: mean and worst ratio to the naive splice of pairs with a truth, by group and over all.
+
+    There is a row for each method and, below, for what the bank's splice lacks.
+    """
+    groups = {name: found for name, some in scores.items() if (found := [one for one in some if one.truth])}
+    groups["all"] = [one for some in groups.values() for one in some]
     rows = []
-    for method in (one.method for one in scores[0].methods[1:]):
-        ratios = {name: [one.of(method).ratio or 0.0 for one in scores if getattr(one, part) == name] for name in names}
-        means = [sum(values) / len(values) for values in ratios.values()]
-        every = [value for values in ratios.values() for value in values]
-        rows.append([Cell(method), *(_graded(mean, 0.45, 0.7) for mean in (*means, sum(every) / len(every)))])
-    return ["method", *names, "all"], rows
+    for method in (one.method for one in groups["all"][0].methods[1:]):
+        ratios = [[one.of(method).ratio or 0.0 for one in some] for some in groups.values()]
+        rows.append([Cell(method), *(_mean_and_worst(found) for found in ratios)])
+    for name in groups["all"][0].lacking:
+        ratios = [[one.lacking[name] for one in some if one.lacking] for some in groups.values()]
+        rows.append(
+            [Cell("oracle" if name == "oracle" else f"best {name}"), *(_mean_and_worst(found) for found in ratios)]
+        )
+    return ["mean / worst", *(f"{name} ({len(some)})" for name, some in groups.items())], rows
+
+
+def by_part(scores: Sequence[PairScore], part: str) -> dict[str, list[PairScore]]:
+    """Returns scores by the pair's `locomotion` or `action`."""
+    names = dict.fromkeys(getattr(one, part) for one in scores)
+    return {name: [one for one in scores if getattr(one, part) == name] for name in names}
 
 
 def clip_table(scores: Sequence[ClipScore]) -> tuple[list[str], list[list[Cell]]]:
@@ -179,6 +197,12 @@ def write_report(
         pictures=pictures,
     )
     file.write_text(text, encoding="utf-8")
+
+
+def _mean_and_worst(ratios: Sequence[float]) -> Cell:
+    """Returns a cell graded by the mean."""
+    mean = sum(ratios) / len(ratios)
+    return Cell(f"{mean:.2f} / {max(ratios):.2f}", _graded(mean, 0.45, 0.7).grade)
 
 
 def _graded(value: float | None, good: float | None = None, fair: float | None = None) -> Cell:

@@ -7,15 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.quality.additive import add
+from bench.quality.dissection import Dissection, dissect
 from bench.quality.measures import (
     change_within_halves,
+    hand_speeds,
     mismatch,
     neck_excursion,
     neck_jitter,
     promised_posture,
     upper_body_errors,
 )
-from bench.quality.oracle import oracle_error, stride_to_stride
+from bench.quality.oracle import stride_to_stride
 from bench.quality.rhythm import concentration, knee_passes, lag_error
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
@@ -27,6 +30,7 @@ from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Posture
 from motionsplice.runtime.splice import Splice
 
+STILL = 0.05  # m/s of hands that do not move
 WRAP = -0.5  # action frames: a longer step back is a jump by whole strides
 
 
@@ -34,7 +38,8 @@ WRAP = -0.5  # action frames: a longer step back is a jump by whole strides
 class Form:
     """A form of splice to score: its method and its posture.
 
-    how: "naive" (plain replacement), "exact" (the papers' whole-clip splice) or "splice" (the bank's).
+    how: "naive" (plain replacement), "additive" (what game engines offer), "exact" (the papers' whole-clip splice) or
+    "splice" (the bank's).
     """
 
     how: str
@@ -42,7 +47,7 @@ class Form:
 
     @property
     def label(self) -> str:
-        return self.how if self.how == "naive" or self.posture == "relative" else f"{self.how} {self.posture}"
+        return self.how if self.posture == "relative" else f"{self.how} {self.posture}"
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,7 @@ class MethodScore:
     jitter, excursion: motion of the neck over the root, divided by that of the larger source.
     monotone: whether the action's time always increases.
     slopes: smallest and largest speed of the action's time, relative to its own speed.
+    hands: speed of the fastest hand, divided by the 99th percentile of the action's own hands.
     mismatch: distance of the legs at aligned frames, cm.
     change: largest angle of a joint in either half from its source, degrees.
     """
@@ -71,6 +77,7 @@ class MethodScore:
     excursion: float
     monotone: bool | None
     slopes: tuple[float, float] | None
+    hands: float | None
     mismatch: float | None
     change: float | None
 
@@ -79,19 +86,33 @@ class MethodScore:
 class PairScore:
     """The scores of one pair.
 
-    oracle: error of a splice that knows the truth, cm. floor: difference of the truth from itself a stride later, cm.
+    floor: difference of the truth from itself a stride later, cm. lacks: the error of the bank's splice taken apart.
     """
 
     locomotion: str
     action: str
     truth: str
-    oracle: float | None
     floor: float | None
+    lacks: Dissection | None
     methods: tuple[MethodScore, ...]
 
     @property
     def name(self) -> str:
         return f"{self.locomotion} <- {self.action}"
+
+    @property
+    def oracle(self) -> float | None:
+        """Error of a splice that knows the truth, cm."""
+        return None if self.lacks is None else self.lacks.oracle
+
+    @property
+    def lacking(self) -> dict[str, float]:
+        """The errors of `lacks` by name, each divided by plain replacement's; empty if the truth is unknown."""
+        naive = self.methods[0].error
+        if self.lacks is None or naive is None:
+            return {}
+        parts = {"lag": self.lacks.lag, "time": self.lacks.time, "torso": self.lacks.torso, "oracle": self.lacks.oracle}
+        return {name: error / naive for name, error in parts.items()}
 
     def of(self, method: str) -> MethodScore:
         return next(one for one in self.methods if one.method == method)
@@ -128,7 +149,10 @@ def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) 
     """Splices a pair in one form. Raises MotionError."""
     bank = evaluator.bank
     if form.how == "naive":
-        return Spliced(form, evaluator.clip(Splice(locomotion, action, method="naive")), None)
+        return Spliced(form, _replaced(evaluator, locomotion, action), None)
+    if form.how == "additive":
+        added = add(bank.motion(locomotion), _replaced(evaluator, locomotion, action), bank.roles)
+        return Spliced(form, added, None)
     if form.how == "splice":
         frames = evaluator.action_frames(Splice(locomotion, action), evaluator.frame_times(locomotion))
         return Spliced(form, evaluator.clip(Splice(locomotion, action, posture=form.posture)), frames)
@@ -141,6 +165,10 @@ def splice_pair(evaluator: Evaluator, locomotion: str, action: str, form: Form) 
     return Spliced(form, exact.clip, exact.action_frames)
 
 
+def _replaced(evaluator: Evaluator, locomotion: str, action: str) -> Clip:
+    return evaluator.clip(Splice(locomotion, action, method="naive"))
+
+
 def score_pair(
     evaluator: Evaluator, locomotion: str, action: str, truth: Clip | None, splices: Sequence[Spliced]
 ) -> PairScore:
@@ -149,7 +177,8 @@ def score_pair(
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
     phase, naive = bank.phase(locomotion), next(one.clip for one in splices if one.form.how == "naive")
     sources = [max(measure(clip, roles) for clip in (clip_l, clip_u)) for measure in (neck_jitter, neck_excursion)]
-    scores = []
+    captured = float(np.percentile(hand_speeds(clip_u, roles), 99.0))
+    scores, lacks, floor = [], None, None
     for one in splices:
         used, frames = clip_l.frames(0, one.clip.frame_count), one.action_frames
         error = worst = ratio = posture = slopes = apart = change = None
@@ -184,16 +213,18 @@ def score_pair(
                 excursion=neck_excursion(one.clip, roles) / sources[1],
                 monotone=None if slopes is None else bool(slopes[0] > 0.0),
                 slopes=slopes,
+                hands=float(hand_speeds(one.clip, roles).max() / captured) if captured > STILL else None,
                 mismatch=apart,
                 change=change,
             )
         )
-    oracle = floor = None
+        if truth is not None and frames is not None and one.form == Form("splice"):
+            offsets = bank.torso(locomotion).offsets, bank.torso(action, seam=True).offsets
+            seamed = bank.motion(action, seam=True)
+            lacks = dissect(one.clip, clip_l, seamed, truth, offsets, frames, clip_u.frame_count, roles)
     if truth is not None:
-        offsets = bank.torso(locomotion).offsets, bank.torso(action).offsets
-        oracle = 100.0 * oracle_error(clip_l, clip_u, truth, offsets, roles)
         floor = _known(100.0 * stride_to_stride(truth, phase[: truth.frame_count], roles))
-    return PairScore(locomotion, action, truth.name if truth else "", oracle, floor, tuple(scores))
+    return PairScore(locomotion, action, truth.name if truth else "", floor, lacks, tuple(scores))
 
 
 def score_clip(bank: Bank, name: str) -> ClipScore:

@@ -21,8 +21,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from bench.quality.additive import add
 from bench.quality.measures import upper_body_errors
-from bench.standing.additive import add
 from motionsplice.cli import run
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
@@ -95,9 +95,10 @@ def errors_of(
             truth = standing_truth(locomotion, action, performer, locomotion_seed=_seed(locomotion, seed), seed=seed)
             clips, standing = (bank.motion(locomotion), bank.motion(action)), bank.standing(action)
             assert standing is not None
+            replaced = evaluator.clip(Splice(locomotion, action, method="naive"))
             results: dict[str, Clip] = {
-                "replaced": evaluator.clip(Splice(locomotion, action, method="naive")),
-                "additive": add(*clips, bank.roles),
+                "replaced": replaced,
+                "additive": add(clips[0], replaced, bank.roles),
                 "offline": splice_standing(*clips, bank.roles, standing),
                 "bank": evaluator.clip(Splice(locomotion, action)),
             }

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError
-from motionsplice.motion.pointcloud import planar_distance, planar_distances, planar_lag_distances, windowed
+from motionsplice.motion.pointcloud import planar_distances, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.precompute.alignment.arm_swing import arm_joints, arm_swing, swing_distances
 from motionsplice.precompute.alignment.half_cycle import symmetric_phases
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
 from motionsplice.precompute.alignment.ring import between_cells, wind, wind_steadily
@@ -73,8 +74,8 @@ class Alignment:
     """The phase of each frame of a clip in the baseline's stride, and how well the clip fits there.
 
     phase: [F] cycles, strictly increasing. cost: [working frames] squared distance to the ring, square metres.
-    chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees, over
-    LOOP_WINDOW frames, from where they are half a stride later, in leg lengths. stretches: those in which it stands and
+    chance: mean of that cost at random phases, square metres. swing: root-mean-square distance of root and knees, as
+    seen from the hips, from where they are half a stride later, in leg lengths. stretches: those in which it stands and
     walks; none if it does only one of both.
     """
 
@@ -190,7 +191,7 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
 
 
 def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
-    """Aligns a clip to the baseline by winding it round the baseline's ring.
+    """Aligns a clip to the baseline by winding it round the baseline's ring: first by its legs, then also by its arms.
 
     The clip must have the baseline's skeleton. Raises ClipError if it is shorter than SHORTEST_CLIP.
     """
@@ -200,25 +201,24 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
             place=f"clip {clip.name!r}",
             mend=f"Use at least {SHORTEST_CLIP} s, better two strides or more",
         )
-    clouds = _at_working_rate(clip, roles.lower_cloud)
-    distances = planar_distances(level(clouds), level(baseline.clouds))
+    paths = _at_working_rate(clip, facing_joints(roles))
+    apart = planar_distances(level(paths[:, :3]), level(baseline.clouds))
+    cells, frames = apart.shape[1], np.arange(len(paths))
+    swing = arm_swing(_at_working_rate(clip, arm_joints(roles)))
+    distances = apart + swing_distances(swing, wind_steadily(apart) / cells, cells, baseline.leg)
     wound = wind_steadily(distances)
-    frames = np.arange(len(wound))
-    cost = distances[frames, wound % distances.shape[1]]
+    cost = apart[frames, wound % cells]
     seconds, cycles = np.linspace(0.0, clip.duration, len(wound)), baseline.phase_at(between_cells(distances, wound))
-    windows = windowed(
-        clouds, LOOP_WINDOW
-    )  # single clouds of a symmetric walk equal, turned, those half a stride later
-    stands = _stands(windows, cost, distances, baseline)
+    stands = _stands(windowed(paths[:, :3], LOOP_WINDOW), cost, apart, baseline)
     stretches = stretches_of(stands, clip.duration)
     if stretches:
         cycles = steadied(cycles, stands)
     curve = fit_increasing(seconds, cycles, KNOT_SPACING, STIFFNESS, SLOWEST)
+    seen = level(facing(paths))  # not turned freely: half a stride later a symmetric walk is itself, turned
     half_later = np.interp(curve(seconds) + 0.5, curve(seconds), frames).astype(np.int64)
-    apart = planar_distance(windows, windows[np.minimum(half_later[: len(windows)], len(windows) - 1)])
-    swing = float(np.sqrt(apart.mean() / (3.0 * LOOP_WINDOW))) / baseline.leg
+    moved = float(np.sqrt(np.sum((seen[half_later] - seen) ** 2, axis=2).mean())) / baseline.leg
     phase = np.asarray(curve(np.linspace(0.0, clip.duration, clip.frame_count)))
-    return Alignment(phase - np.floor(phase[0]), cost, float(distances.mean()), swing, stretches)
+    return Alignment(phase - np.floor(phase[0]), cost, float(apart.mean()), moved, stretches)
 
 
 def _stands(windows: Floats, cost: Floats, distances: Floats, baseline: Baseline) -> NDArray[np.bool_]:

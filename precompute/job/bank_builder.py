@@ -9,6 +9,7 @@ import re
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ from motionsplice.precompute.hands.rows import LaidHands
 from motionsplice.precompute.job.standing import standing_of
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured
-from motionsplice.precompute.preparation.torso_offset import shoulder_motion, torso_offsets
+from motionsplice.precompute.preparation.torso_offset import believed, shoulder_motion, torso_offsets
 from motionsplice.runtime.format.manifest import (
     FORMAT,
     MANIFEST,
@@ -264,9 +265,18 @@ def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:
 
 def _torso_offsets(clips: Sequence[PreparedClip], standing: Mapping[str, Measured]) -> dict[str, Floats]:
     """Returns torso offsets [rows, 4] by clip name, of standing actions and of clips that are not their own neutral."""
-    strides = {one.name: one.stride for one in clips}
+    by_name = {one.name: one for one in clips}
+
+    def beyond(one: PreparedClip, neutral: PreparedClip) -> Floats:
+        return torso_offsets(one.fetch("upright"), one.phase, one.rate, neutral.stride, one.period)
+
+    @cache
+    def noise(name: str) -> float:
+        neutral = by_name[name]
+        return shoulder_motion(beyond(neutral, neutral)[: neutral.frame_count])
+
     return {name: one.standing.turns for name, one in standing.items()} | {
-        one.name: torso_offsets(one.fetch("upright"), one.phase, one.rate, strides[one.neutral], one.period)
+        one.name: believed(beyond(one, by_name[one.neutral]), one.frame_count, noise(one.neutral))
         for one in clips
         if one.neutral != one.name and one.name not in standing
     }

@@ -75,7 +75,7 @@ def build_bank(
             typical stride.
         roles: Joints by role, for rigs whose names do not show them.
         hands: Hands to lay on bodies. A hands clip is not itself a clip of the bank.
-        settings: For clips that no `clips.toml` names.
+        settings: What holds for a clip where its `clips.toml` says nothing else.
         skeleton: A motion file, a character or the folder of a bank, whose rig the bank gets. None for the baseline's.
         retarget: Whether clips of rigs with other joints or bind poses are retargeted. If not, they fail.
         jobs: Processes that may work at once.

@@ -32,8 +32,8 @@ class Source:
 def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default: ClipSettings) -> list[Source]:
     """Returns the clips in `paths` (files, or folders of files), in order of name.
 
-    Settings are those of the `clips.toml` beside a clip, or `default` if the file does not list the clip. Clips without
-    roles of their own get `roles`.
+    Settings are those of the `clips.toml` beside a clip, and `default` for all that it leaves out. Clips without roles
+    of their own get `roles`.
 
     Raises ClipError if there are no clips, two of one name, or one with a mirror image's name; SettingsError for a bad
     `clips.toml`.
@@ -60,7 +60,7 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
     settings: dict[str, ClipSettings] = {}
     for folder in sorted({file.parent for file, _ in found.values()}):
         if (folder / FILE_NAME).is_file():
-            settings |= _settings_of(folder, clips_of)
+            settings |= _settings_of(folder, clips_of, default)
     sources = [Source(name, *found[name], settings_for(name, settings, default)) for name in sorted(found)]
     return [replace(one, settings=replace(one.settings, roles=one.settings.roles or roles)) for one in sources]
 
@@ -73,9 +73,11 @@ def _clips_of(file: Path) -> dict[str, str | None] | None:
         return None
 
 
-def _settings_of(folder: Path, clips_of: Callable[[Path], Mapping[str, str | None] | None]) -> dict[str, ClipSettings]:
+def _settings_of(
+    folder: Path, clips_of: Callable[[Path], Mapping[str, str | None] | None], default: ClipSettings
+) -> dict[str, ClipSettings]:
     """Reads a folder's `clips.toml`. Raises SettingsError if it is bad, or lists a clip that is not in the folder."""
-    settings = read_clip_settings(folder / FILE_NAME)
+    settings = read_clip_settings(folder / FILE_NAME, default)
     names, unread = list[str](), set[str]()
     for file in clip_files(folder):
         clips = clips_of(file)

@@ -27,6 +27,8 @@ LEVEL = 0.17  # leg lengths: a smaller rise per loop is taken out, so that it do
 WIDEST_TURN = 1.2  # radians of any single joint, from the last frame to its counterpart
 NEWCOMER = 0.3  # how much a foot that touches down in the seam counts, beside one that stands at its beginning
 ABOUT_AS_GOOD = 1.25  # times the least gap: the longest loop within this is used
+GOOD = 0.25  # radians: a gap that the seam hides
+MANY = 3  # strides: a loop of so many is used whenever its gap is GOOD, as fewer over and over look monotonous
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +54,7 @@ def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
     gaps = _gaps(clip, counterparts)
     if gaps.min(initial=np.inf) > WIDEST_GAP:
         return Seamed(clip, phase, 0)
-    longest = np.flatnonzero(gaps <= ABOUT_AS_GOOD * gaps.min())[-1]
+    longest = np.flatnonzero((gaps <= ABOUT_AS_GOOD * gaps.min()) | ((gaps <= GOOD) & (strides >= MANY)))[-1]
     return _seamed(clip, phase, float(counterparts[longest]), int(strides[longest]), roles)
 
 

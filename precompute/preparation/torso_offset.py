@@ -64,8 +64,26 @@ def shoulder_motion(offsets: Floats) -> float:
 
     An action loses this motion of its shoulders unless its posture is `relative`.
     """
-    centre = np.linalg.eigh(offsets.T @ offsets)[1][:, -1]
-    return float(np.sqrt(np.mean(quaternion.angle(offsets, centre) ** 2)))
+    return float(np.sqrt(np.mean(quaternion.angle(offsets, _mean(offsets)) ** 2)))
+
+
+def believed(offsets: Floats, count: int, noise: float) -> Floats:
+    """Returns torso offsets [rows, 4] whose motion about their mean is scaled by a Wiener filter's gain.
+
+    Part of that motion is not deliberate: no two strides are alike. The neutral shows how much, because nothing that it
+    does beyond its own mean stride is deliberate. The gain is 1 - noise^2 / s^2, at least 0, with s the
+    `shoulder_motion` of the first `count` offsets, and `noise` that of the neutral, radians.
+    """
+    motion = shoulder_motion(offsets[:count])
+    gain = 0.0 if motion <= noise else 1.0 - (noise / motion) ** 2
+    centre = np.broadcast_to(_mean(offsets[:count]), offsets.shape)
+    return quaternion.one_hemisphere(quaternion.slerp(centre, offsets, np.full(len(offsets), gain)))
+
+
+def _mean(offsets: Floats) -> Floats:
+    """Returns the mean rotation [4] of offsets [F, 4], w >= 0."""
+    mean: Floats = np.linalg.eigh(offsets.T @ offsets)[1][:, -1]
+    return -mean if mean[3] < 0.0 else mean
 
 
 def _waves(phase: Floats) -> Floats:

@@ -85,6 +85,7 @@ def test_a_walk_with_equal_halves_is_locomotion_and_standing_is_not() -> None:
     symmetric = legs_of(0.4, 0.0)
     for ring in (RING, find_baseline(symmetric, ROLES)):
         assert align(symmetric, ROLES, ring).has_gait
+        assert align(symmetric, ROLES, ring).swing > 3.0 * LEAST_SWING
         for standing in (legs_of(0.0, 0.0), legs_of(0.0, 0.05), legs_of(0.05, 0.03)):
             assert align(standing, ROLES, ring).swing < LEAST_SWING
 

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from bench.quality import __main__ as quality
 from bench.quality import pair_list
 from bench.quality.claims import CLAIMS, Performance
+from bench.quality.dissection import Dissection
 from bench.quality.document import document
 from bench.quality.judge import claim_values, judge
 from bench.quality.pair_list import (
@@ -25,7 +26,7 @@ from bench.quality.pair_list import (
     read_pairs,
     truth_of,
 )
-from bench.quality.report import Cell, means_table, pair_table
+from bench.quality.report import Cell, by_part, means_table, pair_table
 from bench.quality.scores import ClipScore, Form, MethodScore, PairScore, score_clip, score_pair, splice_pair
 from bench.quality.targets import BUILT_IN, REAL, targets
 from motionsplice.motion import quaternion
@@ -119,6 +120,7 @@ def test_claims_have_known_answers(samples: Bank) -> None:
     [
         ("locomotion,action,truht\nwalk,wave,walk\n", "line 2: unknown column 'truht'"),
         ("locomotion,action\nwalk,\n", "line 2: locomotion or action is missing"),
+        ("locomotion,action,truth,aligned\nwalk,wave,run,no\n", "line 2: aligned is 'no', expected yes or nothing"),
         ("locomotion,action,claim\nwalk,wave,leen\n", "unknown claim 'leen'. Did you mean 'lean'"),
     ],
 )
@@ -137,17 +139,21 @@ def test_a_truth_is_a_clip_or_a_built_in_motion_or_unknown(samples: Bank) -> Non
     assert truth_of(Pair("walk", "wave"), samples) is None
     assert truth_of(Pair("walk", "wave", "run"), samples).name == "run"  # type: ignore[union-attr]
     assert truth_of(Pair("walk", "wave", "run+wave"), samples).name == "run+wave"  # type: ignore[union-attr]
+    aligned = truth_of(Pair("walk", "wave", "slow_walk", aligned="yes"), samples)
+    assert aligned is not None
+    assert (aligned.name, aligned.rate) == ("slow_walk, aligned", samples.clip("walk").rate)
     with pytest.raises(UnknownClipError, match="Did you mean 'walk'"):
         truth_of(Pair("walk", "wave", "wlak"), samples)
 
 
 def method(name: str, ratio: float, jitter: float = 1.0) -> MethodScore:
-    return MethodScore(name, 1.0, 2.0 * ratio, 5.0, ratio, 0.5, 3.0, jitter, 1.0, True, (0.5, 2.0), 1.0, 1e-5)
+    return MethodScore(name, 1.0, 2.0 * ratio, 5.0, ratio, 0.5, 3.0, jitter, 1.0, True, (0.5, 2.0), 1.1, 1.0, 1e-5)
 
 
 def pair(action: str, ratio: float) -> PairScore:
     methods = method("naive", 1.0), method("exact", 0.4), method("splice", ratio)
-    return PairScore("walk", action, "t", 0.5, 1.0, methods)
+    lacks = Dissection(lag=0.9, lag_seconds=0.1, time=0.7, torso=0.8, oracle=0.5)
+    return PairScore("walk", action, "t", 1.0, lacks, methods)
 
 
 def test_targets_name_the_worst_pair_and_whether_they_are_met() -> None:
@@ -167,8 +173,11 @@ def test_tables_have_a_row_per_pair_with_graded_cells() -> None:
     assert all(len(row) == len(columns) for row in rows)
     ratio = columns.index("splice\nratio")
     assert [row[ratio] for row in rows] == [Cell("0.20", "good"), Cell("0.80", "bad")]
-    _, means = means_table([pair("a", 0.2), pair("b", 0.8)], "locomotion")
-    assert [cell.text for cell in means[1]] == ["splice", "0.50", "0.50"]
+    assert rows[0][columns.index("best time\nratio")] == Cell("0.35")
+    groups, means = means_table(by_part([pair("a", 0.2), pair("b", 0.8)], "locomotion"))
+    assert groups == ["mean / worst", "walk (2)", "all (2)"]
+    assert [cell.text for cell in means[1]] == ["splice", "0.50 / 0.80", "0.50 / 0.80"]
+    assert [cell.text for cell in means[-1]] == ["oracle", "0.25 / 0.25", "0.25 / 0.25"]
 
 
 def test_the_command_writes_numbers_and_a_page_with_pictures(tmp_path: Path) -> None:
@@ -187,7 +196,8 @@ def test_the_command_writes_numbers_and_a_page_with_pictures(tmp_path: Path) -> 
     assert "curve <- wave" in result.output
     scores = json.loads((tmp_path / "out" / "scores.json").read_text())
     assert [one["truth"] for one in scores["pairs"]] == ["curve+wave", ""]
-    assert [one["method"] for one in scores["pairs"][0]["methods"]] == ["naive", "exact", "splice"]
+    assert [one["method"] for one in scores["pairs"][0]["methods"]] == ["naive", "additive", "exact", "splice"]
+    assert scores["pairs"][0]["lacking"].keys() == {"lag", "lag_seconds", "time", "torso", "oracle"}
     page = (tmp_path / "out" / "index.html").read_text()
     assert page.count("data:image/png;base64,") == 1 + 2 * 2
     assert "Waving: curve &lt;- wave" in page

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.quality.additive import add
 from bench.standing.__main__ import errors_of, standing_bank
-from bench.standing.additive import add
 from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.body import SKELETON
 from motionsplice.motion.procedural.library import make
@@ -18,7 +18,8 @@ ROLES = find_roles(SKELETON)
 
 
 def test_an_added_reference_pose_changes_nothing_and_a_departure_is_added() -> None:
-    walk, hail = make("walk", seconds=2.0), standing_action("hail", Performer(), seed=1)
+    walk = make("walk", seconds=2.0)
+    hail = standing_action("hail", Performer(), seed=1).frames(0, walk.frame_count)
     still = replace(hail, rotations=np.repeat(hail.rotations[:1], hail.frame_count, axis=0))
     assert quaternion.angle(add(walk, still, ROLES).rotations, walk.rotations).max() < 1e-7
     added, arm = add(walk, hail, ROLES), ROLES.right_elbow

@@ -11,6 +11,7 @@ import pytest
 import motionsplice
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.errors import BaselineError, ClipError, MotionError, SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.gltf.writer import dump_glb
@@ -254,6 +255,27 @@ def test_settings_are_applied_to_the_clip(tmp_path: Path) -> None:
     assert bank.clip("box").frame_count == CLIPS["carry_box"].frame_count - 7
     assert bank.clip("box").tags == ("a", "b")
     assert bank.neutral("box") == "walk"  # nearer in gait than the run
+
+
+def test_a_walk_of_less_than_two_strides_is_no_neutral(tmp_path: Path) -> None:
+    short, action = make("walk", seconds=1.2, seed=3), make("walk", "carry_box", seed=3)
+    clips = write(tmp_path / "clips", short=short, slow=make("slow_walk"), box=action)
+    (clips / "clips.toml").write_text("[box]\nkind = 'action'\n")
+    build_bank([clips], tmp_path / "bank", baseline="slow")
+    assert Bank.open(tmp_path / "bank").neutral("box") == "slow"
+
+
+def test_settings_hold_where_clips_toml_says_nothing_else(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], box=CLIPS["carry_box"], run=CLIPS["run"])
+    (clips / "clips.toml").write_text("[box]\nkind = 'action'\n[run]\nskip_frames = 3\n")
+    build_bank([clips], tmp_path / "bank", settings=ClipSettings(skip_frames=7, tags=("captured",)))
+    bank = Bank.open(tmp_path / "bank")
+    skipped = {
+        one: clip.frame_count - bank.clip(one).frame_count
+        for one, clip in (("box", CLIPS["carry_box"]), ("run", CLIPS["run"]), ("walk", CLIPS["walk"]))
+    }
+    assert skipped == {"box": 7, "run": 3, "walk": 7}
+    assert (bank.clip("box").kind, bank.clip("box").tags) == ("action", ("captured",))
 
 
 def test_axis_rate_and_root_of_a_clip_are_settings(tmp_path: Path) -> None:

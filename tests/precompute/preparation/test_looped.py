@@ -93,7 +93,7 @@ def test_phases_of_a_cycle_grow_evenly_and_by_whole_strides(gait: str, rate: flo
         assert (looped.period, looped.seamed.strides) == (period, 1)
         phase = looped.seamed.phase
         np.testing.assert_allclose(phase[period:], phase[: len(phase) - period] + 1.0, atol=1e-12)
-        np.testing.assert_allclose(np.diff(phase) * period, 1.0, atol=0.03)
+        np.testing.assert_allclose(np.diff(phase) * period, 1.0, atol=0.05)  # of its arms, two harmonics are compared
         assert 0.0 <= phase[0] < 1.0
         np.testing.assert_array_equal(looped.alignment.phase, phase[: clip.frame_count])
 

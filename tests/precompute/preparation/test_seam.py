@@ -35,6 +35,15 @@ def test_a_seam_leaves_the_clips_own_frames_unchanged(name: str) -> None:
     assert np.diff(result.phase).min() > 0.0
 
 
+def test_a_long_clip_goes_back_by_many_strides_though_its_last_one_fits_best() -> None:
+    """From stride to stride one arm sinks a little, so the last stride is the nearest."""
+    clip = make("walk", seconds=10.0)
+    sinking = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 0.5, clip.frame_count))
+    rotations = clip.rotations.copy()
+    rotations[:, ROLES.left_elbow] = quaternion.multiply(rotations[:, ROLES.left_elbow], sinking)
+    assert seamed(replace(clip, rotations=rotations)).strides >= 6
+
+
 @pytest.mark.parametrize("name", LOOPED)
 def test_a_seam_ends_at_the_pose_of_whole_strides_before(name: str) -> None:
     clip, result = CLIPS[name], seamed(CLIPS[name])

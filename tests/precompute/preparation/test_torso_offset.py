@@ -12,7 +12,7 @@ from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.baseline import align, find_baseline
 from motionsplice.precompute.body.posture import measure_torso
-from motionsplice.precompute.preparation.torso_offset import MeanStride, shoulder_motion, torso_offsets
+from motionsplice.precompute.preparation.torso_offset import MeanStride, believed, shoulder_motion, torso_offsets
 from motionsplice.precompute.splice import splice_exact
 from tests.conftest import CLIPS
 
@@ -60,6 +60,20 @@ def test_a_clip_shorter_than_a_stride_still_has_a_mean_stride() -> None:
     part = slice(0, int(np.searchsorted(PHASE, PHASE[0] + 0.6)))
     elsewhere = MeanStride.of(TORSO[part], PHASE[part]).at(np.linspace(0.0, 1.0, 50))
     assert np.abs(elsewhere - TORSO.mean(axis=0)).max() < 0.3
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.05, 0.5), st.floats(0.0, 1.0))
+def test_motion_of_an_offset_counts_by_how_far_it_exceeds_the_noise(seed: int, size: float, share: float) -> None:
+    draw = np.random.default_rng(seed)
+    mean = quaternion.normalise(draw.normal(size=4))
+    mean = mean if mean[3] >= 0.0 else -mean
+    turns = quaternion.exp(size * np.sin(np.linspace(0.0, 8.0 * np.pi, 200))[:, None] * [0.6, 0.0, 0.8])
+    offsets = quaternion.one_hemisphere(quaternion.multiply(mean, turns))
+    motion = shoulder_motion(offsets)
+    found = believed(offsets, 200, share * motion)
+    assert shoulder_motion(found) == pytest.approx(motion * (1.0 - share**2), abs=1e-3 * motion)
+    assert quaternion.angle(believed(offsets, 200, 2.0 * motion), mean).max() < 1e-3
+    np.testing.assert_allclose(quaternion.angle(believed(offsets, 200, 0.0), offsets), 0.0, atol=1e-6)
 
 
 def test_relative_posture_keeps_the_shoulder_motion_of_a_punch() -> None:

@@ -45,7 +45,7 @@ def test_a_locked_pose_is_that_of_the_twin(
     turned = [np.cos(heading) * x + np.sin(heading) * z, np.cos(heading) * z - np.sin(heading) * x]
     wanted = bent(bank, roots, free, np.transpose(turned))
     assert quaternion.angle(locked, wanted).max() < 1e-3  # a nearly straight knee magnifies what float32 rounds
-    np.testing.assert_allclose(world(bank, roots, locked), world(bank, roots, wanted), rtol=0.0, atol=1e-5)
+    np.testing.assert_allclose(world(bank, roots, locked), world(bank, roots, wanted), rtol=0.0, atol=2e-5)
 
 
 @once

@@ -8,21 +8,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.roles import Roles
 
 
-def add(locomotion: Clip, action: Clip, roles: Roles) -> Clip:
-    """Returns the locomotion with the action added; the reference pose is the action's first frame, as in engines.
+def add(locomotion: Clip, replaced: Clip, roles: Roles) -> Clip:
+    """Returns the locomotion with an action added; the reference pose is the action's first frame, as in engines.
 
-    The clips have one skeleton. After the action's last frame it holds this frame.
+    `replaced` is the locomotion with its upper body replaced by the action's, from the action's first frame on.
     """
-    frames = np.arange(locomotion.frame_count) * action.rate / locomotion.rate
-    posed = action.sampled(np.minimum(frames, action.frame_count - 1.0))[1]
     upper, rotations = locomotion.skeleton.subtree(roles.pelvis), locomotion.rotations.copy()
-    departure = quaternion.multiply(posed[:, upper], quaternion.conjugate(action.rotations[0, upper]))
+    posed = replaced.rotations[:, upper]
+    departure = quaternion.multiply(posed, quaternion.conjugate(posed[0]))
     rotations[:, upper] = quaternion.multiply(departure, rotations[:, upper])
-    return replace(locomotion, name=f"{locomotion.name}+{action.name}", rotations=rotations)
+    return replace(locomotion, name=replaced.name, rotations=rotations)

@@ -1,0 +1,57 @@
+"""When the arms swing: a cue to the moment of the stride, beside the legs.
+
+Legs alone time the upper body roughly. An arm that swings with the stride shows more exactly when a stride is early or
+late. Each arm is compared with its own mean swing, at the phases of the legs, so it cannot shift a clip as a whole
+against others. It counts as far as the stride explains it: an arm that carries or dribbles hardly does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+
+WEIGHT = 0.2  # leg lengths of root and knees that an arm's usual departure from its mean is worth
+HARMONICS = 2  # of the stride in the mean swing
+STILL = 0.02  # leg lengths: an arm that swings less counts less
+STEADYING = 1e-3  # keeps coefficients that the clip's strides do not determine small
+
+
+def arm_joints(roles: Roles) -> tuple[int, ...]:
+    """Returns the joints that `arm_swing` needs."""
+    hips, shoulders = (roles.left_hip, roles.right_hip), (roles.left_shoulder, roles.right_shoulder)
+    return (*hips, *shoulders, roles.left_wrist, roles.right_wrist)
+
+
+def arm_swing(positions: Floats) -> Floats:
+    """Returns how far both wrists are in front of their shoulders [n, 2], metres.
+
+    `positions` [n, 6, 3] are the world positions of the `arm_joints`, metres.
+    """
+    ahead = np.cross(positions[:, 0] - positions[:, 1], [0.0, 1.0, 0.0])
+    ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+    return np.asarray(np.sum((positions[:, 4:] - positions[:, 2:4]) * ahead[:, None], axis=2))
+
+
+def swing_distances(swing: Floats, phase: Floats, cells: int, leg: float) -> Floats:
+    """Returns what the arms add to the distances of frames to the cells of a ring [n, cells], square metres.
+
+    swing: [n, 2] of `arm_swing`. phase: [n] cycles, by the legs. leg: leg length, metres.
+    """
+    cycles, waves = phase[-1] - phase[0], _waves(phase)
+    if cycles <= 1.0:  # nothing repeats
+        return np.zeros((len(swing), cells))
+    normal = waves.T @ waves + STEADYING * len(phase) * np.diag([0.0] + [1.0] * (2 * HARMONICS))
+    mean = np.linalg.solve(normal, waves.T @ swing)
+    motion = np.var(swing, axis=0) + (STILL * leg) ** 2
+    explained = np.maximum(1.0 - np.mean((swing - waves @ mean) ** 2, axis=0) / motion, 0.0)
+    trust = explained**2 * (1.0 - 1.0 / cycles)  # little repetition explains itself
+    apart = swing[:, None] - _waves(np.arange(cells) / cells) @ mean
+    return np.asarray((WEIGHT * leg) ** 2 * np.sum(trust / motion * apart**2, axis=2))
+
+
+def _waves(phase: Floats) -> Floats:
+    """Returns 1, cosines and sines of the first harmonics [n, 1 + 2 HARMONICS]."""
+    angles = 2.0 * np.pi * np.multiply.outer(phase, np.arange(1, HARMONICS + 1))
+    return np.concatenate([np.ones((len(phase), 1)), np.cos(angles), np.sin(angles)], axis=1)

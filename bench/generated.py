@@ -22,9 +22,10 @@ from motionsplice.motion.parts import PARTS, UPPER_BODY
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
+from motionsplice.precompute.body.contacts import support
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.job.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
-from motionsplice.precompute.preparation.feet import standing_feet, support
+from motionsplice.precompute.preparation.feet import standing_feet
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry

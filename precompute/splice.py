@@ -19,8 +19,9 @@ from motionsplice.motion.parts import TRUNK, part_of_joint
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP, WORKING_RATE
+from motionsplice.precompute.alignment.alignment import SHORTEST_CLIP
 from motionsplice.precompute.alignment.timewarp import TimeWarp, align_pair
+from motionsplice.precompute.alignment.working_rate import WORKING_RATE
 from motionsplice.precompute.body.posture import Torso, measure_torso
 from motionsplice.runtime.format.standing import Standing
 

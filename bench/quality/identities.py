@@ -27,7 +27,8 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.variants import local_axes, uneven_time, warped, with_local_axes
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.rig import Rig
-from motionsplice.precompute.alignment.baseline import WORKING_RATE, find_baseline
+from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.alignment.working_rate import WORKING_RATE
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.precompute.splice import align_in_time, splice_exact

@@ -10,7 +10,7 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.pointcloud import planar_distance
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.alignment.baseline import level
+from motionsplice.precompute.alignment.working_rate import level
 from motionsplice.precompute.body.posture import measure_torso, posture_angle
 
 DERIVATIVE_RATE = 30.0  # Hz at most for derivatives: at higher rates they measure the noise of the capture

@@ -25,7 +25,8 @@ from bench.rounds import interleaved, paired_ratio
 from motionsplice.cli import run
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.twins import MIRROR
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.mirrored import MIRRORED

@@ -24,8 +24,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from bench.quality.additive import add
 from bench.quality.measures import upper_body_errors
-from bench.standing.additive import add
 from motionsplice.cli import run
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
@@ -97,19 +97,20 @@ class Person:
     def errors(self, locomotion: str, order: tuple[str, str]) -> dict[str, dict[str, float]]:
         """Returns the mean error of each method, centimetres, by the name of the stretch."""
         bank, hybrid = self.evaluator.bank, "-".join(order)
-        clip_l, clip_u = bank.motion(locomotion), bank.motion(hybrid)
+        clip_l, seconds = bank.motion(locomotion), bank.clip(hybrid).duration
+        replaced = self.evaluator.clip(Splice(locomotion, hybrid, method="naive"))
         times = self.evaluator.frame_times(locomotion)
         played = self.evaluator.action_frames(Splice(locomotion, hybrid), times) * FRAME
         clips = {
             "hybrid": (self.evaluator.clip(Splice(locomotion, hybrid)), played),
-            "replaced": (self.evaluator.clip(Splice(locomotion, hybrid, method="naive")), times),
-            "additive": (add(clip_l, clip_u, bank.roles), times),
+            "replaced": (replaced, times),
+            "additive": (add(clip_l, replaced, bank.roles), times),
         }
         _, then = bank.clip(hybrid).stretches
         handover = bank.begin_of(then)
         begins = dict(zip(order, begins_of([self.parts[name] for name in order]), strict=True))
         found: dict[str, dict[str, float]] = {}
-        for name, (begin, end) in zip(order, ((0.0, handover), (handover, clip_u.duration)), strict=True):
+        for name, (begin, end) in zip(order, ((0.0, handover), (handover, seconds)), strict=True):
             settled = SETTLED if begin else 0.0
             end -= STOPPING if name in WALKED and begin == 0.0 else 0.0
             found[name] = {}

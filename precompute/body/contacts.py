@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing, binary_opening, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import binary_closing, binary_opening, convolve1d, minimum_filter1d, uniform_filter1d
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
-from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
+from motionsplice.runtime.format.contacts import FEET, LEFT_FOOT, RIGHT_FOOT
 
 SLOW = 0.55  # leg lengths per second: the fastest a standing joint may move, as captured feet roll, slide and jitter
 SLOW_OF_FAST = 0.15  # or this part of the joint's 95th percentile speed: in a run the feet hardly rest
 LOW = 0.09  # leg lengths that a standing joint may be above its lowest point within STEP
 STEP = 0.5  # seconds: less than a foot takes from one stair to the next
 SMOOTHED, SHORTEST = 0.05, 0.06  # seconds: the window that smooths speeds; the shortest contact, and gap in a contact
+LOADING = 0.1  # seconds in which a foot takes over the weight, and gives it up
 
 
 def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
@@ -25,6 +26,13 @@ def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
     for bit, joints in zip((LEFT_FOOT, RIGHT_FOOT), roles.feet, strict=True):
         standing |= bit * _stands(joint_paths(clip, joints), clip.rate, leg).astype(np.uint8)
     return standing
+
+
+def support(standing: NDArray[np.uint8], rate: float) -> Floats:
+    """Returns how firmly both feet stand [F, 2], 0 to 1, from the bits of standing feet [F]; smooth over LOADING."""
+    bits = np.stack([standing & bit > 0 for bit in FEET.values()], axis=1).astype(np.float64)
+    window = np.hanning(2 * round(0.5 * LOADING * rate) + 3)[1:-1]
+    return np.asarray(convolve1d(bits, window / window.sum(), axis=0, mode="nearest"))
 
 
 def left_strike(clip: Clip, roles: Roles, first: float, last: float) -> float | None:

@@ -21,7 +21,7 @@ from motionsplice.motion.formats.files import clips_in, read_bytes
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.retarget.onto_rig import onto_rig
 from motionsplice.motion.retarget.rig import Rig
-from motionsplice.precompute.alignment.baseline import SHORTEST_CLIP
+from motionsplice.precompute.alignment.alignment import SHORTEST_CLIP
 from motionsplice.runtime.format.manifest import Manifest
 
 MEMORY, MEMORY_PER_BYTE = 2 * 2**30, 12  # bytes of address space: for the process, and per byte of the file

@@ -164,7 +164,9 @@ class Preparation:
     @classmethod
     def of(cls, cache: Cache, stride: FoundStride, retargeting: bool) -> Preparation:
         rig, ring = stride.rig, stride.ring
-        digest = key_of(pack_rig(rig), ring.leg, ring.zero, digest_of_array(ring.clouds), retargeting)
+        digest = key_of(
+            pack_rig(rig), ring.leg, ring.zero, digest_of_array(ring.clouds), digest_of_array(ring.support), retargeting
+        )
         return cls(cache, rig, ring, retargeting, digest)
 
     def key(self, one: Identified) -> str:

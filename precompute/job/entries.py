@@ -14,7 +14,8 @@ from motionsplice.motion.formats.reading import Reading
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
-from motionsplice.precompute.alignment.baseline import Alignment, Baseline
+from motionsplice.precompute.alignment.alignment import Alignment
+from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.alignment.stretches import Stretch
 from motionsplice.precompute.job.cache import Arrays, Fields
 from motionsplice.precompute.preparation.prepared import PreparedClip
@@ -46,10 +47,11 @@ class StrideSearched:
 def pack_stride(stride: StrideSearched) -> tuple[Fields, Arrays]:
     """Packs everything except the clip's name."""
     ring = stride.ring
-    fields = {"rig": pack_rig(stride.rig), "ring": None}
+    fields: Fields = {"rig": pack_rig(stride.rig), "ring": None}
     if ring is None:
         return fields, {}
-    return fields | {"ring": [ring.start, ring.end, ring.loop, ring.leg, ring.zero]}, {"clouds": ring.clouds}
+    fields["ring"] = [ring.start, ring.end, ring.loop, ring.leg, ring.zero]
+    return fields, {"clouds": ring.clouds, "support": ring.support}
 
 
 def unpack_stride(name: str, fields: Fields, arrays: Arrays) -> StrideSearched:
@@ -58,7 +60,7 @@ def unpack_stride(name: str, fields: Fields, arrays: Arrays) -> StrideSearched:
     if fields["ring"] is None:
         return StrideSearched(rig, None)
     start, end, loop, leg, zero = fields["ring"]
-    return StrideSearched(rig, Baseline(name, start, end, loop, leg, zero, arrays["clouds"]))
+    return StrideSearched(rig, Baseline(name, start, end, loop, leg, zero, arrays["clouds"], arrays["support"]))
 
 
 def pack_reading(reading: Reading) -> tuple[Fields, Arrays]:
@@ -115,7 +117,7 @@ def pack_prepared(one: PreparedClip) -> tuple[Fields, Arrays]:
         "frame_count": one.frame_count,
         "strides": one.strides,
         "period": one.period,
-        "chance": alignment.chance,
+        "foreign": alignment.foreign,
         "swing": alignment.swing,
         "stretches": [astuple(one) for one in alignment.stretches],
         "notes": one.notes,
@@ -149,7 +151,7 @@ def unpack_prepared(name: str, fetch: Callable[[str], NDArray[Any]], fields: Fie
         alignment=Alignment(
             aligned,
             arrays["cost"],
-            fields["chance"],
+            fields["foreign"],
             fields["swing"],
             tuple(Stretch(*one) for one in fields["stretches"]),
         ),

@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import convolve1d
+from numpy.typing import ArrayLike
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
-from motionsplice.runtime.format.contacts import FEET
 
 LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
-LOADING = 0.1  # seconds in which a foot takes over the weight, and gives it up
 TINY = 1e-12
-
-
-def support(standing: NDArray[np.uint8], rate: float) -> Floats:
-    """Returns how firmly both feet stand [F, 2], 0 to 1, from the bits of standing feet [F]; smooth over LOADING."""
-    bits = np.stack([standing & bit > 0 for bit in FEET.values()], axis=1).astype(np.float64)
-    window = np.hanning(2 * round(0.5 * LOADING * rate) + 3)[1:-1]
-    return np.asarray(convolve1d(bits, window / window.sum(), axis=0, mode="nearest"))
 
 
 def feet_over_ground(clip: Clip, roles: Roles) -> Floats:

@@ -13,7 +13,8 @@ import numpy as np
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.alignment.baseline import Alignment, Baseline, align
+from motionsplice.precompute.alignment.alignment import Alignment, align
+from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.alignment.whole_cycle import find_period, played_on
 from motionsplice.precompute.preparation.seam import SEAM, Seamed, add_seam, add_seam_to_start, bent_onto, settled
 

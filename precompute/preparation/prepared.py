@@ -15,12 +15,13 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.onto_rig import onto_rig
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.alignment.baseline import LEAST_SWING, Alignment, Baseline
+from motionsplice.precompute.alignment.alignment import Alignment
+from motionsplice.precompute.alignment.baseline import LEAST_SWING, Baseline
 from motionsplice.precompute.alignment.gait import mean_gait
-from motionsplice.precompute.body.contacts import foot_contacts
+from motionsplice.precompute.body.contacts import foot_contacts, support
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.preparation.cuts import Cut
-from motionsplice.precompute.preparation.feet import standing_feet, support
+from motionsplice.precompute.preparation.feet import standing_feet
 from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride

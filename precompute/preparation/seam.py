@@ -17,9 +17,9 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import heading
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.body.contacts import foot_contacts
+from motionsplice.precompute.body.contacts import foot_contacts, support
 from motionsplice.precompute.body.joint_paths import joint_paths
-from motionsplice.precompute.preparation.feet import feet_over_ground, root_steps, support
+from motionsplice.precompute.preparation.feet import feet_over_ground, root_steps
 
 SEAM = 0.3  # seconds
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart

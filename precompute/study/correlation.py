@@ -27,7 +27,8 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.study.body_angles import Axis, Curve, View, thigh_swing, upper_body_curves
 from motionsplice.precompute.study.periodic import SAMPLES, Complexes, CycleWaves, Period
 

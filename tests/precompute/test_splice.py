@@ -16,7 +16,9 @@ from motionsplice.motion.procedural.variants import local_axes, uneven_time, war
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import WORKING_RATE, align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.alignment.working_rate import WORKING_RATE
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.preparation.prepared import prepare

@@ -16,7 +16,8 @@ from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import LEAST_SWING, align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import LEAST_SWING, find_baseline
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator

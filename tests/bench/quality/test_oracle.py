@@ -10,7 +10,8 @@ from bench.quality.oracle import oracle_error, stride_to_stride
 from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.splice import splice_exact
 from tests.conftest import CLIPS
 

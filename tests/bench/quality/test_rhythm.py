@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from bench.quality.rhythm import arm_lag, concentration, knee_passes, lag_error, swing
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from tests.conftest import CLIPS
 
 WALK, BOX = CLIPS["walk"], CLIPS["carry_box"]

@@ -12,8 +12,9 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
+from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.arm_swing import WEIGHT, arm_joints, arm_swing, swing_distances
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.baseline import find_baseline
 
 WALK = make("walk", seconds=8.0)
 ROLES = find_roles(WALK.skeleton)

@@ -6,7 +6,8 @@ import numpy as np
 
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import Baseline, align, find_baseline, most_typical
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import Baseline, find_baseline, most_typical
 
 
 def stride(locomotion: str, seed: int = 0) -> Baseline:

@@ -14,7 +14,8 @@ from motionsplice.motion.procedural.joined import begins, joined
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.procedural.stances import Performer, standing_action
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.alignment.stretches import runs, steadied, stretches_of
 
 WALK = make("walk", seconds=4.0)

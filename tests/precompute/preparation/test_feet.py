@@ -10,10 +10,11 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
-from motionsplice.precompute.body.contacts import foot_contacts
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.body.contacts import LOADING, foot_contacts, support
 from motionsplice.precompute.body.joint_paths import joint_paths
-from motionsplice.precompute.preparation.feet import FIRM, LOADING, LOOSE, root_steps, support
+from motionsplice.precompute.preparation.feet import FIRM, LOOSE, root_steps
 from motionsplice.precompute.preparation.seam import add_seam
 from motionsplice.runtime.format.contacts import FEET, LEFT_FOOT
 

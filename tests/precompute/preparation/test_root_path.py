@@ -7,7 +7,8 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.seam import Seamed, add_seam
 

@@ -10,7 +10,8 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.preparation.seam import Seamed, add_seam
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator

@@ -10,7 +10,8 @@ from bench.quality.measures import upper_body_errors
 from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import align, find_baseline
+from motionsplice.precompute.alignment.alignment import align
+from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.preparation.torso_offset import MeanStride, believed, shoulder_motion, torso_offsets
 from motionsplice.precompute.splice import splice_exact

@@ -26,8 +26,8 @@ from motionsplice.precompute.alignment.working_rate import (
 )
 from motionsplice.precompute.body.facing import facing, facing_joints
 
-KNOT_SPACING = 0.1  # seconds
-STIFFNESS = 1.0  # of the phase curve, against changes of its slope
+KNOT_SPACING = 0.16  # seconds
+STIFFNESS = 4.0  # of the phase curve, against changes of its slope
 SLOWEST = 0.5  # of the clip's mean slope: the least slope of its phase curve
 LEAST_STEPS = 0.04  # leg lengths, in the same way: small steps on the spot still have a phase
 FOREIGN_GAIT = 0.65  # of the cost at random phases: a clip with a higher cost does not look like locomotion

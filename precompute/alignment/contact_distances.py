@@ -10,7 +10,7 @@ import numpy as np
 
 from motionsplice.motion.quaternion import Floats
 
-WEIGHT = 0.17  # leg lengths of root and knees that a foot is worth which stands in one of both only
+WEIGHT = 0.1  # leg lengths of root and knees that a foot is worth which stands in one of both only
 
 
 def contact_distances(support: Floats, ring: Floats, leg: float) -> Floats:

@@ -75,6 +75,7 @@ def test_the_bank_recovers_a_warp(name: str, tmp_path: Path) -> None:
     frames = uneven_time(clip.frame_count)
     bank = bank_of(tmp_path, WALK, clip, warped(clip, frames, "uneven"))
     even, uneven = (bank.tables["phase_of_frame"][rows_of(bank, one)] for one in (name, "uneven"))
+    uneven = uneven - np.round(np.median(uneven - np.interp(frames, np.arange(clip.frame_count), even)))
     error = np.abs(np.interp(uneven, even, np.arange(clip.frame_count)) - frames) * (WORKING_RATE / clip.rate)
     assert np.median(error) < 0.5
     assert np.percentile(error, 95) < 2.0

@@ -14,6 +14,7 @@ from bench.characters.aim_charts import aim_chart
 from bench.characters.slide_charts import slide_chart
 from bench.clips import bank_of
 from bench.generated import Size, generate
+from bench.quality.additive import add
 from bench.quality.charts import pair_chart, ratio_grid
 from bench.quality.pair_list import grid_pairs, truth_of
 from bench.quality.scores import Form, score_pair, splice_pair
@@ -22,7 +23,6 @@ from bench.retarget.rigs import on_rig
 from bench.speed import flatness
 from bench.speed.frames import batches
 from bench.speed.speed_charts import speed_chart
-from bench.standing.additive import add
 from bench.structure.layers import layers_picture, read_contracts
 from docs.screenshots import take_screenshots
 from motionsplice.commands.demo import demo_command
@@ -168,9 +168,10 @@ def draw_standing() -> None:
     run, true_clip = make("run", seed=3), standing_truth("run", "hail", performer, locomotion_seed=3)
     roles = find_roles(run.skeleton)
     measured = measure_standing(wave, wave.frame_count, None, None, roles)
+    replaced = splice_naive(run, wave, roles)
     results = {
-        "replaced": splice_naive(run, wave, roles),
-        "additive": add(run, wave, roles),
+        "replaced": replaced,
+        "additive": add(run, replaced, roles),
         "splice": splice_standing(run, wave, roles, measured.standing),
     }
     rows = [(label, clip, roles) for label, clip in results.items()]

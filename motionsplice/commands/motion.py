@@ -11,9 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 from rich.console import Console
 
+from motionsplice.commands.bank_report import STEADY
 from motionsplice.commands.outputs import (
     CharacterOption,
     OutOption,
@@ -117,6 +119,23 @@ def splice_command(
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
     print_sentences(console, "dim", notes)
+    if method is Method.SPLICE and action is not None and not opened.clip(action).stretches:
+        low, high = pace_of(opened, locomotion, action, start)
+        if low < STEADY[0] or high > STEADY[1]:
+            said = f"the action plays at {low:.1f} to {high:.1f} times its captured speed"
+            print_sentences(console, "dim", [said])
+
+
+def pace_of(bank: Bank, locomotion: str, action: str, start: float) -> tuple[float, float]:
+    """Returns the least and the most speed of an action in a splice, relative to its captured speed."""
+    from motionsplice.runtime.evaluator import Evaluator
+    from motionsplice.runtime.splice import Splice
+
+    evaluator = Evaluator(bank)
+    frames = evaluator.action_frames(Splice(locomotion, action, start=start), evaluator.frame_times(locomotion))
+    steps = np.diff(frames) * bank.clip(locomotion).rate / bank.clip(action).rate
+    played = steps[(steps > 0.0) & (frames[1:] < frames.max())]  # it goes back where it loops, else it holds its end
+    return (float(played.min()), float(played.max())) if len(played) else (1.0, 1.0)
 
 
 def spliced(

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
@@ -14,6 +16,7 @@ from typer.testing import CliRunner, Result
 import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
 from motionsplice.commands import motion
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
@@ -22,6 +25,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
+from tests.conftest import CLIPS, built, written
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numba", "llvmlite", "scipy", "matplotlib", "PIL", "fastapi", "uvicorn"}
@@ -175,6 +179,21 @@ def test_a_splice_shorter_than_its_locomotion_is_reported(bank: Bank, tmp_path: 
     shorter = f"{bank.clip('walk').duration:.2f} s"
     assert f" s of {shorter}" in run(*splice, "exact").output
     assert f", {shorter}\n" in run(*splice, "splice").output
+
+
+def test_splice_and_inspect_say_what_plays_at_another_pace(tmp_path: Path) -> None:
+    walk, frames = CLIPS["walk"], np.arange(301.0)
+    uneven = Clip(
+        "uneven", walk.skeleton, 60.0, *walk.sampled(np.minimum(frames + 25.0 * np.sin(frames / 40.0), 300.0))
+    )
+    stroll = replace(CLIPS["carry_box"], rate=30.0)
+    written(tmp_path, {"walk": walk, "uneven": uneven, "stroll": stroll}, '[stroll]\nkind = "action"\n')
+    bank = built(tmp_path, tmp_path / "bank")
+    splice = f"splice {bank.path} --action stroll --out {tmp_path / 'out.bvh'} --locomotion walk".split()
+    assert re.search(r"\nthe action plays at 2\.\d to 2\.\d times its captured speed\n", run(*splice).output)
+    assert "captured speed" not in run(*splice, "--method", "naive").output
+    lines = [line for line in run("inspect", bank.path).output.splitlines() if "its mean pace" in line]
+    assert re.fullmatch(r"uneven: its phase runs at 0\.\d to 1\.\d times its mean pace.*", *lines)
 
 
 def test_render_draws_sheets_and_animations(clip_folder: Path, tmp_path: Path) -> None:

@@ -69,13 +69,13 @@ def clips_table(bank: Bank) -> Table:
     actions = any(clip.kind == "action" for clip in bank.clips)
     caption = "mean, worst: distance of root and knees from the baseline's at the same phase, cm"
     of_actions = (
-        "; shoulders: motion of an action's shoulders beyond its neutral's gait, degrees; repeats: distance of its "
-        "upper body from itself a stride later, cm"
+        "; torso: motion of an action's shoulders beyond its neutral's gait, degrees; repeat: distance of its upper "
+        "body from itself a stride later, cm"
     )
     table = Table(caption=caption + of_actions * actions)
     for column in ("clip", "neutral")[: 1 + actions]:
         table.add_column(column, overflow="fold")
-    for column in ("seconds", "rate", "cycles", "mean", "worst", "shoulders", "repeats")[: 5 + 2 * actions]:
+    for column in ("s", "rate", "cycles", "mean", "worst", "torso", "repeat")[: 5 + 2 * actions]:
         table.add_column(column, justify="right", no_wrap=True)
     for clip in bank.clips:
         mean = "" if clip.stands else f"{100 * clip.mean_mismatch:.1f}"  # its phase has no meaning

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from bench.standing.additive import add
 from PIL import Image
 
 from bench.characters.aim_charts import aim_chart
@@ -22,7 +23,6 @@ from bench.retarget.rigs import on_rig
 from bench.speed import flatness
 from bench.speed.frames import batches
 from bench.speed.speed_charts import speed_chart
-from bench.standing.additive import add
 from bench.structure.layers import layers_picture, read_contracts
 from docs.screenshots import take_screenshots
 from motionsplice.commands.demo import demo_command

@@ -192,6 +192,7 @@ def _entry(number: int, phase: Floats, size: Size) -> ClipEntry:
         mean_mismatch=0.0,
         worst_mismatch=0.0,
         shoulder_motion=0.0,
+        repetition=0.0,
         stance=number if size.standing else -1,
         parts=UPPER_BODY,
         uses=(),

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from bench.standing.additive import add
 from PIL import Image
 
 from bench.characters.aim_charts import aim_chart

@@ -161,6 +161,7 @@ class ClipInfo(BaseModel):
     mean_mismatch: float = Field(description="mean distance of root and knees from the baseline's")
     worst_mismatch: float = Field(description="largest distance of root and knees from the baseline's")
     shoulder_motion: float = Field(description="motion of the torso beyond the neutral's gait, radians")
+    repetition: float = Field(description="mean distance of the upper body from itself a stride later; 0: unknown")
     stands: bool = Field(description="whether it is an action without a gait, which plays at its own speed")
     uses: list[str] = Field(description="parts of the upper body that such an action uses")
     stretches: list[str] = Field(description="clips that an action which stands and walks by turns plays in order")
@@ -185,6 +186,7 @@ class ClipInfo(BaseModel):
             mean_mismatch=clip.mean_mismatch,
             worst_mismatch=clip.worst_mismatch,
             shoulder_motion=clip.shoulder_motion,
+            repetition=clip.repetition,
             stands=clip.stands,
             uses=list(clip.uses),
             stretches=list(clip.stretches),

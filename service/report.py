@@ -59,6 +59,7 @@ class PairReport(BaseModel):
     example: str = Field(description="title of the pair")
     oracle: float | None = Field(description="error of a splice that knows the truth, cm")
     floor: float | None = Field(description="difference of the truth from itself a stride later, cm")
+    expected: float | None = Field(description="error / naive's, estimated without the truth")
     lacking: LackingReport | None = Field(description="what the bank's splice lacks; null without a truth")
     group: str = Field(description="of pairs that were averaged together")
     methods: list[MethodReport]

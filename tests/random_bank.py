@@ -77,7 +77,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str, hy
         stance: tuple[int, int, tuple[str, ...]] = (-1, UPPER_BODY, ())
         if stands:
             stance = (number // 3, int(draw.integers(1, UPPER_BODY + 1)), ("trunk",))
-        label, found = (f"clip {number}", "action", (), RATE), (0.0, 0.0, 0.0)
+        label, found = (f"clip {number}", "action", (), RATE), (0.0, 0.0, 0.0, 0.0)
         entries.append(ClipEntry(*label, *place, *span, strides, not stands, *found, *stance, (), 0.0, 0.0, (), (), ""))
         row += rows
     for number in range(0, clips - 2, 3) if hybrids else ():

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.quality.measures import over_root, upper_body_errors
+from bench.quality.measures import over_root
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import world_transforms
-from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.best_rotations import best_rotations
 from motionsplice.precompute.body.posture import Torso, measure_torso
-from motionsplice.precompute.splice import attach
 
 ORACLE_RATE = 30.0  # frames per second at which the oracle picks frames
 
@@ -89,25 +87,6 @@ def oracle_error(locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Flo
         sampled_frames(len(laying.goals), locomotion.rate), sampled_frames(len(laying.local), action.rate)
     )
     return float(grid.min(axis=1).mean())
-
-
-def stride_to_stride(truth: Clip, phase: Floats, roles: Roles) -> float:
-    """Returns how much a person's upper body differs from one stride to the next, in metres.
-
-    The strides are aligned in space like a splice. phase [F]: the phase of the truth's legs in cycles. NaN for a clip
-    shorter than a stride and a half.
-    """
-    if phase[-1] - phase[0] < 1.5:
-        return float("nan")
-    errors = []
-    for shift in (1.0, -1.0):
-        inside = np.flatnonzero((phase + shift >= phase[0]) & (phase + shift <= phase[-1]))
-        used = truth.frames(int(inside[0]), int(inside[-1]) + 1)
-        shifted = np.interp(phase[inside] + shift, phase, np.arange(len(phase)))
-        other = Clip(truth.name, truth.skeleton, truth.rate, *truth.sampled(shifted))
-        aligned = horn_rotation(measure_torso(used, roles).clouds, measure_torso(other, roles).clouds)
-        errors.append(upper_body_errors(attach(used, other.rotations, aligned, roles), used, roles).mean())
-    return float(np.mean(errors))
 
 
 def sampled_frames(count: int, rate: float) -> NDArray[np.int64]:

@@ -18,15 +18,16 @@ from bench.quality.measures import (
     promised_posture,
     upper_body_errors,
 )
-from bench.quality.oracle import stride_to_stride
 from bench.quality.rhythm import concentration, knee_passes, lag_error
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.body.posture import measure_torso, posture_angle
+from motionsplice.precompute.preparation.repetition import stride_to_stride
 from motionsplice.precompute.splice import sampled_offsets, splice_exact, splice_standing
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.expectation import expectation
 from motionsplice.runtime.requests import Posture
 from motionsplice.runtime.splice import Splice
 
@@ -85,13 +86,15 @@ class MethodScore:
 class PairScore:
     """The scores of one pair.
 
-    floor: difference of the truth from itself a stride later, cm. lacks: the error of the bank's splice taken apart.
+    floor: difference of the truth from itself a stride later, cm. expected: error of the bank's splice divided by plain
+    replacement's, as `expectation` estimates it without the truth. lacks: the error of the bank's splice taken apart.
     """
 
     locomotion: str
     action: str
     truth: str
     floor: float | None
+    expected: float | None
     lacks: Dissection | None
     methods: tuple[MethodScore, ...]
 
@@ -221,8 +224,11 @@ def score_pair(
             seamed = bank.motion(action, seam=True)
             lacks = dissect(one.clip, clip_l, seamed, truth, offsets, frames, clip_u.frame_count, roles)
     if truth is not None:
-        floor = _known(100.0 * stride_to_stride(truth, phase[: truth.frame_count], roles))
-    return PairScore(locomotion, action, truth.name if truth else "", floor, lacks, tuple(scores))
+        apart = stride_to_stride(truth, measure_torso(truth, roles).clouds, phase[: truth.frame_count], roles)
+        floor = 100.0 * apart if apart > 0.0 else None
+    known = expectation(evaluator, Splice(locomotion, action))
+    expected = None if known is None else known.ratio
+    return PairScore(locomotion, action, truth.name if truth else "", floor, expected, lacks, tuple(scores))
 
 
 def score_clip(bank: Bank, name: str) -> ClipScore:

@@ -6,11 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import spearmanr
 
 from bench.quality.scores import ClipScore, MethodScore, PairScore
 
 OURS, REFERENCE = "splice", "exact"
 LEAST_CONCENTRATION = 0.93
+LEAST_RANKING = 0.6
+FEW = 8  # pairs: fewer have no order to speak of
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,7 @@ def targets(pairs: Sequence[PairScore], clips: Sequence[ClipScore], bounds: Boun
             _at_most("error / papers' whole-clip splice", ratios[OURS] / ratios[REFERENCE], 1.1),
             _at_most("error / oracle that knows the truth", error / oracle, bounds.oracle),
             _at_most("error / difference between the truth's own strides", floor, bounds.floor),
+            _ranking(judged),
         ]
     walking = [one for one in judged if bounds.walking is None or one.locomotion in bounds.walking]
     results += [
@@ -80,6 +84,15 @@ def _worst(
         return None
     value, name = max(known)
     return Target(what, f"{value:.3g} ({name})", f"<= {most:g}", bool(value <= most))
+
+
+def _ranking(pairs: Sequence[PairScore]) -> Target | None:
+    known = [(one.expected, one.of(OURS).ratio) for one in pairs if one.expected is not None]
+    if len(known) < FEW:
+        return None
+    value = float(spearmanr(*np.array(known, np.float64).T).statistic)
+    what = "rank correlation of error / naive splice with what was expected"
+    return Target(what, f"{value:.2f}", f">= {LEAST_RANKING}", value >= LEAST_RANKING)
 
 
 def _at_most(what: str, value: float, most: float | None) -> Target | None:

@@ -121,7 +121,7 @@ struct ClipEntry {
     int first_stretch = NOT_FOUND;       ///< number of the first of `stretches`; not in the manifest
     int next_stretch = NOT_FOUND;        ///< number of the stretch after this one; not in the manifest
     double rate = 0.0, first_phase = 0.0, last_phase = 0.0, cycles = 0.0;
-    double mean_mismatch = 0.0, worst_mismatch = 0.0, shoulder_motion = 0.0;
+    double mean_mismatch = 0.0, worst_mismatch = 0.0, shoulder_motion = 0.0, repetition = 0.0;
     std::int64_t first_row = 0, frame_count = 0, row_count = 0, first_cell = 0, cell_count = 0, loop = 0;
     std::int64_t stance = -1, parts = 15;  // of an action captured standing: see `stands`
     bool gait = false;
@@ -1056,7 +1056,7 @@ inline std::string Bank::read_clips(const detail::Value& body) {
         fields("first_cell", clip.first_cell)("cell_count", clip.cell_count)("cycles", clip.cycles);
         fields("first_phase", clip.first_phase)("last_phase", clip.last_phase);
         fields("mean_mismatch", clip.mean_mismatch)("worst_mismatch", clip.worst_mismatch);
-        fields("shoulder_motion", clip.shoulder_motion)("stance", clip.stance)("parts", clip.parts)("uses", clip.uses);
+        fields("shoulder_motion", clip.shoulder_motion)("repetition", clip.repetition)("stance", clip.stance)("parts", clip.parts)("uses", clip.uses);
         fields("stretches", clip.stretches)("enters", clip.enters)("leaves", clip.leaves);
         problem = fields.fault();
         return problem.empty();

@@ -82,11 +82,14 @@ def clips_table(bank: Bank) -> Table:
     """Returns a table of the clips, and of how well each is aligned. Neutrals are left out if no clip is an action."""
     actions = any(clip.kind == "action" for clip in bank.clips)
     caption = "mean, worst: distance of root and knees from the baseline's at the same phase, cm"
-    shoulders = "; shoulders: motion of an action's shoulders beyond its neutral's gait, degrees"
-    table = Table(caption=caption + shoulders * actions)
+    of_actions = (
+        "; torso: motion of an action's shoulders beyond its neutral's gait, degrees; repeat: distance of its upper "
+        "body from itself a stride later, cm"
+    )
+    table = Table(caption=caption + of_actions * actions)
     for column in ("clip", "neutral")[: 1 + actions]:
         table.add_column(column, overflow="fold")
-    for column in ("seconds", "rate", "cycles", "mean", "worst", "shoulders")[: 5 + actions]:
+    for column in ("s", "rate", "cycles", "mean", "worst", "torso", "repeat")[: 5 + 2 * actions]:
         table.add_column(column, justify="right", no_wrap=True)
     for clip in bank.clips:
         mean = "" if clip.stands else f"{100 * clip.mean_mismatch:.1f}"  # its phase has no meaning
@@ -100,8 +103,9 @@ def clips_table(bank: Bank) -> Table:
             f"[yellow]{mean}[/yellow]" if clip.warnings else mean,
             "" if clip.stands else f"{100 * clip.worst_mismatch:.1f}",
             f"{np.degrees(clip.shoulder_motion):.1f}" if action else "",
+            f"{100 * clip.repetition:.1f}" if action and clip.repetition > 0.0 else "",
         ]
-        table.add_row(*cells if actions else (cells[0], *cells[2:-1]))
+        table.add_row(*cells if actions else (cells[0], *cells[2:-2]))
     return table
 
 

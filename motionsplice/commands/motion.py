@@ -11,11 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 from rich.console import Console
 
-from motionsplice.commands.bank_report import STEADY
 from motionsplice.commands.outputs import (
     CharacterOption,
     OutOption,
@@ -119,23 +117,30 @@ def splice_command(
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
     print_sentences(console, "dim", notes)
-    if method is Method.SPLICE and action is not None and not opened.clip(action).stretches:
-        low, high = pace_of(opened, locomotion, action, start)
-        if low < STEADY[0] or high > STEADY[1]:
-            said = f"the action plays at {low:.1f} to {high:.1f} times its captured speed"
-            print_sentences(console, "dim", [said])
+    if action is not None and method is Method.SPLICE:
+        print_expectation(opened, locomotion, action, start)
 
 
-def pace_of(bank: Bank, locomotion: str, action: str, start: float) -> tuple[float, float]:
-    """Returns the least and the most speed of an action in a splice, relative to its captured speed."""
+def print_expectation(bank: Bank, locomotion: str, action: str, start: float) -> None:
+    """Prints how far a splice can be trusted, and a warning if plain replacement may be as good."""
     from motionsplice.runtime.evaluator import Evaluator
+    from motionsplice.runtime.expectation import expectation
     from motionsplice.runtime.splice import Splice
 
-    evaluator = Evaluator(bank)
-    frames = evaluator.action_frames(Splice(locomotion, action, start=start), evaluator.frame_times(locomotion))
-    steps = np.diff(frames) * bank.clip(locomotion).rate / bank.clip(action).rate
-    played = steps[(steps > 0.0) & (frames[1:] < frames.max())]  # it goes back where it loops, else it holds its end
-    return (float(played.min()), float(played.max())) if len(played) else (1.0, 1.0)
+    found = expectation(Evaluator(bank), Splice(locomotion, action, start=start))
+    if found is None:
+        return
+    repeats = f", the action repeats within {100 * found.repetition:.1f} cm" if found.repetition > 0.0 else ""
+    console.print(
+        f"expected: {100 * found.error:.1f} cm off, plain replacement {100 * found.replaced:.1f} cm; "
+        f"legs within {100 * found.legs:.1f} cm{repeats}; "
+        f"it plays at {found.slowest:.2f} to {found.fastest:.2f} times its captured speed",
+        style="dim",
+        soft_wrap=True,
+    )
+    if found.gains_little:
+        sentence = f"{action!r} hardly follows the stride, so plain replacement may be as good"
+        print_sentences(console, "yellow", [f"{sentence}: in a game, try `own_clock`"])
 
 
 def spliced(

@@ -215,6 +215,7 @@ def _entries(
                 mean_mismatch=one.alignment.mean_mismatch,
                 worst_mismatch=one.alignment.worst_mismatch,
                 shoulder_motion=0.0 if moved is None else shoulder_motion(moved[: one.frame_count]),
+                repetition=one.repetition,
                 stance=stances.get(one.name, -1),
                 parts=UPPER_BODY if stands is None else stands.standing.parts,
                 uses=() if stands is None else stands.uses,

@@ -23,6 +23,7 @@ from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.preparation.cuts import Cut
 from motionsplice.precompute.preparation.feet import standing_feet
 from motionsplice.precompute.preparation.looped import loop
+from motionsplice.precompute.preparation.repetition import stride_to_stride
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride
 from motionsplice.runtime.format.rows import Layout, TorsoRows
@@ -37,12 +38,12 @@ class PreparedClip:
 
     phase: [rows] cycles. posture: [2, 3] metres. path: [rows, 4] of `root_path`. contacts: [rows] which feet stand.
     feet: [rows, 6] of `standing_feet`. gait: [bins, 3, 3] mean lower cloud by phase, metres. stride: mean torso by
-    phase. fetch: returns a large array by name: the clip's rows in the tables `lower` and `upper`, or `upright`, its
-    torso clouds [rows, P, 3] in metres. kind: `locomotion` or `action`. neutral: name of the clip that its posture is
-    relative to. stands: whether it is an action without a gait, laid on locomotions as what it adds to a stance. mask:
-    the parts that it then poses; None to measure them. cut: the stretch of a hybrid clip that it is, or None.
-    stretches: the names of its stretches, if it is a hybrid action. notes: from reading and moving it. file_warnings:
-    from reading its file. source: digest of that file.
+    phase. repetition: of `stride_to_stride`, metres. fetch: returns a large array by name: the clip's rows in the
+    tables `lower` and `upper`, or `upright`, its torso clouds [rows, P, 3] in metres. kind: `locomotion` or `action`.
+    neutral: name of the clip that its posture is relative to. stands: whether it is an action without a gait, laid on
+    locomotions as what it adds to a stance. mask: the parts that it then poses; None to measure them. cut: the stretch
+    of a hybrid clip that it is, or None. stretches: the names of its stretches, if it is a hybrid action. notes: from
+    reading and moving it. file_warnings: from reading its file. source: digest of that file.
     """
 
     name: str
@@ -58,6 +59,7 @@ class PreparedClip:
     feet: Floats
     gait: Floats
     stride: MeanStride
+    repetition: float
     fetch: Callable[[str], NDArray[Any]]
     kind: str = "locomotion"
     neutral: str = ""
@@ -129,6 +131,7 @@ def prepare(
         feet=standing_feet(seamed.clip, path, support(contacts, clip.rate)[rows], skeleton_roles),
         gait=mean_gait(ours.frames(settled.start, settled.stop), alignment.phase[settled], skeleton_roles),
         stride=MeanStride.of(torso.upright[settled], alignment.phase[settled]),
+        repetition=stride_to_stride(ours, torso.clouds, alignment.phase, skeleton_roles) if alignment.has_gait else 0.0,
         fetch=large.__getitem__,
         cut=cut,
         notes=fitted.notes,

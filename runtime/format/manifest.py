@@ -64,6 +64,8 @@ class ClipEntry:
         mean_mismatch: Mean distance of the alignment, metres.
         worst_mismatch: Largest distance of the alignment, metres.
         shoulder_motion: How far its torso moves beyond the gait of its neutral, radians.
+        repetition: Mean distance of its upper body from itself a stride later, metres; 0 if it has less than a stride
+            and a half, or no gait.
         stance: Row of its stance in the table `stances`; -1 if it is no standing action.
         parts: Bits of the parts that a standing action drives (`motion.parts`).
         uses: Names of the parts that a standing action uses.
@@ -92,6 +94,7 @@ class ClipEntry:
     mean_mismatch: float
     worst_mismatch: float
     shoulder_motion: float
+    repetition: float
     stance: int
     parts: int
     uses: tuple[str, ...]

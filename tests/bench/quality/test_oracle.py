@@ -1,16 +1,13 @@
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from bench.quality.measures import upper_body_errors
-from bench.quality.oracle import oracle_error, stride_to_stride
+from bench.quality.oracle import oracle_error
 from motionsplice.motion import quaternion
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.splice import splice_exact
 from tests.conftest import CLIPS
@@ -37,13 +34,3 @@ def test_an_oracle_is_closer_than_a_splice(locomotion: str) -> None:
     frame_count = splice.clip.frame_count
     error = oracle_error(clip.frames(0, frame_count), action, truth, no_offsets(frame_count, action.frame_count), ROLES)
     assert error < upper_body_errors(splice.clip, truth, ROLES).mean()
-
-
-def test_equal_strides_do_not_differ_and_uneven_strides_do() -> None:
-    phase = align(WALK, ROLES, RING).phase
-    assert stride_to_stride(WALK, phase, ROLES) < 0.01
-    uneven = WALK.rotations.copy()
-    raised = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 1.5, WALK.frame_count))
-    uneven[:, ROLES.left_shoulder] = quaternion.multiply(uneven[:, ROLES.left_shoulder], raised)
-    assert stride_to_stride(replace(WALK, rotations=uneven), phase, ROLES) > 0.01
-    assert np.isnan(stride_to_stride(WALK.frames(0, 60), phase[:60], ROLES))

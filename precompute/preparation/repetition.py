@@ -1,0 +1,49 @@
+"""How far an upper body is from itself a stride later: what no alignment by the legs can know."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from motionsplice.motion import quaternion
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.pointcloud import horn_rotation
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.joint_paths import joint_transforms
+
+RATE = 30.0  # frames per second at most at which strides are compared
+LEAST = 1.5  # strides: fewer have too little to be compared
+
+
+def stride_to_stride(clip: Clip, clouds: Floats, phase: Floats, roles: Roles) -> float:
+    """Returns the mean distance, metres, of the upper body's joints from themselves a stride later and earlier.
+
+    The strides are aligned in space like a splice, so only what the arms and the spine's bend do counts. clouds: the
+    torso clouds [F, P, 3] in the pelvis's frame. phase: [F] cycles. Returns 0 for less than LEAST strides.
+    """
+    step = max(1, int(clip.rate / RATE))
+    phase = phase[: clip.frame_count : step]
+    if phase[-1] - phase[0] < LEAST:
+        return 0.0
+    local, clouds = upper_joints(clip, roles)[::step], clouds[: clip.frame_count : step]
+    apart = []
+    for shift in (1.0, -1.0):
+        inside = np.flatnonzero((phase + shift >= phase[0]) & (phase + shift <= phase[-1]))
+        later = np.interp(phase[inside] + shift, phase, np.arange(len(phase)))
+        aligned = horn_rotation(clouds[inside], _between(clouds, later))
+        turned = quaternion.rotate(aligned[:, None], _between(local, later))
+        apart.append(np.linalg.norm(local[inside] - turned, axis=2).mean())
+    return float(np.mean(apart))
+
+
+def upper_joints(clip: Clip, roles: Roles) -> Floats:
+    """Returns the positions [F, n, 3] of the upper body's joints in the pelvis's frame, metres."""
+    positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis))
+    return quaternion.rotate(quaternion.conjugate(world[:, :1]), positions[:, 1:] - positions[:, :1])
+
+
+def _between(rows: Floats, at: Floats) -> Floats:
+    """Interpolates rows [n, p, 3] at the real-valued places `at` [m]."""
+    before = np.minimum(at.astype(np.int64), len(rows) - 2)
+    t = (at - before)[:, None, None]
+    return np.asarray((1.0 - t) * rows[before] + t * rows[before + 1])

@@ -14,7 +14,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import ClipEntry
 
 NAMES = 6  # clips that a line about many of them names
-STEADY = (0.67, 1.5)  # paces that need no mention: of a phase against its mean, of an action against its capture
+STEADY = (0.67, 1.5)  # paces of a phase, relative to its mean, that need no mention
 
 console = Console(emoji=False)
 

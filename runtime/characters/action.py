@@ -39,8 +39,8 @@ class Action:
         posture: How the action's posture is kept, as in `Splice`.
         loop: Whether the action jumps back by whole strides at its end and goes on, instead of fading out.
         own_clock: Whether the action plays at its own speed instead of in step; or a pair of times of the clip, in
-            seconds, between which it does. None for a standing action's own speed, and in step for any other, but not
-            at more than 1.75 times its captured speed, as with False; a clip that stands and walks by turns does both.
+            seconds, between which it does. None: yes for a standing action, no for any other, which then plays at 1.75
+            times its captured speed at most; a clip that stands and walks by turns does both. False: no, at any speed.
     """
 
     clip: str

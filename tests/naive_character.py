@@ -13,6 +13,7 @@ from motionsplice.motion.roles import common_ancestor
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.action_kernels import CATCH_UP, MOST_PACE
 from motionsplice.runtime.requests import METHODS, POSTURES
 from tests.naive import best_rotation, laid_on, rotation_between, vectors_between
 from tests.playing import evaluated
@@ -123,6 +124,28 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
         root = quaternion.rotate(turn, root) + s[col.PLACE : col.PLACE + 3]
         rotations[0] = quaternion.multiply(turn, rotations[0])
     return root, rotations
+
+
+def action_step(bank: Bank, s: Floats, locomotion_step: float, phase: float, seconds: float) -> float:
+    """Returns the cycles that an action advances in step with one gait, by the action's slot `s` before the step.
+
+    locomotion_step: the cycles that the gait advances. phase: the gait's after that. seconds: of playback.
+    """
+    name = bank.numbered[int(s[col.CLIP])].name
+    clip, phases = bank.clip(name), bank.phase(name, seam=True)
+    ahead = locomotion_step - (phase - s[col.PHASE])
+    ahead -= round(ahead)
+    most = CATCH_UP * locomotion_step
+    step = locomotion_step - float(np.clip(ahead, -most, most))
+    if s[col.OWN_TO] == col.ANY_PACE:
+        return step
+    last, frame = clip.row_count - 1.0, s[col.FRAME] + MOST_PACE * seconds * clip.rate
+    reached = np.interp(min(frame, last), np.arange(clip.row_count), phases)
+    if frame > last:  # as after the jump back by whole strides
+        back = np.interp(clip.last_phase - clip.loop, phases, np.arange(clip.row_count))
+        again = np.interp([back, back + frame - last], np.arange(clip.row_count), phases)
+        reached += again[1] - again[0]
+    return min(step, float(reached - s[col.PHASE]))
 
 
 def wear(bank: Bank, s: Floats, body: str, frame: float, rotations: Floats) -> None:

@@ -26,10 +26,10 @@ PAIR_NOTE = (
     "same way. best lag, best time, best torso, oracle: the ratio that the bank's splice would have with the best "
     "constant lag, the best time that never goes back, the best turn of the torso at each frame, or the best frames of "
     "the action. lag, degrees: how far the timing of the arms is from the truth's (or the locomotion's, if unknown). "
-    "jitter, excursion: motion of the neck over the root, divided by that of the larger source. hands: speed of the "
-    "fastest hand, divided by the 99th percentile in the action's clip. speed: speed of the action's time relative to "
-    "its own. legs: distance between the legs at aligned frames. posture: angle from the posture that the form "
-    "promises. within halves: largest angle of a joint in either half from its source."
+    "jitter, excursion: motion of the neck over the root, divided by that of the larger source. hands: how fast hands "
+    "move as seen from the chest, divided by how fast they do in the action's clip (99th percentiles). speed: speed of "
+    "the action's time relative to its own. legs: distance between the legs at aligned frames. posture: angle from the "
+    "posture that the form promises. within halves: largest angle of a joint in either half from its source."
 )
 CLIP_NOTE = (
     "knee passes: moments at which the left knee passes the right one going forward. strides between: strides between "

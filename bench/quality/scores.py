@@ -11,7 +11,7 @@ from bench.quality.additive import add
 from bench.quality.dissection import Dissection, dissect
 from bench.quality.measures import (
     change_within_halves,
-    hand_speeds,
+    hurry,
     mismatch,
     neck_excursion,
     neck_jitter,
@@ -31,7 +31,6 @@ from motionsplice.runtime.expectation import expectation
 from motionsplice.runtime.requests import Posture
 from motionsplice.runtime.splice import Splice
 
-STILL = 0.05  # m/s of hands that do not move
 WRAP = -0.5  # action frames: a longer step back is a jump by whole strides
 
 
@@ -62,7 +61,7 @@ class MethodScore:
     jitter, excursion: motion of the neck over the root, divided by that of the larger source.
     monotone: whether the action's time always increases.
     slopes: smallest and largest speed of the action's time, relative to its own speed.
-    hands: speed of the fastest hand, divided by the 99th percentile of the action's own hands.
+    hands: how fast hands move as seen from the chest, divided by how fast they do in the action: 99th percentiles.
     mismatch: distance of the legs at aligned frames, cm.
     change: largest angle of a joint in either half from its source, degrees.
     """
@@ -180,7 +179,6 @@ def score_pair(
     clip_l, clip_u = bank.motion(locomotion), bank.motion(action)
     phase, naive = bank.phase(locomotion), next(one.clip for one in splices if one.form.how == "naive")
     sources = [max(measure(clip, roles) for clip in (clip_l, clip_u)) for measure in (neck_jitter, neck_excursion)]
-    captured = float(np.percentile(hand_speeds(clip_u, roles), 99.0))
     scores, lacks, floor = [], None, None
     for one in splices:
         used, frames = clip_l.frames(0, one.clip.frame_count), one.action_frames
@@ -216,7 +214,7 @@ def score_pair(
                 excursion=neck_excursion(one.clip, roles) / sources[1],
                 monotone=None if slopes is None else bool(slopes[0] > 0.0),
                 slopes=slopes,
-                hands=float(hand_speeds(one.clip, roles).max() / captured) if captured > STILL else None,
+                hands=hurry(one.clip, clip_u, roles),
                 mismatch=apart,
                 change=change,
             )

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from motionsplice.commands.bank_report import notes_of, print_grouped, show_tables
+from motionsplice.commands.bank_report import notes_of, print_grouped, show_tables, uneven_clips
 from motionsplice.commands.progress_file import ProgressFile
 from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
@@ -187,4 +187,4 @@ def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank, as `preco
     """Show the clips of a bank, and how well each is aligned to the baseline."""
     opened = Bank.open(bank)
     show_tables(opened)
-    print_grouped("dim", notes_of(opened), [clip.name for clip in opened.clips])
+    print_grouped("dim", [*notes_of(opened), *uneven_clips(opened)], [clip.name for clip in opened.clips])

@@ -14,6 +14,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import ClipEntry
 
 NAMES = 6  # clips that a line about many of them names
+STEADY = (0.67, 1.5)  # paces of a phase, relative to its mean, that need no mention
 
 console = Console(emoji=False)
 
@@ -38,6 +39,19 @@ def show_tables(bank: Bank) -> None:
 def notes_of(bank: Bank) -> list[tuple[str, str]]:
     """Returns the names of clips, each with a note on it."""
     return [(clip.name, sentence) for clip in bank.clips for sentence in clip.notes]
+
+
+def uneven_clips(bank: Bank) -> list[tuple[str, str]]:
+    """Returns the names of clips whose strides are uneven, each with a sentence on the range of its phase's pace."""
+    found = []
+    for clip in bank.clips:
+        if clip.gait and not clip.stretches:
+            steps = np.diff(bank.phase(clip.name))
+            low, high = steps.min() / steps.mean(), steps.max() / steps.mean()
+            if low < STEADY[0] or high > STEADY[1]:
+                said = f"its phase runs at {low:.1f} to {high:.1f} times its mean pace, so splices hurry and wait"
+                found.append((clip.name, said))
+    return found
 
 
 def print_grouped(style: str, about: Iterable[tuple[str, object]], clips: Iterable[str], verb: str = "") -> None:

@@ -39,8 +39,8 @@ class Action:
         posture: How the action's posture is kept, as in `Splice`.
         loop: Whether the action jumps back by whole strides at its end and goes on, instead of fading out.
         own_clock: Whether the action plays at its own speed instead of in step; or a pair of times of the clip, in
-            seconds, between which it does. None for a standing action's own speed, and in step for any other; a clip
-            that stands and walks by turns does both.
+            seconds, between which it does. None for a standing action's own speed, and in step for any other, but not
+            at more than 1.75 times its captured speed, as with False; a clip that stands and walks by turns does both.
     """
 
     clip: str
@@ -87,6 +87,8 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
     slot[col.FADING_OUT], slot[col.LOOP] = not_negative("blend_out", action.blend_out), action.loop
     slot[col.MASK], slot[col.POSTURE] = mask_of(limbs, action.mask), known(POSTURES, "posture", action.posture)
     slot[[col.OWN_FROM, col.OWN_TO]] = np.multiply(own, entry.rate)
+    if action.own_clock is False:
+        slot[col.OWN_TO] = col.ANY_PACE
     slot[col.LEAVING] = leaving
     slot[col.REMEMBERED :] = Memory.begin(1, rate).state[0]
     return slot

@@ -14,6 +14,7 @@ from motionsplice.runtime.kernels.phase import own_step
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 CATCH_UP = 0.3  # share of the locomotion's speed by which an action out of step is faster or slower
+MOST_PACE = 1.75  # times its captured speed: the most that an action plays at to be in step
 
 
 @inlined
@@ -43,7 +44,11 @@ def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: 
 def advance_splice(
     bank: BankArrays, s: Array, slot: int, ahead: float, passed: float, gaits: float, phase: float
 ) -> None:
-    """Advances one spliced action; `passed` are the cycles that the gaits advanced, `gaits` their share."""
+    """Advances one spliced action; `passed` are the cycles that the gaits advanced, `gaits` their share.
+
+    It plays at MOST_PACE at most, unless it is told to follow the legs at any pace: so it falls behind them where they
+    hurry it, and catches up where they do not.
+    """
     clip, frame, reached = int(s[slot + col.CLIP]), s[slot + col.FRAME], s[slot + col.PHASE]
     own = own_step(bank, clip, frame, reached, ahead)
     if gaits == 0.0 or is_own_clock(s, slot, frame):
@@ -51,7 +56,10 @@ def advance_splice(
     else:
         phase_error = reached - phase + passed
         phase_error -= np.round(phase_error)
-        reached += gaits * (passed - min(max(phase_error, -CATCH_UP * passed), CATCH_UP * passed)) + (1.0 - gaits) * own
+        in_step = passed - min(max(phase_error, -CATCH_UP * passed), CATCH_UP * passed)
+        if s[slot + col.OWN_TO] != col.ANY_PACE:
+            in_step = min(in_step, own_step(bank, clip, frame, reached, MOST_PACE * ahead))
+        reached += gaits * in_step + (1.0 - gaits) * own
     end, loop = bank.clips[clip, arrays.LAST_PHASE], bank.clips[clip, arrays.LOOP]
     if s[slot + col.LOOP] > 0.0 and loop > 0.0 and reached > end:
         reached -= loop * np.ceil((reached - end) / loop)

@@ -37,6 +37,7 @@ LOCOMOTION_COLUMNS = 18
 FIRST_LOCOMOTION = 18
 # an action slot: CLIP to CURVE, LOOP and SHARE as above; HEAD is its kind
 KIND, MASK, POSTURE, FADING_OUT, OWN_FROM, OWN_TO, LEAVING, REMEMBERED = HEAD, 12, 13, 14, 15, 16, 17, 18
+ANY_PACE = -1.0  # in OWN_TO, of an action that is never by its own clock: it follows the legs however fast they are
 PLAYS_ON = -1.0  # in LEAVING, above 0 for an action that fades out: a stretch of a hybrid that the next takes over from
 ACTION_COLUMNS = REMEMBERED + MEMORY_COLUMNS
 FIRST_ACTION = FIRST_LOCOMOTION + MOST_LOCOMOTIONS * LOCOMOTION_COLUMNS

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ from typer.testing import CliRunner, Result
 import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
 from motionsplice.commands import motion
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
@@ -22,6 +24,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
+from tests.conftest import CLIPS, built, written
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numba", "llvmlite", "scipy", "matplotlib", "PIL", "fastapi", "uvicorn"}
@@ -175,6 +178,15 @@ def test_a_splice_shorter_than_its_locomotion_is_reported(bank: Bank, tmp_path: 
     shorter = f"{bank.clip('walk').duration:.2f} s"
     assert f" s of {shorter}" in run(*splice, "exact").output
     assert f", {shorter}\n" in run(*splice, "splice").output
+
+
+def test_inspect_says_which_phases_are_uneven(tmp_path: Path) -> None:
+    walk, frames = CLIPS["walk"], np.arange(301.0)
+    warped = walk.sampled(np.minimum(frames + 25.0 * np.sin(frames / 40.0), 300.0))
+    uneven = Clip("uneven", walk.skeleton, walk.rate, *warped)
+    bank = built(written(tmp_path, {"walk": walk, "uneven": uneven}, ""), tmp_path / "bank")
+    (line,) = (line for line in run("inspect", bank.path).output.splitlines() if "its mean pace" in line)
+    assert re.match(r"uneven: its phase runs at 0\.\d to 1\.\d times its mean pace", line)
 
 
 def test_render_draws_sheets_and_animations(clip_folder: Path, tmp_path: Path) -> None:

@@ -7,6 +7,8 @@ import pytest
 
 from bench.quality.measures import (
     change_within_halves,
+    hand_speeds,
+    hurry,
     mismatch,
     neck_excursion,
     neck_jitter,
@@ -92,3 +94,17 @@ def test_relative_promises_the_locomotions_posture_turned() -> None:
     lean = np.tile(quaternion.about([1.0, 0.0, 0.0], -0.2), (WALK.frame_count, 1))
     promised = promised_posture(WALK, BOX, lean, "relative", ROLES)
     assert posture_angle(promised, measure_torso(WALK, ROLES).posture) == pytest.approx(0.2, abs=0.01)
+
+
+def test_hands_hurry_as_much_as_they_are_played_faster() -> None:
+    assert hurry(replace(WALK, rate=2.0 * WALK.rate), WALK, ROLES) == pytest.approx(2.0, rel=0.1)
+    assert hurry(WALK, WALK, ROLES) == 1.0
+
+
+def test_hands_that_only_the_trunk_moves_are_in_no_hurry() -> None:
+    rotations = np.tile(WALK.rotations[:1], (WALK.frame_count, 1, 1))
+    held = replace(WALK, rotations=rotations.copy())
+    swing = quaternion.about([0.0, 1.0, 0.0], np.sin(np.arange(WALK.frame_count) / 5.0))
+    rotations[:, ROLES.pelvis] = quaternion.multiply(swing, rotations[:, ROLES.pelvis])
+    assert hand_speeds(replace(WALK, rotations=rotations), ROLES).max() < 1e-6
+    assert hurry(WALK, held, ROLES) is None

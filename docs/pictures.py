@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bench.standing.additive import add
 from PIL import Image
 
 from bench.characters.aim_charts import aim_chart
 from bench.characters.slide_charts import slide_chart
 from bench.clips import bank_of
 from bench.generated import Size, generate
+from bench.quality.additive import add
 from bench.quality.charts import pair_chart, ratio_grid
 from bench.quality.pair_list import grid_pairs, truth_of
 from bench.quality.scores import Form, score_pair, splice_pair
@@ -168,9 +168,10 @@ def draw_standing() -> None:
     run, true_clip = make("run", seed=3), standing_truth("run", "hail", performer, locomotion_seed=3)
     roles = find_roles(run.skeleton)
     measured = measure_standing(wave, wave.frame_count, None, None, roles)
+    replaced = splice_naive(run, wave, roles)
     results = {
-        "replaced": splice_naive(run, wave, roles),
-        "additive": add(run, wave, roles),
+        "replaced": replaced,
+        "additive": add(run, replaced, roles),
         "splice": splice_standing(run, wave, roles, measured.standing),
     }
     rows = [(label, clip, roles) for label, clip in results.items()]

@@ -183,6 +183,12 @@ def neighbours(count: int, frames: ArrayLike) -> tuple[NDArray[np.int64], NDArra
     return before, np.minimum(before + 1, count - 1), at - before
 
 
+def interpolated(rows: Floats, frames: ArrayLike) -> Floats:
+    """Returns rows [F, ...] of numbers at real-valued `frames` [n], linearly interpolated and clamped: [n, ...]."""
+    before, after, t = neighbours(len(rows), frames)
+    return np.asarray(rows[before] + t.reshape(-1, *[1] * (rows.ndim - 1)) * (rows[after] - rows[before]))
+
+
 def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike) -> Floats:
     """Interpolates along the shorter arc (spherical linear). [..., 4], [..., 4], [...] -> [..., 4]."""
     a, b, t = np.asarray(a, np.float64), np.asarray(b, np.float64), np.asarray(t, np.float64)[..., None]

@@ -112,9 +112,8 @@ def splice_standing(locomotion: Clip, action: Clip, roles: Roles, standing: Stan
     """
     check_same_rig(locomotion, action)
     frames = (start + np.arange(locomotion.frame_count) / locomotion.rate) * action.rate
-    before, after, t = quaternion.neighbours(action.frame_count, frames)
     posed = action.sampled(np.minimum(frames, action.frame_count - 1.0))[1]
-    usage = standing.usage[before] + t[:, None] * (standing.usage[after] - standing.usage[before])
+    usage = quaternion.interpolated(standing.usage, frames)
     rotations, parts = locomotion.rotations.copy(), part_of_joint(locomotion.skeleton, roles)
     for joint in locomotion.skeleton.subtree(roles.pelvis):
         if joint != roles.pelvis and standing.parts >> parts[joint] & 1:
@@ -124,7 +123,7 @@ def splice_standing(locomotion: Clip, action: Clip, roles: Roles, standing: Stan
     result = replace(locomotion, name=f"{locomotion.name}+{action.name}", rotations=rotations)
     if not standing.parts & TRUNK:
         return result
-    turns = quaternion.slerp(standing.turns[before], standing.turns[after], t)
+    turns = sampled_offsets(standing.turns, frames)
     return transfer_posture(result, measure_torso(locomotion, roles), turns, roles)
 
 

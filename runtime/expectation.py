@@ -5,12 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import joint_positions
-from motionsplice.motion.pointcloud import planar_distance
-from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.comparison import at_frames, legs_apart, over_root
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
 
@@ -77,31 +73,17 @@ def expectation(evaluator: Evaluator, splice: Splice) -> Expectation | None:
     frames = evaluator.action_frames(splice, evaluator.frame_times(splice.locomotion))[moments]
     steps = np.diff(frames) / np.diff(moments) * locomotion.rate / action.rate
     steps = steps[steps > 0.0]  # a step back is a jump by whole strides
-    shown = [bank.motion(splice.locomotion), bank.motion(splice.action, seam=True)]
-    knees = [_places(clip, at)[:, bank.roles.lower_cloud] for clip, at in zip(shown, (moments, frames), strict=True)]
-    legs = float(np.sqrt(planar_distance(*map(_level, knees)).mean() / len(bank.roles.lower_cloud)))
+    shown = bank.motion(splice.locomotion), bank.motion(splice.action, seam=True)
+    legs = float(np.sqrt(np.mean(legs_apart(shown[0], moments, shown[1], frames, bank.roles) ** 2)))
     error = float(np.hypot(REPETITIONS * action.repetition, LEGS * legs))
     forms = [evaluator.clip(replace(splice, method=method)) for method in ("splice", "naive")]
     both = moments[moments < min(clip.frame_count for clip in forms)]
-    upper = bank.skeleton.subtree(bank.roles.pelvis)[1:]
-    spliced, replaced = (_places(clip, both) for clip in forms)
-    apart = (spliced[:, upper] - spliced[:, :1]) - (replaced[:, upper] - replaced[:, :1])
+    spliced, replaced = (over_root(at_frames(clip, both), bank.roles) for clip in forms)
     return Expectation(
         legs=legs,
         repetition=action.repetition,
         slowest=float(steps.min(initial=1.0)),
         fastest=float(steps.max(initial=1.0)),
         error=error,
-        replaced=max(error, float(np.linalg.norm(apart, axis=2).mean())),
+        replaced=max(error, float(np.linalg.norm(spliced - replaced, axis=2).mean())),
     )
-
-
-def _places(clip: Clip, frames: ArrayLike) -> Floats:
-    """Returns the world positions [n, J, 3] of all joints at real-valued frames [n], metres."""
-    positions, rotations = clip.sampled(np.asarray(frames, np.float64))
-    return joint_positions(replace(clip, root_positions=positions, rotations=rotations))
-
-
-def _level(clouds: Floats) -> Floats:
-    """Returns clouds [n, p, 3] about their mean height, so that a step on a stair is like one on the floor."""
-    return clouds - clouds.mean(axis=1, keepdims=True) * np.array([0.0, 1.0, 0.0])

@@ -28,7 +28,7 @@ class MethodReport(BaseModel):
     excursion: float | None = Field(description="largest distance of the neck divided by the larger source's")
     monotone: bool | None = Field(description="whether the action's time always increases")
     slopes: tuple[float, float] | None = Field(description="smallest and largest speed of the action's time")
-    hands: float | None = Field(description="fastest hand divided by the 99th percentile in the action's clip")
+    hands: float | None = Field(description="hands' speed seen from the chest / the action's, 99th percentiles")
     mismatch: float | None = Field(description="distance of the legs at aligned frames, cm")
     change: float | None = Field(description="largest change within either half, degrees")
 

@@ -13,7 +13,7 @@ import numpy as np
 from bench.characters.joint_speeds import RATE, pose_positions
 from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats
-from motionsplice.runtime.format.contacts import FEET
+from motionsplice.runtime.format.contacts import which_stand
 from motionsplice.runtime.format.manifest import ClipEntry
 from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
@@ -78,4 +78,4 @@ def played(stage: Stage, clip: ClipEntry, times: Floats) -> Played:
     steps = np.diff(at, axis=0)
     steps[:, :3] = quaternion.rotate(back, steps[:, :3])
     roots = quaternion.rotate(back, poses.root_positions - at[:-1, :3])
-    return Played(roots, rotations, steps, np.stack([bits & bit > 0 for bit in FEET.values()], axis=1).astype(float))
+    return Played(roots, rotations, steps, which_stand(bits).astype(float))

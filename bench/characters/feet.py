@@ -18,7 +18,7 @@ from bench.characters.steady import LEGS
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.format.contacts import FEET
+from motionsplice.runtime.format.contacts import FEET, which_stand
 from motionsplice.runtime.kernels.arrays import constant
 from motionsplice.runtime.stage import Stage
 
@@ -89,5 +89,5 @@ def standing_feet(characters: Characters) -> Floats:
         row = first_rows[state[:, slot + col.CLIP].astype(np.int64)] + state[:, slot + col.FRAME].astype(np.int64)
         bits = bank.tables["contacts"][np.where(used, row, 0)]
         share = np.where(used, state[:, slot + col.SHARE], 0.0)
-        found += share[:, None] * np.stack([bits & bit > 0 for bit in FEET.values()], axis=1)
+        found += share[:, None] * which_stand(bits)
     return found

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.characters.cross_fades import cross_fades, fastest_of_fades
+from bench.characters.commanded_fades import cross_fades, fastest_of_fades
 from bench.characters.joint_speeds import RATE, Watch, character_positions, fastest_of_clip
 from bench.characters.steady import play_on, slot_contents, steady_rows
 from bench.findings import Findings

@@ -9,10 +9,8 @@ from dataclasses import replace
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import heading
-from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.kinematics import hips_heading, joint_positions
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.body.joint_paths import joint_paths
 from motionsplice.precompute.splice import align_in_time
 
 
@@ -24,12 +22,7 @@ def aligned_truth(locomotion: Clip, other: Clip, roles: Roles) -> Clip:
     frames = align_in_time(locomotion, other, roles)[1]
     positions, rotations = other.sampled(frames)
     played = Clip(f"{other.name}, aligned", other.skeleton, locomotion.rate, positions, rotations)
-    turn = quaternion.about([0.0, 1.0, 0.0], _facing(locomotion, roles)[: len(frames)] - _facing(played, roles))
+    own, theirs = (hips_heading(joint_positions(clip), roles) for clip in (locomotion, played))
+    turn = quaternion.about([0.0, 1.0, 0.0], own[: len(frames)] - theirs)
     rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
     return replace(played, rotations=rotations)
-
-
-def _facing(clip: Clip, roles: Roles) -> Floats:
-    """Returns the heading [F] of the hips, radians about Y."""
-    left, right = joint_paths(clip, (roles.left_hip, roles.right_hip)).swapaxes(0, 1)
-    return heading(left - right)

@@ -14,9 +14,9 @@ from bench.quality.rhythm import swing
 from bench.quality.scores import PairScore, Spliced
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import joint_positions
-from motionsplice.motion.pointcloud import planar_distances
+from motionsplice.motion.pointcloud import level, planar_distances
 from motionsplice.motion.quaternion import Floats
-from motionsplice.precompute.alignment.working_rate import WORKING_RATE, level
+from motionsplice.precompute.alignment.working_rate import WORKING_RATE
 from motionsplice.runtime.bank import Bank
 
 # Okabe and Ito's palette, suitable for colour-blind readers.

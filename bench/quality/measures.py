@@ -6,11 +6,10 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.comparison import legs_apart, over_root
 from motionsplice.motion.kinematics import joint_positions, world_transforms
-from motionsplice.motion.pointcloud import planar_distance
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, common_ancestor
-from motionsplice.precompute.alignment.working_rate import level
 from motionsplice.precompute.body.posture import measure_torso, posture_angle
 
 DERIVATIVE_RATE = 30.0  # Hz at most for derivatives: at higher rates they measure the noise of the capture
@@ -25,12 +24,6 @@ def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
     frames = min(result.frame_count, truth.frame_count)
     ours, theirs = (over_root(clip.frames(0, frames), roles) for clip in (result, truth))
     return np.asarray(np.linalg.norm(ours - theirs, axis=-1))
-
-
-def over_root(clip: Clip, roles: Roles) -> Floats:
-    """Returns the joints above the pelvis relative to the root [F, n, 3], in metres."""
-    positions = joint_positions(clip)
-    return np.asarray(positions[:, clip.skeleton.subtree(roles.pelvis)[1:]] - positions[:, :1])
 
 
 def posture_error(result: Clip, wanted: Clip, roles: Roles) -> float:
@@ -129,11 +122,7 @@ def change_within_halves(result: Clip, locomotion: Clip, upper_rotations: Floats
 
 def mismatch(locomotion: Clip, action: Clip, action_frames: Floats, roles: Roles) -> Floats:
     """Returns the distance of root and knees between the clips at aligned frames [F], root mean square, in metres."""
-    cloud = list(roles.lower_cloud)
-    sampled = Clip(action.name, action.skeleton, locomotion.rate, *action.sampled(action_frames))
-    used = locomotion.frames(0, len(action_frames))
-    apart = planar_distance(*(level(joint_positions(clip)[:, cloud]) for clip in (used, sampled)))
-    return np.sqrt(apart / len(cloud))
+    return legs_apart(locomotion, np.arange(len(action_frames)), action, action_frames, roles)
 
 
 def _for_derivatives(clip: Clip) -> Clip:

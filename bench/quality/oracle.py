@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.quality.measures import over_root
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.comparison import over_root
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.best_rotations import best_rotations
+from motionsplice.precompute.body.joint_paths import upper_joints
 from motionsplice.precompute.body.posture import Torso, measure_torso
+from motionsplice.precompute.splice import sampled_offsets
 
 ORACLE_RATE = 30.0  # frames per second at which the oracle picks frames
 
@@ -40,14 +42,13 @@ class Laying:
     def of(cls, locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Floats, Floats], roles: Roles) -> Laying:
         """Prepares the frames that locomotion and truth have in common."""
         used = locomotion.frames(0, min(locomotion.frame_count, truth.frame_count))
-        upper = action.skeleton.subtree(roles.pelvis)[1:]
         positions, world = world_transforms(used.skeleton, used.root_positions, used.rotations)
         pelvis = positions[:, [roles.pelvis]] - positions[:, :1]
         return cls(
             torso_l=measure_torso(used, roles),
             torso_u=measure_torso(action, roles),
             offsets=offsets,
-            local=_in_pelvis_frame(action, upper, roles),
+            local=upper_joints(action, roles),
             pelvis=used.rotations[:, roles.pelvis],
             above=world[:, int(used.skeleton.parents[roles.pelvis])],
             goals=over_root(truth.frames(0, used.frame_count), roles) - pelvis,
@@ -55,12 +56,8 @@ class Laying:
 
     def errors(self, frames: NDArray[np.int64], action_frames: Floats) -> Floats:
         """Returns the mean error [n] in metres of real-valued action frames [n] on frames [n] of the locomotion."""
-        before, after, t = quaternion.neighbours(len(self.local), action_frames)
-        local, clouds = (
-            table[before] + t[:, None, None] * (table[after] - table[before])
-            for table in (self.local, self.torso_u.clouds)
-        )
-        theirs = quaternion.slerp(self.offsets[1][before], self.offsets[1][after], t)
+        local, clouds = (quaternion.interpolated(table, action_frames) for table in (self.local, self.torso_u.clouds))
+        theirs = sampled_offsets(self.offsets[1], action_frames)
         turn = quaternion.multiply(theirs, quaternion.conjugate(self.offsets[0][frames]))
         frame = self.torso_l.frames[frames]
         lean = quaternion.multiply(quaternion.multiply(frame, turn), quaternion.conjugate(frame))
@@ -92,10 +89,3 @@ def oracle_error(locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Flo
 def sampled_frames(count: int, rate: float) -> NDArray[np.int64]:
     """Returns the frame numbers of a clip of `count` frames at about ORACLE_RATE."""
     return np.arange(0, count, max(1, round(rate / ORACLE_RATE)))
-
-
-def _in_pelvis_frame(clip: Clip, joints: list[int], roles: Roles) -> Floats:
-    """Returns the positions [F, n, 3] of joints in the pelvis's frame, in metres."""
-    positions, world = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
-    over = positions[:, joints] - positions[:, roles.pelvis, None]
-    return quaternion.rotate(quaternion.conjugate(world[:, roles.pelvis])[:, None], over)

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from motionsplice.precompute import splice as whole_clip
     from motionsplice.runtime import requests
     from motionsplice.runtime.bank import Bank
+    from motionsplice.runtime.splice import Splice
 
 console = Console(emoji=False)
 
@@ -117,17 +118,16 @@ def splice_command(
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
     print_sentences(console, "dim", notes)
-    if action is not None and method is Method.SPLICE:
-        print_expectation(opened, locomotion, action, start)
+    if method is Method.SPLICE:
+        print_expectation(opened, asked(locomotion, action, method, posture, start, hands))
 
 
-def print_expectation(bank: Bank, locomotion: str, action: str, start: float) -> None:
+def print_expectation(bank: Bank, splice: Splice) -> None:
     """Prints how far a splice can be trusted, and a warning if plain replacement may be as good."""
     from motionsplice.runtime.evaluator import Evaluator
     from motionsplice.runtime.expectation import expectation
-    from motionsplice.runtime.splice import Splice
 
-    found = expectation(Evaluator(bank), Splice(locomotion, action, start=start))
+    found = expectation(Evaluator(bank), splice)
     if found is None:
         return
     repeats = f", the action repeats within {100 * found.repetition:.1f} cm" if found.repetition > 0.0 else ""
@@ -139,8 +139,18 @@ def print_expectation(bank: Bank, locomotion: str, action: str, start: float) ->
         soft_wrap=True,
     )
     if found.gains_little:
-        sentence = f"{action!r} hardly follows the stride, so plain replacement may be as good"
+        sentence = f"{splice.action!r} hardly follows the stride, so plain replacement may be as good"
         print_sentences(console, "yellow", [f"{sentence}: in a game, try `own_clock`"])
+
+
+def asked(
+    locomotion: str, action: str | None, method: Method, posture: Posture, start: float, hands: str | None
+) -> Splice:
+    """Returns what the evaluator is asked for."""
+    from motionsplice.runtime.splice import Splice
+
+    form = RUN_TIME_METHODS.get(method, "none")
+    return Splice(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
 
 
 def spliced(
@@ -155,12 +165,8 @@ def spliced(
     """Returns a whole splice by any method. Raises MotionError."""
     if method is not Method.EXACT or action is None:
         from motionsplice.runtime.evaluator import Evaluator
-        from motionsplice.runtime.splice import Splice
 
-        form = RUN_TIME_METHODS.get(method, "none")
-        return Evaluator(bank).clip(
-            Splice(locomotion, action, start=start, method=form, posture=posture.value, hands=hands)
-        )
+        return Evaluator(bank).clip(asked(locomotion, action, method, posture, start, hands))
     if hands is not None:
         raise SettingsError("the exact splice cannot lay hands", mend="Leave out --hands, or use --method splice")
     if stretches := bank.clip(action).stretches:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError
-from motionsplice.motion.pointcloud import planar_distances, windowed
+from motionsplice.motion.pointcloud import level, planar_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.arm_swing import arm_joints, arm_swing, swing_distances
@@ -20,7 +20,6 @@ from motionsplice.precompute.alignment.ring import between_cells, wind_steadily
 from motionsplice.precompute.alignment.stretches import Stretch, runs, standing_frames, steadied, stretches_of
 from motionsplice.precompute.alignment.working_rate import (
     WORKING_RATE,
-    level,
     paths_at_working_rate,
     support_at_working_rate,
 )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError
-from motionsplice.motion.pointcloud import planar_distances, planar_lag_distances, windowed
+from motionsplice.motion.pointcloud import level, planar_distances, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.half_cycle import symmetric_phases
@@ -19,7 +19,6 @@ from motionsplice.precompute.alignment.ring import wind
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.alignment.working_rate import (
     WORKING_RATE,
-    level,
     paths_at_working_rate,
     support_at_working_rate,
 )

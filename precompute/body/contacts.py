@@ -10,7 +10,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
-from motionsplice.runtime.format.contacts import FEET, LEFT_FOOT, RIGHT_FOOT
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, which_stand
 
 SLOW = 0.55  # leg lengths per second: the fastest a standing joint may move, as captured feet roll, slide and jitter
 SLOW_OF_FAST = 0.15  # or this part of the joint's 95th percentile speed: in a run the feet hardly rest
@@ -30,9 +30,10 @@ def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
 
 def support(standing: NDArray[np.uint8], rate: float) -> Floats:
     """Returns how firmly both feet stand [F, 2], 0 to 1, from the bits of standing feet [F]; smooth over LOADING."""
-    bits = np.stack([standing & bit > 0 for bit in FEET.values()], axis=1).astype(np.float64)
     window = np.hanning(2 * round(0.5 * LOADING * rate) + 3)[1:-1]
-    return np.asarray(convolve1d(bits, window / window.sum(), axis=0, mode="nearest"))
+    return np.asarray(
+        convolve1d(which_stand(standing).astype(np.float64), window / window.sum(), axis=0, mode="nearest")
+    )
 
 
 def left_strike(clip: Clip, roles: Roles, first: float, last: float) -> float | None:

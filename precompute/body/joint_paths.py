@@ -8,8 +8,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
 
 
 def joint_paths(clip: Clip, joints: Sequence[int]) -> Floats:
@@ -31,6 +33,12 @@ def joint_transforms(clip: Clip, joints: Sequence[int]) -> tuple[Floats, Floats]
         needed, parents, clip.skeleton.offsets[needed], wanted, clip.root_positions, clip.rotations, positions, world
     )
     return positions, world
+
+
+def upper_joints(clip: Clip, roles: Roles) -> Floats:
+    """Returns the positions [F, n, 3] of the upper body's joints in the pelvis's frame, metres."""
+    positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis))
+    return quaternion.rotate(quaternion.conjugate(world[:, :1]), positions[:, 1:] - positions[:, :1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

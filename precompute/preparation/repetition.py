@@ -9,7 +9,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.body.joint_paths import joint_transforms
+from motionsplice.precompute.body.joint_paths import upper_joints
 
 RATE = 30.0  # frames per second at most at which strides are compared
 LEAST = 1.5  # strides: fewer have too little to be compared
@@ -30,20 +30,7 @@ def stride_to_stride(clip: Clip, clouds: Floats, phase: Floats, roles: Roles) ->
     for shift in (1.0, -1.0):
         inside = np.flatnonzero((phase + shift >= phase[0]) & (phase + shift <= phase[-1]))
         later = np.interp(phase[inside] + shift, phase, np.arange(len(phase)))
-        aligned = horn_rotation(clouds[inside], _between(clouds, later))
-        turned = quaternion.rotate(aligned[:, None], _between(local, later))
+        aligned = horn_rotation(clouds[inside], quaternion.interpolated(clouds, later))
+        turned = quaternion.rotate(aligned[:, None], quaternion.interpolated(local, later))
         apart.append(np.linalg.norm(local[inside] - turned, axis=2).mean())
     return float(np.mean(apart))
-
-
-def upper_joints(clip: Clip, roles: Roles) -> Floats:
-    """Returns the positions [F, n, 3] of the upper body's joints in the pelvis's frame, metres."""
-    positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis))
-    return quaternion.rotate(quaternion.conjugate(world[:, :1]), positions[:, 1:] - positions[:, :1])
-
-
-def _between(rows: Floats, at: Floats) -> Floats:
-    """Interpolates rows [n, p, 3] at the real-valued places `at` [m]."""
-    before = np.minimum(at.astype(np.int64), len(rows) - 2)
-    t = (at - before)[:, None, None]
-    return np.asarray((1.0 - t) * rows[before] + t * rows[before + 1])

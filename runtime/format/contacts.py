@@ -25,6 +25,11 @@ class Contact(NamedTuple):
     up: float
 
 
+def which_stand(standing: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Returns whether the left and the right foot stand [..., 2], from bits of standing feet [...]."""
+    return np.stack([standing & bit > 0 for bit in FEET.values()], axis=-1)
+
+
 def contacts_of(standing: NDArray[np.uint8], rate: float) -> list[Contact]:
     """Returns the contacts of a clip in order of time, from the bits of standing feet at each frame [F]."""
     found, around = [], np.zeros(len(standing) + 2, np.uint8)

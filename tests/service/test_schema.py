@@ -30,7 +30,7 @@ def operations(hands_service: Running) -> list[Any]:
 
 
 @given(data=st.data())
-@settings(max_examples=200, suppress_health_check=list(HealthCheck))
+@settings(max_examples=300, suppress_health_check=list(HealthCheck))
 def test_no_request_makes_the_service_fail(operations: list[Any], data: st.DataObject) -> None:
     operation = data.draw(st.sampled_from(operations), label="operation")
     mode = data.draw(st.sampled_from(list(GenerationMode)), label="mode")

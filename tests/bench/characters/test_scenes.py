@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bench.characters.cross_fades import cross_fades, fastest_of_fades
+from bench.characters.commanded_fades import cross_fades, fastest_of_fades
 from bench.characters.gaits import phases
 from bench.characters.joint_speeds import RATE, Watch, character_positions
 from bench.characters.replay import perform, record, replay

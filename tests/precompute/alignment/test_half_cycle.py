@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from motionsplice.motion.pointcloud import level
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.alignment.half_cycle import symmetric_phases
-from motionsplice.precompute.alignment.working_rate import level
 
 
 def ring(name: str) -> Floats:

@@ -10,8 +10,9 @@ from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.body.joint_paths import upper_joints
 from motionsplice.precompute.body.posture import measure_torso
-from motionsplice.precompute.preparation.repetition import stride_to_stride, upper_joints
+from motionsplice.precompute.preparation.repetition import stride_to_stride
 from tests.conftest import CLIPS
 
 WALK = CLIPS["walk"]

@@ -1,0 +1,33 @@
+"""How far two motions of one skeleton are apart: legs on the ground, and upper bodies over the hips."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from motionsplice.motion.clip import Clip
+from motionsplice.motion.kinematics import joint_positions
+from motionsplice.motion.pointcloud import level, planar_distance
+from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.roles import Roles
+
+
+def legs_apart(one: Clip, frames: ArrayLike, other: Clip, other_frames: ArrayLike, roles: Roles) -> Floats:
+    """Returns the distance of root and knees at real-valued frames [n] of both clips, root mean square, in metres."""
+    cloud = list(roles.lower_cloud)
+    places = (joint_positions(at_frames(clip, at)) for clip, at in ((one, frames), (other, other_frames)))
+    return np.sqrt(planar_distance(*(level(at[:, cloud]) for at in places)) / len(cloud))
+
+
+def over_root(clip: Clip, roles: Roles) -> Floats:
+    """Returns the joints above the pelvis relative to the root [F, n, 3], in metres."""
+    positions = joint_positions(clip)
+    return np.asarray(positions[:, clip.skeleton.subtree(roles.pelvis)[1:]] - positions[:, :1])
+
+
+def at_frames(clip: Clip, frames: ArrayLike) -> Clip:
+    """Returns a clip of its real-valued `frames` [n] alone."""
+    positions, rotations = clip.sampled(frames)
+    return replace(clip, root_positions=positions, rotations=rotations)

@@ -6,9 +6,9 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.best_rotations import best_rotations
 from motionsplice.precompute.body.joint_paths import upper_joints
 
 RATE = 30.0  # frames per second at most at which strides are compared
@@ -30,7 +30,7 @@ def stride_to_stride(clip: Clip, clouds: Floats, phase: Floats, roles: Roles) ->
     for shift in (1.0, -1.0):
         inside = np.flatnonzero((phase + shift >= phase[0]) & (phase + shift <= phase[-1]))
         later = np.interp(phase[inside] + shift, phase, np.arange(len(phase)))
-        aligned = horn_rotation(clouds[inside], quaternion.interpolated(clouds, later))
+        aligned = best_rotations(clouds[inside], quaternion.interpolated(clouds, later))
         turned = quaternion.rotate(aligned[:, None], quaternion.interpolated(local, later))
         apart.append(np.linalg.norm(local[inside] - turned, axis=2).mean())
     return float(np.mean(apart))

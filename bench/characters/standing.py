@@ -1,6 +1,7 @@
 """Measures standing actions at run time: `python -m bench.characters.standing`.
 
-pops         Random scenes as in `python -m bench.characters`, with the built-in standing actions on all locomotions.
+pops         Random scenes as in `python -m bench.characters`, with the built-in standing actions on all locomotions,
+             then with a person's clips that stand and walk by turns.
 cost         What do they cost?
 
 For the costs, all clips of a generated bank are standing actions, which are added to the locomotion's own upper half;
@@ -22,6 +23,7 @@ from bench.findings import Findings
 from bench.generated import Size, generate
 from bench.speed.workload import Scene, evaluation, request_sets
 from bench.standing.__main__ import standing_bank
+from bench.standing.hybrids import Person
 from motionsplice.cli import run
 from motionsplice.motion.procedural.stances import STANDING, Performer
 from motionsplice.runtime.evaluator import Evaluator
@@ -37,6 +39,9 @@ def main(
     with tempfile.TemporaryDirectory() as folder:
         bank = standing_bank(Path(folder), {name: Performer() for name in STANDING}, 1)
         pops(Stage(Evaluator(bank)), scenes).show()
+        hybrids = Path(folder) / "hybrids"
+        hybrids.mkdir()
+        pops(Stage(Person(hybrids, 1).evaluator), scenes).show()
         evaluators = {
             name: Evaluator(generate(Path(folder) / name, Size(joints, standing=name == "standing")))
             for name in ("with a gait", "standing")

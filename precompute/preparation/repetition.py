@@ -12,6 +12,7 @@ from motionsplice.precompute.body.best_rotations import best_rotations
 from motionsplice.precompute.body.joint_paths import upper_joints
 
 RATE = 30.0  # frames per second at most at which strides are compared
+DECIMALS = 6  # micrometres: a bank's bytes must not depend on last bits, in which compilations of a kernel differ
 LEAST = 1.5  # strides: fewer have too little to be compared
 
 
@@ -33,4 +34,4 @@ def stride_to_stride(clip: Clip, clouds: Floats, phase: Floats, roles: Roles) ->
         aligned = best_rotations(clouds[inside], quaternion.interpolated(clouds, later))
         turned = quaternion.rotate(aligned[:, None], quaternion.interpolated(local, later))
         apart.append(np.linalg.norm(local[inside] - turned, axis=2).mean())
-    return float(np.mean(apart))
+    return round(float(np.mean(apart)), DECIMALS)

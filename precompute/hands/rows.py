@@ -86,7 +86,7 @@ def _with_seam(
 def _counterparts(prepared: PreparedClip) -> Floats:
     """Returns the real-valued counterparts [2 + n] of the clip's last two frames and of its seam's n frames."""
     own = prepared.phase[: prepared.frame_count]
-    last = len(own) - 1.0 - prepared.period
-    if not prepared.period:
-        last = float(np.interp(own[-1] - prepared.strides, own, np.arange(len(own))))
-    return last + np.arange(-1.0, len(prepared.phase) - len(own) + 1.0)
+    count, last = len(prepared.phase) - len(own), len(own) - 1.0 - prepared.period
+    if not prepared.period:  # the seam ends in step
+        last = float(np.interp(prepared.phase[-1] - prepared.strides, own, np.arange(len(own)))) - count
+    return last + np.arange(-1.0, count + 1.0)

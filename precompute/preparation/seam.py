@@ -1,9 +1,10 @@
 """The seam: frames added after a clip's end that lead back by a whole number of strides, so that the clip loops.
 
 A clip with a gait can repeat whole strides, but no two strides are exactly alike. The last frame's counterpart is the
-frame a whole number of strides before it. The seam copies the frames after the counterpart, and adds an offset that
-continues the clip's end in pose and velocity and fades to zero within the seam. The root moves so that the foot that
-stands in the copied frames does not slide while the offset fades. The clip's own frames do not change.
+frame about a whole number of strides before it whose pose is nearest. The seam copies the frames after the counterpart,
+and adds an offset that continues the clip's end in pose and velocity and fades to zero within the seam; so does the
+rest of the phase. The root moves so that the foot that stands in the copied frames does not slide while the offset
+fades. The clip's own frames do not change.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
@@ -22,6 +24,10 @@ from motionsplice.precompute.body.joint_paths import joint_paths
 from motionsplice.precompute.preparation.feet import feet_over_ground, root_steps
 
 SEAM = 0.3  # seconds
+BEFORE = 0.05  # seconds before the clip's end that say how fast it ends: of captures, single frames are noisy
+NEAR = 0.05  # strides: how far a counterpart may be from a whole number of strides
+HURRY = 0.2  # of the seam's own strides, also a bound on that distance: the phase gains or loses it within the seam
+TRIED = 21  # counterparts, for each number of strides
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
 LEVEL = 0.17  # leg lengths: a smaller rise per loop is taken out, so that it does not add up over many loops
 WIDEST_TURN = 1.2  # radians of any single joint, from the last frame to its counterpart
@@ -46,16 +52,25 @@ class Seamed:
 
 def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
     """Adds a seam to a clip at `phase` [F], in cycles. Root motion continues in the direction of the last frame."""
-    last, count = clip.frame_count - 1, _seam_frames(clip)
-    strides = np.arange(1, int(phase[-1] - phase[0]) + 1)
-    counterparts = np.interp(phase[-1] - strides, phase, np.arange(last + 1))
-    usable = (counterparts >= 1.0) & (counterparts <= last - count)
-    strides, counterparts = strides[usable], counterparts[usable]
-    gaps = _gaps(clip, counterparts)
+    strides, counterparts, gaps = _nearest_counterparts(clip, phase)
     if gaps.min(initial=np.inf) > WIDEST_GAP:
         return Seamed(clip, phase, 0)
     longest = np.flatnonzero((gaps <= ABOUT_AS_GOOD * gaps.min()) | ((gaps <= GOOD) & (strides >= MANY)))[-1]
     return _seamed(clip, phase, float(counterparts[longest]), int(strides[longest]), roles)
+
+
+def _nearest_counterparts(clip: Clip, phase: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
+    """Returns usable numbers of strides [n], for each the counterpart [n] with the nearest pose, and its gap [n]."""
+    last, count = clip.frame_count - 1, _seam_frames(clip)
+    strides = np.arange(1, int(phase[-1] - phase[0]) + 1)
+    near = min(NEAR, HURRY * (phase[-1] - phase[max(0, last - count)]))
+    wanted = phase[-1] - strides[:, None] + np.linspace(-near, near, TRIED)
+    tried = np.interp(wanted, phase, np.arange(last + 1))
+    usable = (wanted[:, TRIED // 2] >= phase[0]) & (tried >= 1.0).any(axis=1) & (tried <= last - count).any(axis=1)
+    strides, tried = strides[usable], tried[usable]
+    gaps = np.where((tried >= 1.0) & (tried <= last - count), _gaps(clip, tried), np.inf)
+    rows, best = np.arange(len(strides)), gaps.argmin(axis=1)
+    return strides, tried[rows, best], gaps[rows, best]
 
 
 def add_seam_to_start(clip: Clip, stride: float, roles: Roles) -> Seamed | None:
@@ -72,9 +87,10 @@ def add_seam_to_start(clip: Clip, stride: float, roles: Roles) -> Seamed | None:
 
 
 def _gaps(clip: Clip, counterparts: Floats) -> Floats:
-    """Returns how far the pose at each counterpart [n] is from the last frame's, radians; infinite if too far."""
-    turns = quaternion.angle(clip.sampled(counterparts)[1][:, 1:], clip.rotations[-1, 1:])
-    return np.where(turns.max(axis=1, initial=0.0) <= WIDEST_TURN, np.sqrt(np.mean(turns**2, axis=1)), np.inf)
+    """Returns how far the pose at each counterpart [...] is from the last frame's, radians; infinite if too far."""
+    turns = quaternion.angle(clip.sampled(counterparts.ravel())[1][:, 1:], clip.rotations[-1, 1:])
+    gaps = np.where(turns.max(axis=1, initial=0.0) <= WIDEST_TURN, np.sqrt(np.mean(turns**2, axis=1)), np.inf)
+    return gaps.reshape(counterparts.shape)
 
 
 def _seam_frames(clip: Clip) -> int:
@@ -90,27 +106,31 @@ def _seamed(clip: Clip, phase: Floats, counterpart: float, back: int, roles: Rol
         root_positions=np.concatenate([clip.root_positions, positions]),
         rotations=np.concatenate([clip.rotations, rotations]),
     )
-    return Seamed(longer, np.concatenate([phase, np.interp(after, np.arange(clip.frame_count), phase) + back]), back)
+    along = np.arange(clip.frame_count)
+    apart = phase[-1] - back - np.interp(counterpart, along, phase)
+    going_on = np.interp(after, along, phase) + back + settled(np.array([apart, apart]), len(after))
+    return Seamed(longer, np.concatenate([phase, going_on]), back)
 
 
 def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> tuple[Floats, Floats]:
     """Returns root positions and rotations of the frames `after` the counterpart, continuing the clip's end."""
-    positions, rotations = clip.sampled(np.concatenate([[counterpart - 1.0, counterpart], after]))
-    ends = clip.frames(clip.frame_count - 2, clip.frame_count)
+    before = max(1, min(round(BEFORE * clip.rate), int(counterpart)))
+    positions, rotations = clip.sampled(np.concatenate([counterpart + np.arange(-before, 1.0), after]))
+    ends = clip.frames(clip.frame_count - 1 - before, clip.frame_count)
     turn = quaternion.about([0.0, 1.0, 0.0], _heading(ends, roles) - _heading(_frame_at(clip, counterpart), roles))
     rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
-    positions = quaternion.rotate(turn, positions - positions[1]) + ends.root_positions[1]
-    climbed = ends.root_positions[1, 1] - clip.sampled([counterpart])[0][0, 1]
+    positions = quaternion.rotate(turn, positions - positions[before]) + ends.root_positions[-1]
+    climbed = ends.root_positions[-1, 1] - clip.sampled([counterpart])[0][0, 1]
     if abs(climbed) < LEVEL * roles.leg_length(clip.skeleton):
         positions[:, 1] -= climbed
-    rise = (ends.root_positions - positions[:2])[:, 1]
-    positions[2:, 1] += settled(rise, len(after))
+    rise = (ends.root_positions - positions[: before + 1])[:, 1]
+    positions[before + 1 :, 1] += settled(rise, len(after))
     bent = bent_onto(ends.rotations, rotations)
-    copied = replace(clip, root_positions=positions[1:], rotations=rotations[1:])
-    laid = replace(copied, rotations=np.concatenate([ends.rotations[1:], bent]))
+    copied = replace(clip, root_positions=positions[before:], rotations=rotations[before:])
+    laid = replace(copied, rotations=np.concatenate([ends.rotations[-1:], bent]))
     slips = np.diff(feet_over_ground(laid, roles) - feet_over_ground(copied, roles), axis=0)
-    positions[2:, [0, 2]] += np.cumsum(_against(slips, clip, after, roles), axis=0)
-    return positions[2:], bent
+    positions[before + 1 :, [0, 2]] += np.cumsum(_against(slips, clip, after, roles), axis=0)
+    return positions[before + 1 :], bent
 
 
 def _against(slips: Floats, clip: Clip, after: Floats, roles: Roles) -> Floats:
@@ -124,20 +144,23 @@ def _against(slips: Floats, clip: Clip, after: Floats, roles: Roles) -> Floats:
 
 
 def bent_onto(ends: Floats, rotations: Floats) -> Floats:
-    """Returns rotations [n, J, 4] that continue the two in `ends` [2, J, 4].
+    """Returns rotations [n, J, 4] that continue those in `ends` [k, J, 4], of two frames or more.
 
-    They are rotations[2:], with an offset that makes rotations[:2] agree with `ends` and then fades out. `rotations` is
-    [2 + n, J, 4].
+    They are rotations[k:], with an offset that makes rotations[:k] agree with `ends` and then fades out. `rotations` is
+    [k + n, J, 4].
     """
-    bend = quaternion.log(quaternion.multiply(quaternion.conjugate(rotations[:2]), ends))
-    return quaternion.multiply(rotations[2:], quaternion.exp(settled(bend, len(rotations) - 2)))
+    bend = quaternion.log(quaternion.multiply(quaternion.conjugate(rotations[: len(ends)]), ends))
+    return quaternion.multiply(rotations[len(ends) :], quaternion.exp(settled(bend, len(rotations) - len(ends))))
 
 
 def settled(offset: Floats, count: int) -> Floats:
-    """Fades an offset, known at two successive frames [2, ...], to zero smoothly over the next `count` frames."""
-    velocity = offset[1] - offset[0]
+    """Fades an offset, known at successive frames [k, ...], to zero smoothly over the next `count` frames.
+
+    It goes on from its last value, with its mean velocity.
+    """
+    velocity = (offset[-1] - offset[0]) / (len(offset) - 1)
     t = (np.arange(1.0, count + 1.0) / count).reshape((-1, *[1] * (offset.ndim - 1)))
-    return (2.0 * t**3 - 3.0 * t**2 + 1.0) * offset[1] + (t**3 - 2.0 * t**2 + t) * count * velocity
+    return (2.0 * t**3 - 3.0 * t**2 + 1.0) * offset[-1] + (t**3 - 2.0 * t**2 + t) * count * velocity
 
 
 def _frame_at(clip: Clip, frame: float) -> Clip:

@@ -60,6 +60,28 @@ def test_nothing_jumps_at_a_seam(name: str) -> None:
     assert accelerations(result.clip)[len(accelerations(clip)) - 1 :].max() < 1.3 * own
 
 
+def test_a_seam_goes_on_at_the_pace_of_the_last_frames_not_of_a_noisy_one() -> None:
+    """By the last two frames alone, the arm would swing out by 0.18 radians."""
+    clip, noise = CLIPS["walk"], 0.05
+    rotations = clip.rotations.copy()
+    disturbed = quaternion.about([1.0, 0.0, 0.0], noise)
+    rotations[-1, ROLES.left_shoulder] = quaternion.multiply(rotations[-1, ROLES.left_shoulder], disturbed)
+    phase = align(clip, ROLES, RING).phase
+    smooth, noisy = (add_seam(one, phase, ROLES).clip for one in (clip, replace(clip, rotations=rotations)))
+    apart = quaternion.angle(smooth.rotations[clip.frame_count :], noisy.rotations[clip.frame_count :])
+    assert apart.max() < 2.0 * noise
+
+
+def test_a_seam_finds_the_nearest_pose_although_the_phase_is_a_little_off() -> None:
+    clip, strayed = CLIPS["walk"], 0.02
+    phase = align(clip, ROLES, RING).phase
+    off = phase + strayed * (phase - phase[0]) / (phase[-1] - phase[0])  # the end is said to be later than it is
+    true, found = (add_seam(clip, one, ROLES) for one in (phase, off))
+    assert true.strides == found.strides
+    assert quaternion.angle(true.clip.rotations, found.clip.rotations).max() < 0.02
+    assert np.diff(found.phase).min() > 0.0
+
+
 def test_root_motion_continues_around_a_curve() -> None:
     curve = make("curve", seed=3, seconds=5.0)
     result = seamed(curve)

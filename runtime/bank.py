@@ -1,4 +1,4 @@
-"""Banks: opened, verified and memory-mapped (docs/bank.md)."""
+"""Banks: opened and verified (docs/bank.md)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from motionsplice.runtime.contents import Contents
 from motionsplice.runtime.format.checks import Tables, check_contents, check_fit
 from motionsplice.runtime.format.manifest import MANIFEST, Manifest
-from motionsplice.runtime.format.tables import map_table, table_files
+from motionsplice.runtime.format.tables import open_tables, table_files
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -17,7 +17,8 @@ class Bank(Contents):
     """All clips of a game character on one skeleton, with the tables that align them.
 
     Wherever a clip is named, `walk~mirror` names the mirror image of `walk`, which takes no storage.
-    A bank is immutable. Its tables are memory-mapped, so all processes that open it share their pages.
+    A bank is immutable. Its tables are read into memory, or above 64 MiB mapped, so that all processes that open it
+    share their pages.
 
     Attributes:
         path: The bank's folder.
@@ -41,11 +42,11 @@ class Bank(Contents):
 
     @classmethod
     def open(cls, path: str | PathLike[str], *, verify: bool = True) -> Bank:
-        """Maps the bank in a folder.
+        """Opens the bank in a folder.
 
-        Without `verify` only the manifest and the headers of tables are read, so a large bank opens at once. Shapes and
-        row numbers are checked in any case: a damaged table can spoil poses, but cannot make a kernel read outside the
-        tables. `verify` may be called later.
+        Without `verify` only the manifest and the headers of mapped tables are read, so a large bank opens at once.
+        Shapes and row numbers are checked in any case: a damaged table can spoil poses, but cannot make a kernel read
+        outside the tables. `verify` may be called later.
 
         Args:
             path: The bank's folder.
@@ -56,8 +57,7 @@ class Bank(Contents):
         """
         folder = Path(path)
         manifest = Manifest.read(folder)
-        tables = {name: map_table(name, file) for name, file in table_files(folder, manifest).items()}
-        bank = cls(folder, manifest, tables)
+        bank = cls(folder, manifest, open_tables(table_files(folder, manifest)))
         check_fit(manifest, bank.tables, str(folder / MANIFEST))
         if verify:
             bank.verify()

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 from motionsplice.motion.errors import BankError, UnknownClipError
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format import tables
 from motionsplice.runtime.format.manifest import MANIFEST, TABLES, VERSION, content_digest
 
 
@@ -44,11 +46,30 @@ def test_frame_of_phase_is_the_inverse_of_phase_of_frame(bank: Bank) -> None:
         np.testing.assert_allclose(np.interp(phase, grid, frames), np.arange(clip.row_count), atol=0.2)
 
 
-def test_tables_are_mapped_and_cannot_be_written(bank: Bank) -> None:
+def test_tables_cannot_be_written(bank: Bank) -> None:
     for name in TABLES:
-        assert isinstance(bank.tables[name].base, np.memmap)
         with pytest.raises(ValueError, match="read-only"):
             bank.tables[name].flat[0] = 0
+
+
+def test_tables_of_a_large_bank_are_mapped_and_equal(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "SMALL", 0)
+    mapped = Bank.open(bank.path)
+    for name in TABLES:
+        assert isinstance(mapped.tables[name].base, np.memmap)
+        assert (mapped.tables[name].dtype, mapped.tables[name].ctypes.data % 64) == (bank.tables[name].dtype, 0)
+        assert bank.tables[name].ctypes.data % 64 == 0
+        np.testing.assert_array_equal(mapped.tables[name], bank.tables[name])
+
+
+def test_a_small_bank_survives_that_its_files_are_cut_short_while_in_use(copy: Path) -> None:
+    """A process that reads mapped pages beyond the end of their file is killed."""
+    bank = Bank.open(copy)
+    before = {name: table.copy() for name, table in bank.tables.items()}
+    for file in bank.files.values():
+        os.truncate(file, 0)
+    for name, table in before.items():
+        np.testing.assert_array_equal(bank.tables[name], table)
 
 
 def test_the_error_of_an_unknown_clip_suggests_similar_names(bank: Bank) -> None:

@@ -17,7 +17,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.service.exchange.job import Job
 from motionsplice.service.exchange.routes import exchange_routes
 from motionsplice.service.exchange.watch import watch
-from motionsplice.service.front import Front
+from motionsplice.service.front import WITH_STATUS, Front
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi.document import document
@@ -76,7 +76,10 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
 
 async def _motion_problem(_: Request, error: Exception) -> Response:
     assert isinstance(error, MotionError)
-    return _problem(*kind_of(error), str(error))
+    status, kind = kind_of(error)
+    answer = _problem(status, kind, str(error))
+    answer.raw_headers.extend(WITH_STATUS.get(status, []))
+    return answer
 
 
 async def _request_problem(_: Request, error: Exception) -> Response:

@@ -37,6 +37,12 @@ PREFLIGHT: Headers = [
     (b"access-control-allow-headers", b"authorization, content-type, range, if-none-match"),
     (b"access-control-max-age", b"600"),
 ]
+# after 408 and 413, the rest of the body would come in place of the next request
+WITH_STATUS: dict[int, Headers] = {
+    401: [(b"www-authenticate", b"Bearer")],
+    408: [(b"connection", b"close")],
+    413: [(b"connection", b"close")],
+}
 
 Handler = Callable[[Shared, Scope, Receive, Send, Headers], Awaitable[int]]
 
@@ -212,8 +218,7 @@ def _client_has(scope: Scope, etag: bytes) -> bool:
 
 async def _refuse(send: Send, status: int, kind: str, detail: str, headers: Headers) -> None:
     body = problem(status, kind, detail, request_id.get())
-    more = [*headers, (b"www-authenticate", b"Bearer")] if status == 401 else headers
-    await Answer(body, MEDIA_TYPE.encode(), status).send(send, more)
+    await Answer(body, MEDIA_TYPE.encode(), status).send(send, [*headers, *WITH_STATUS.get(status, [])])
 
 
 async def _refuse_websocket(scope: Scope, receive: Receive, send: Send, status: int, kind: str, detail: str) -> None:

@@ -44,6 +44,8 @@ class Settings(BaseSettings):
     max_header: int = Field(default=16 * 1024, ge=1024, description="Bytes of a request line and headers")
     max_body: int = Field(default=4 * 2**20, ge=1024, description="Bytes of a batch of poses")
     max_upload: int = Field(default=256 * 2**20, ge=1024, description="Bytes of an uploaded clip")
+    max_clips: int = Field(default=10_000, ge=1, description="Files in the folder of uploaded clips")
+    max_stored: int = Field(default=8 * 2**30, ge=1024, description="Bytes in the folder of uploaded clips")
     max_message: int = Field(default=64 * 1024, ge=1024, description="Bytes of a message of commands over a WebSocket")
     max_rig: int = Field(default=2**20, ge=1024, description="Bytes of the rig of a character in a take")
     max_batch: int = Field(default=10_000, ge=1, description="Characters in a batch of poses")

@@ -11,6 +11,8 @@ from starlette.types import Receive, Scope
 
 from motionsplice.service.problems import MediaTypeError, RequestError, TooLargeError, TooSlowError
 
+SLOWEST = 32 * 1024  # bytes per second of an upload
+
 
 def header(scope: Scope, name: bytes) -> str:
     """Returns the value of a header, or an empty text."""
@@ -43,6 +45,26 @@ async def whole_body(scope: Scope, receive: Receive, most: int, seconds: float) 
             return b"".join([chunk async for chunk in chunks(scope, receive, most)])
     except TimeoutError:
         raise TooSlowError(f"the body did not arrive within {seconds:g} s", mend="Send it in one piece") from None
+
+
+async def steady_chunks(scope: Scope, receive: Receive, most: int, seconds: float) -> AsyncIterator[bytes]:
+    """Yields a body as it arrives, as `chunks` does.
+
+    Raises TooSlowError if it falls `seconds` behind one that comes at SLOWEST.
+    """
+    loop, received = asyncio.get_running_loop(), 0
+    begun, body = loop.time(), chunks(scope, receive, most)
+    while True:
+        try:
+            async with asyncio.timeout_at(begun + seconds + received / SLOWEST):
+                chunk = await anext(body, None)
+        except TimeoutError:
+            mend = f"Send at least {SLOWEST // 1024} KiB a second"
+            raise TooSlowError(f"the body stopped coming after {received} bytes", mend=mend) from None
+        if chunk is None:
+            return
+        received += len(chunk)
+        yield chunk
 
 
 async def chunks(scope: Scope, receive: Receive, most: int) -> AsyncIterator[bytes]:

@@ -9,10 +9,10 @@ import orjson
 from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import StreamingResponse
 
-from motionsplice.service.answers.body import chunks
+from motionsplice.service.answers.body import steady_chunks
 from motionsplice.service.exchange.clip_entries import EntryUpdate
 from motionsplice.service.exchange.job import Job, JobInfo
-from motionsplice.service.exchange.uploads import Uploads
+from motionsplice.service.exchange.uploads import Quota, Uploads
 from motionsplice.service.problems import UploadError
 from motionsplice.service.routes import OCTETS, Responses, only_known_parameters, problem_response
 from motionsplice.service.shared import Shared
@@ -33,7 +33,8 @@ def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
     router = APIRouter(prefix="/v1", tags=["clips"], dependencies=[Depends(only_known_parameters)])
 
     folder = shared.settings.clips
-    uploads = None if folder is None else Uploads(folder, shared.serving.bank.path)
+    quota = Quota(shared.settings.max_clips, shared.settings.max_stored)
+    uploads = None if folder is None else Uploads(folder, shared.serving.bank.path, quota)
 
     def require_job() -> Job:
         settings = shared.settings
@@ -50,7 +51,8 @@ def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
         openapi_extra=BODY,
         responses={
             **CLOSED,
-            **problem_response(413, "The file is too large"),
+            **problem_response(408, "The file stopped coming"),
+            **problem_response(413, "The file is too large, or the folder of clips is full"),
             **problem_response(422, "Not a motion file that fits the bank, or an invalid name or parameter"),
         },
     )
@@ -65,7 +67,7 @@ def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
         job, settings = require_job(), shared.settings
         assert uploads is not None
         listed = None if tags is None else tuple(tag.strip() for tag in tags.split(",") if tag.strip())
-        body = chunks(request.scope, request.receive, settings.max_upload)
+        body = steady_chunks(request.scope, request.receive, settings.max_upload, settings.request_seconds)
         await uploads.take(name, EntryUpdate(kind, neutral, listed), body)
         job.ask()
         return await job.look()

@@ -10,9 +10,10 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import orjson
@@ -21,13 +22,14 @@ from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings
 from motionsplice.motion.errors import ClipError, did_you_mean
 from motionsplice.motion.formats.files import SUFFIXES, clip_files
 from motionsplice.service.exchange.clip_entries import EntryUpdate, settings_of, written_beside
-from motionsplice.service.problems import RequestError
+from motionsplice.service.problems import RequestError, TooLargeError
 
 LOCK, ROOM, SKELETON = ".clips.lock", ".upload-", ".asf"
 KINDS = (*SUFFIXES, SKELETON)
 NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9_+-]{{0,99}}({'|'.join(map(re.escape, KINDS))})")
 PIECE = 2**20  # bytes written at once
 CHECK_SECONDS = 120.0  # time for reading a clip; a gigabyte of text takes a minute
+DELETE = "Ask whoever runs the service to delete clips there, or to raise its --max-clips or --max-stored"
 ABANDONED = 3600.0  # seconds after which an unfinished upload is deleted
 
 
@@ -40,26 +42,48 @@ def checked_name(name: str) -> str:
 
 
 @dataclass(frozen=True)
+class Quota:
+    """What a folder of clips may hold: a number of files, and bytes in all, unfinished uploads included."""
+
+    files: int
+    bytes: int
+
+    def check(self, folder: Path, name: str) -> None:
+        """Checks what a folder holds without the clip `name`, which an upload of this name replaces.
+
+        Raises TooLargeError.
+        """
+        others = [one for one in folder.rglob("*") if one.is_file() and one != folder / name]
+        if sum(one.parent == folder and one.suffix in KINDS for one in others) >= self.files:
+            raise TooLargeError(f"the folder of clips has {self.files} files already", mend=DELETE)
+        if sum(one.stat().st_size for one in others) > self.bytes:
+            raise TooLargeError(f"the folder of clips has more than {self.bytes} bytes", mend=DELETE)
+
+
+@dataclass(frozen=True)
 class Uploads:
     """Stores clips in a folder, for a bank. One is checked at a time, as that may take a core and much memory."""
 
     folder: Path
     bank: Path
+    quota: Quota
     checking: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     async def take(self, name: str, update: EntryUpdate, body: AsyncIterator[bytes]) -> None:
         """Stores a file in the folder of clips, and replaces one of the same name.
 
-        Raises RequestError, SettingsError, ClipError if the file is not a motion that fits the bank, or what `body`
-        raises. The folder is unchanged then.
+        Raises RequestError, SettingsError, ClipError if the file is not a motion that fits the bank, TooLargeError if
+        the folder is full, or what `body` raises. The folder is unchanged then.
         """
         own = Path(checked_name(name))
         await asyncio.to_thread(self._check_request, own, update)
         await asyncio.to_thread(self._clear)
+        check_quota = partial(self.quota.check, self.folder, name)
+        await asyncio.to_thread(check_quota)
         room = Path(tempfile.mkdtemp(prefix=ROOM, dir=self.folder))
         try:
             file = room / name
-            await _write(file, body)
+            await _write(file, body, check_quota)
             settings = await asyncio.to_thread(settings_of, self.folder / FILE_NAME, own.stem)
             for skeleton in self.folder.glob(f"*{SKELETON}") if own.suffix == ".amc" else ():
                 os.link(skeleton, room / skeleton.name)  # an .amc is read with its .asf
@@ -105,7 +129,7 @@ class Uploads:
                 os.close(descriptor)
 
 
-async def _write(file: Path, body: AsyncIterator[bytes]) -> None:
+async def _write(file: Path, body: AsyncIterator[bytes], check_quota: Callable[[], None]) -> None:
     """Writes and syncs a body, in a thread, as a disk may be slow."""
     with file.open("wb", buffering=0) as sink:
         buffered = bytearray()
@@ -114,7 +138,9 @@ async def _write(file: Path, body: AsyncIterator[bytes]) -> None:
             if len(buffered) >= PIECE:
                 await asyncio.to_thread(sink.write, bytes(buffered))
                 buffered.clear()
+                await asyncio.to_thread(check_quota)
         await asyncio.to_thread(sink.write, bytes(buffered))
+        await asyncio.to_thread(check_quota)
         await asyncio.to_thread(os.fsync, sink.fileno())
 
 

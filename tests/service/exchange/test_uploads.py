@@ -30,7 +30,7 @@ from motionsplice.service.exchange.uploads import checked_name
 from motionsplice.service.problems import RequestError
 from motionsplice.service.settings import Settings
 from tests.glb_files import with_animation
-from tests.service.running import Running, eventually, running
+from tests.service.running import Running, eventually, received, running
 
 TOKEN = "open sesame"
 
@@ -41,6 +41,21 @@ def folder(clip_folder: Path, bank: Bank, tmp_path: Path) -> Path:
     shutil.copytree(clip_folder, tmp_path / "clips")
     shutil.copytree(bank.path, tmp_path / "bank")
     return tmp_path / "clips"
+
+
+@pytest.fixture
+def full(folder: Path) -> Iterator[Running]:
+    """A service whose folder may have one clip and 100,000 bytes more, and that waits for a body for half a second."""
+    held = sum(one.stat().st_size for one in folder.iterdir())
+    settings = Settings(
+        token=SecretStr(TOKEN),
+        clips=folder,
+        max_clips=len(list(folder.glob("*.bvh"))) + 1,
+        max_stored=held + 100_000,
+        request_seconds=0.5,
+    )
+    with running(folder.parent / "bank", settings) as service:
+        yield service
 
 
 @pytest.fixture
@@ -118,6 +133,33 @@ def test_a_file_that_is_not_a_motion_is_refused_and_leaves_nothing(service: Runn
         assert words in answer["detail"]
         assert str(folder) not in answer["detail"]
     assert visible(folder) == before
+    assert not unfinished(folder)
+
+
+def test_a_full_folder_takes_no_clips(full: Running, folder: Path) -> None:
+    before, small = visible(folder), dump_bvh(make("run", seed=20, seconds=1.0, rate=30.0))
+    found, answer = ask(full, "clips?name=jump.bvh", b"x" * 3_000_000)
+    assert (found, answer["type"]) == (413, "urn:motionsplice:too-large")
+    assert "--max-stored" in answer["detail"]
+    assert visible(folder) == before
+    assert not unfinished(folder)
+    assert ask(full, "clips?name=jog.bvh", small)[0] == 202
+    found, answer = ask(full, "clips?name=jump.bvh", small)
+    assert (found, answer["type"]) == (413, "urn:motionsplice:too-large")
+    assert "--max-clips" in answer["detail"]
+    assert ask(full, "clips?name=jog.bvh", small)[0] == 202  # in place of the old one
+
+
+@pytest.mark.parametrize("sent", [b"", b"HIERARCHY"])
+def test_an_upload_that_stops_coming_is_deleted_and_its_connection_closed(
+    full: Running, folder: Path, sent: bytes
+) -> None:
+    head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer {TOKEN}\r\n"
+    peer = full.connect(head.encode() + b"Content-Type: application/octet-stream\r\nContent-Length: 900\r\n\r\n" + sent)
+    answer = received(peer)
+    assert answer.startswith(b"HTTP/1.1 408")
+    assert b"connection: close" in answer
+    assert b"timeout" in answer
     assert not unfinished(folder)
 
 

@@ -35,6 +35,9 @@ class Settings(BaseSettings):
     origins: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(), description="Web origins whose pages may send requests, comma-separated; * for all"
     )
+    hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=(), description="Names by which clients call the service, comma-separated; * for all"
+    )
 
     vmc: str | None = Field(default=None, description="HOST[:PORT] of a program that receives characters as VMC")
     livelink: str | None = Field(
@@ -75,8 +78,9 @@ class Settings(BaseSettings):
     @model_validator(mode="before")
     @classmethod
     def _split(cls, values: Any) -> Any:
-        if isinstance(values, dict) and isinstance(origins := values.get("origins"), str):
-            values["origins"] = tuple(one.strip() for one in origins.split(",") if one.strip())
+        for name in ("origins", "hosts") if isinstance(values, dict) else ():
+            if isinstance(listed := values.get(name), str):
+                values[name] = tuple(one.strip() for one in listed.split(",") if one.strip())
         return values
 
     @model_validator(mode="after")

@@ -71,7 +71,7 @@ def connects(bank: Path, *, times: int = 1000) -> Findings:
         b"",
         b"GET /v1/pose HTTP/1.1\r\nHo",
         b"POST /v1/poses HTTP/1.1\r\nContent-Type: application/msgpack\r\nContent-Length: 99\r\n\r\nx",
-        b"GET /v1/stream?locomotion=walk&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n",
+        b"GET /v1/stream?locomotion=walk&pace=realtime HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
         handshake,
         handshake + text,
         handshake + text + text[:9],

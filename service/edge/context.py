@@ -6,6 +6,7 @@ from functools import cached_property
 
 import uvicorn
 
+from motionsplice.service.edge.hosts import Hosts
 from motionsplice.service.edge.ledger import Ledger
 from motionsplice.service.front import Front
 from motionsplice.service.settings import Settings
@@ -28,3 +29,8 @@ class EdgeContext(uvicorn.Config):
         settings = self.settings
         gauge = self.front.shared.metrics.connections("http")
         return Ledger(settings.max_connections, settings.max_connections_per_address, gauge)
+
+    @cached_property
+    def hosts(self) -> Hosts:
+        """The names by which the service may be called."""
+        return Hosts(self.settings)

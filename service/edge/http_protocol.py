@@ -87,6 +87,8 @@ class HttpProtocol(HttpToolsProtocol):
         size = len(self.url) + sum(len(name) + len(value) for name, value in self.headers)
         if size > self.config.settings.max_header:
             self._refuse_head()
+        elif refused := self.config.hosts.refusal(self.headers):
+            self._refuse(*refused)
         elif len(self.pipeline) >= MOST_PIPELINED:
             self._real_transport.abort()
         elif not self._answer_at_once():

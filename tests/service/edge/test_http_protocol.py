@@ -14,8 +14,8 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
 from tests.service.running import Running, eventually, received, running
 
-GET = b"GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n"
-STREAM = b"GET /v1/stream?locomotion=walk&rate=1000&ahead=100 HTTP/1.1\r\nHost: x\r\n\r\n"
+GET = b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+STREAM = b"GET /v1/stream?locomotion=walk&rate=1000&ahead=100 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def problem(answer: bytes) -> tuple[int, str]:
     return document["status"], document["type"].removeprefix("urn:motionsplice:")
 
 
-@pytest.mark.parametrize("sent", [b"", b"GET /healthz HT", b"GET /healthz HTTP/1.1\r\nHost: x\r\n"])
+@pytest.mark.parametrize("sent", [b"", b"GET /healthz HT", b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n"])
 def test_a_request_that_does_not_arrive_times_out(impatient: Running, sent: bytes) -> None:
     assert problem(received(impatient.connect(sent))) == (408, "timeout")
 
@@ -49,7 +49,9 @@ def test_the_second_request_on_a_connection_times_out_too(impatient: Running) ->
 
 
 def test_a_body_that_does_not_arrive_times_out(impatient: Running) -> None:
-    head = b"POST /v1/poses HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n{"
+    head = (
+        b"POST /v1/poses HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\nContent-Length: 50\r\n\r\n{"
+    )
     assert problem(received(impatient.connect(head))) == (408, "timeout")
 
 
@@ -93,7 +95,9 @@ def test_a_client_that_stops_reading_is_cut_off(impatient: Running) -> None:
 
 
 def test_a_client_that_reads_slowly_gets_all_of_a_large_answer(bank: Bank) -> None:
-    sent = b"GET /v1/splice?locomotion=walk&rate=1000&parts=both HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    sent = (
+        b"GET /v1/splice?locomotion=walk&rate=1000&parts=both HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"
+    )
     with running(bank.path, Settings(stall_seconds=1.0)) as service:
         peer, got, began = service.connect(sent, receive_buffer=65536), bytearray(), time.monotonic()
         while more := peer.recv(65536):
@@ -106,7 +110,7 @@ def test_a_client_that_reads_slowly_gets_all_of_a_large_answer(bank: Bank) -> No
 
 
 def test_endless_trailers_are_refused(impatient: Running) -> None:
-    head = b"POST /v1/poses HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\nX: "
+    head = b"POST /v1/poses HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\nX: "
     peer = impatient.connect(head)
     with suppress(OSError):
         for _ in range(200):
@@ -117,13 +121,13 @@ def test_endless_trailers_are_refused(impatient: Running) -> None:
 
 
 def test_pipelined_requests_are_limited(impatient: Running) -> None:
-    endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n"
+    endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
     assert b"204" not in received(impatient.connect(endless + 100 * GET))
 
 
 def test_no_websocket_begins_in_the_middle_of_an_answer(impatient: Running) -> None:
-    endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n"
-    upgrade = b"GET /v1/characters HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n"
+    endless = b"GET /v1/stream?locomotion=walk&rate=1&pace=realtime HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+    upgrade = b"GET /v1/characters HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\n"
     assert b"WebSocket" not in received(impatient.connect(endless + upgrade))
 
 
@@ -136,7 +140,9 @@ def test_a_client_that_disconnects_at_any_stage_leaves_nothing(impatient: Runnin
 
 
 def test_a_client_that_disconnects_between_frames_is_noticed_at_once(impatient: Running) -> None:
-    peer = impatient.connect(b"GET /v1/stream?locomotion=walk&rate=0.3&pace=realtime HTTP/1.1\r\nHost: x\r\n\r\n")
+    peer = impatient.connect(
+        b"GET /v1/stream?locomotion=walk&rate=0.3&pace=realtime HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+    )
     assert peer.recv(12) == b"HTTP/1.1 200"
     eventually(lambda: len(impatient.config.front.shared.streams) == 1)
     peer.close()

@@ -12,7 +12,7 @@ from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, received, running
 
 HANDSHAKE = (
-    b"GET /v1/characters HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    b"GET /v1/characters HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
     b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
 )
 
@@ -70,7 +70,7 @@ def test_pongs_do_not_pile_up_for_a_client_that_reads_nothing(impatient: Running
 
 @pytest.mark.parametrize("fields", [200 * b"X: y\r\n", b"X: " + 9000 * b"y" + b"\r\n"])
 def test_a_handshake_that_is_too_large_is_refused(impatient: Running, fields: bytes) -> None:
-    answer = received(impatient.connect(HANDSHAKE.replace(b"Host: x\r\n", fields)))
+    answer = received(impatient.connect(HANDSHAKE.replace(b"Host: 127.0.0.1\r\n", b"Host: 127.0.0.1\r\n" + fields)))
     assert answer.startswith(b"HTTP/1.1 431 ")
     assert b"urn:motionsplice:too-large" in answer
 

@@ -154,7 +154,7 @@ def test_a_full_folder_takes_no_clips(full: Running, folder: Path) -> None:
 def test_an_upload_that_stops_coming_is_deleted_and_its_connection_closed(
     full: Running, folder: Path, sent: bytes
 ) -> None:
-    head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer {TOKEN}\r\n"
+    head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: Bearer {TOKEN}\r\n"
     peer = full.connect(head.encode() + b"Content-Type: application/octet-stream\r\nContent-Length: 900\r\n\r\n" + sent)
     answer = received(peer)
     assert answer.startswith(b"HTTP/1.1 408")
@@ -173,8 +173,8 @@ def test_a_name_cannot_be_a_path(name: str) -> None:
 
 
 def test_a_body_cut_short_leaves_nothing(service: Running, folder: Path) -> None:
-    head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\nAuthorization: Bearer {TOKEN}\r\nContent-Length: 999\r\n\r\n"
-    peer = service.connect(head.encode(), b"HIERARCHY")
+    head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {TOKEN}\r\n"
+    peer = service.connect(head.encode() + b"Content-Length: 999\r\n\r\n", b"HIERARCHY")
     eventually(lambda: bool(unfinished(folder)))
     peer.close()
     eventually(lambda: not unfinished(folder))

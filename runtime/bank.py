@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+from motionsplice.motion.errors import BankError
 from motionsplice.runtime.contents import Contents
 from motionsplice.runtime.format.checks import Tables, check_contents, check_fit
 from motionsplice.runtime.format.manifest import MANIFEST, Manifest
@@ -57,7 +58,13 @@ class Bank(Contents):
         """
         folder = Path(path)
         manifest = Manifest.read(folder)
-        bank = cls(folder, manifest, open_tables(table_files(folder, manifest)))
+        try:
+            tables = open_tables(table_files(folder, manifest))
+        except BankError:
+            if Manifest.read(folder).digest == manifest.digest:
+                raise
+            return cls.open(path, verify=verify)  # a job has written another bank, and removed this one's tables
+        bank = cls(folder, manifest, tables)
         check_fit(manifest, bank.tables, str(folder / MANIFEST))
         if verify:
             bank.verify()

@@ -12,6 +12,7 @@ from typing import TypeVar
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import BankError, BaselineError, MotionError
 from motionsplice.precompute.hands.settings import HandsOnBody
+from motionsplice.precompute.job.alone import alone_in
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
 from motionsplice.precompute.job.cache import Cache
@@ -119,8 +120,13 @@ class Job:
     hybrids: Hybrids = field(default_factory=dict, init=False)
 
     def run(self) -> Outcome:
-        """Runs all stages. Raises MotionError."""
+        """Runs all stages, after any other job for the same folder. Raises MotionError."""
         pairs = self.find_clips()
+        with alone_in(self.out, self.progress):
+            return self.build(pairs)
+
+    def build(self, pairs: Sequence[HandsOnBody]) -> Outcome:
+        """Runs the stages that follow `find_clips`. Raises MotionError."""
         cache = Cache(self.out / CACHE)
         search, readings = StrideSearch(cache), HandsReading(cache)
         candidates = self.find_strides(search)

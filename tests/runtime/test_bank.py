@@ -4,6 +4,7 @@ import io
 import os
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import pytest
 from motionsplice.motion.errors import BankError, UnknownClipError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format import tables
-from motionsplice.runtime.format.manifest import MANIFEST, TABLES, VERSION, content_digest
+from motionsplice.runtime.format.manifest import MANIFEST, TABLES, VERSION, Manifest, content_digest
 
 
 @pytest.fixture
@@ -60,6 +61,13 @@ def test_tables_of_a_large_bank_are_mapped_and_equal(bank: Bank, monkeypatch: py
         assert (mapped.tables[name].dtype, mapped.tables[name].ctypes.data % 64) == (bank.tables[name].dtype, 0)
         assert bank.tables[name].ctypes.data % 64 == 0
         np.testing.assert_array_equal(mapped.tables[name], bank.tables[name])
+
+
+def test_a_bank_that_is_replaced_while_it_is_opened_is_read_anew(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    current, names = Manifest.read(copy), dict.fromkeys(TABLES, "0" * 32)
+    read = iter([replace(current, digest="1" * 32, tables=names), current, current])
+    monkeypatch.setattr(Manifest, "read", lambda folder: next(read))
+    assert Bank.open(copy).digest == current.digest
 
 
 def test_a_small_bank_survives_that_its_files_are_cut_short_while_in_use(copy: Path) -> None:

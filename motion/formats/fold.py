@@ -88,7 +88,7 @@ def fold(nodes: Nodes, root: int) -> Folded:
         end_parents=np.array([places[int(nodes.end_parents[end])] for end in ends], np.int64),
         end_offsets=nodes.end_offsets[ends].reshape(-1, 3),
     )
-    rotations = nodes.rotations[:, inside]
+    rotations = np.take(nodes.rotations, inside, axis=1)  # frame by frame in memory, unlike [:, inside]
     rotations[:, 0] = rotation
     return Folded(skeleton, position, rotations, tuple(notes))
 

@@ -85,11 +85,7 @@ def _seamed(clip: Clip, phase: Floats, counterpart: float, back: int, roles: Rol
     """Adds the seam that leads from the last frame to its counterpart, `back` strides before it."""
     after = counterpart + np.arange(1.0, _seam_frames(clip) + 1.0)
     positions, rotations = _carried_on(clip, counterpart, after, roles)
-    longer = replace(
-        clip,
-        root_positions=np.concatenate([clip.root_positions, positions]),
-        rotations=np.concatenate([clip.rotations, rotations]),
-    )
+    longer = clip.followed_by(positions, rotations)
     return Seamed(longer, np.concatenate([phase, np.interp(after, np.arange(clip.frame_count), phase) + back]), back)
 
 

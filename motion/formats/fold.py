@@ -45,7 +45,9 @@ def still(frames: int, joints: int, size: int) -> Floats:
     if frames * joints > max(STILL, size):
         problem = f"{frames} frames of {joints} joints, most of them without channels, take too much memory"
         raise FormatError(problem, mend="Remove the joints without channels")
-    return np.tile(quaternion.IDENTITY, (frames, joints, 1))
+    rotations = np.empty((frames, joints, 4))
+    rotations[:] = quaternion.IDENTITY
+    return rotations
 
 
 @dataclass(frozen=True, eq=False)

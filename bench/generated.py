@@ -24,7 +24,8 @@ from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.contacts import support
 from motionsplice.precompute.body.posture import measure_torso
-from motionsplice.precompute.job.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest, write_table
+from motionsplice.precompute.job.bank_builder import CELLS_PER_FRAME, frame_of_phase, write_manifest
+from motionsplice.precompute.job.written import Parts, write_tables
 from motionsplice.precompute.preparation.feet import standing_feet
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
@@ -87,12 +88,14 @@ def generate(path: Path, size: Size, seed: int = 0) -> Bank:
     motions = list(islice(cycle(drawn), size.clips))
     folder = path / TABLE_FOLDER
     folder.mkdir(parents=True)
-    digests = {"neutral": write_table(folder, TABLES["neutral"][0], size.clips, [np.arange(size.clips)])}
     stances = [motion.tables["upper"][: size.standing] for motion in motions]  # the first rows
-    digests["stances"] = write_table(folder, TABLES["stances"][0], size.clips * size.standing, stances)
-    for name in TABLES.keys() - digests.keys():
-        length = size.clips * len(motions[0].tables[name])
-        digests[name] = write_table(folder, TABLES[name][0], length, (motion.tables[name] for motion in motions))
+    parts: dict[str, Parts] = {
+        "neutral": (size.clips, [np.arange(size.clips)]),
+        "stances": (size.clips * size.standing, stances),
+    }
+    for name in TABLES.keys() - parts.keys():
+        parts[name] = (size.clips * len(motions[0].tables[name]), [motion.tables[name] for motion in motions])
+    digests = write_tables(folder, parts)
     entries = [_entry(number, motion.phase, size) for number, motion in enumerate(motions)]
     hands = [
         HandsEntry(HANDS, entry.name, entry.first_row, size.rate, "both", False, (), 0.0, (), "generated")

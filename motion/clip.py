@@ -60,6 +60,33 @@ class Clip:
     rotations: Floats
 
     def __post_init__(self) -> None:
+        self._check_all_but_rotations()
+        lengths, where = quaternion.length(self.rotations), f"clip {self.name!r}"
+        if not (unit_length := np.abs(lengths - 1.0) <= 1e-3).all():  # also catches NaN
+            if not np.isfinite(self.rotations).all():
+                raise self._not_finite("joint rotation", self.rotations)
+            frame = int(np.argwhere(~unit_length)[0][0])
+            raise ClipError("a rotation is not a unit quaternion", place=f"{where}, frame {frame}")
+        # Rotations that need no change are not copied, so that a part of a clip shares its memory, bit for bit.
+        rounded = np.abs(lengths - 1.0).max() > ROUNDING
+        unit = np.asarray(self.rotations / lengths[..., None]) if rounded else self.rotations
+        object.__setattr__(self, "rotations", quaternion.one_hemisphere(unit))
+
+    @classmethod
+    def of_valid(cls, name: str, skeleton: Skeleton, rate: float, root_positions: Floats, rotations: Floats) -> Clip:
+        """Makes a clip whose rotations are those of a clip, or computed from them, so that nobody checks them again.
+
+        They must be as the constructor leaves them: of unit length, successive frames in one hemisphere. This is not
+        for numbers from outside. Everything else is checked. Raises ClipError.
+        """
+        clip = object.__new__(cls)
+        given = {"root_positions": root_positions, "rotations": rotations}
+        for field, value in {"name": name, "skeleton": skeleton, "rate": rate, **given}.items():
+            object.__setattr__(clip, field, value)
+        clip._check_all_but_rotations()
+        return clip
+
+    def _check_all_but_rotations(self) -> None:
         frames, joints = len(self.root_positions), self.skeleton.joint_count
         where = f"clip {self.name!r}"
         if frames == 0:
@@ -73,20 +100,10 @@ class Clip:
             raise ClipError(f"expected {expected}, found {found}", place=where)
         if not np.isfinite(self.root_positions).all():
             raise self._not_finite("root position", self.root_positions)
-        lengths = quaternion.length(self.rotations)
-        if not (unit_length := np.abs(lengths - 1.0) <= 1e-3).all():  # also catches NaN
-            if not np.isfinite(self.rotations).all():
-                raise self._not_finite("joint rotation", self.rotations)
-            frame = int(np.argwhere(~unit_length)[0][0])
-            raise ClipError("a rotation is not a unit quaternion", place=f"{where}, frame {frame}")
         if np.abs(self.root_positions).max() > FARTHEST:
             raise ClipError(
                 f"the root is farther than {FARTHEST:g} m from the origin", place=where, mend="Check the unit of length"
             )
-        # Rotations that need no change are not copied, so that a part of a clip shares its memory, bit for bit.
-        rounded = np.abs(lengths - 1.0).max() > ROUNDING
-        unit = np.asarray(self.rotations / lengths[..., None]) if rounded else self.rotations
-        object.__setattr__(self, "rotations", quaternion.one_hemisphere(unit))
 
     def _not_finite(self, label: str, values: Floats) -> ClipError:
         frame = int(np.argwhere(~np.isfinite(values))[0][0])
@@ -108,7 +125,23 @@ class Clip:
         Raises:
             ClipError: The range is empty.
         """
-        return replace(self, root_positions=self.root_positions[first:stop], rotations=self.rotations[first:stop])
+        chosen = slice(first, stop)
+        return Clip.of_valid(self.name, self.skeleton, self.rate, self.root_positions[chosen], self.rotations[chosen])
+
+    def followed_by(self, root_positions: Floats, rotations: Floats) -> Clip:
+        """Returns the clip with more frames after its own: root positions [n, 3] and rotations [n, J, 4].
+
+        Raises:
+            ClipError: The new frames are invalid, as in the constructor.
+        """
+        roots = np.concatenate([self.root_positions, root_positions])
+        after = replace(
+            self,
+            root_positions=roots[-1 - len(rotations) :],
+            rotations=np.concatenate([self.rotations[-1:], rotations]),
+        )
+        all_rotations = np.concatenate([self.rotations, after.rotations[1:]])
+        return Clip.of_valid(self.name, self.skeleton, self.rate, roots, all_rotations)
 
     def sampled(self, frames: ArrayLike) -> tuple[Floats, Floats]:
         """Interpolates the clip: positions linearly, rotations by slerp.
@@ -131,4 +164,4 @@ class Clip:
             return self
         count = int(np.floor(self.duration * rate + 1e-9)) + 1
         positions, rotations = self.sampled(np.arange(count) * (self.rate / rate))
-        return replace(self, rate=rate, root_positions=positions, rotations=rotations)
+        return Clip.of_valid(self.name, self.skeleton, rate, positions, quaternion.one_hemisphere(rotations))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from itertools import product
+from types import MappingProxyType
 
 # The name of a part of the body, without the side and what all joints of a rig share, in order of preference.
 #                Mixamo, LAFAN1  Unreal      VRM, Unity   Poser       Daz            CAT     others
@@ -58,7 +60,8 @@ PARTS: dict[str, Part] = {  # with names like "lfemur" and "leftupleg", in which
 BEGINNINGS = {text[:length] for text in PARTS for length in range(1, len(text) + 1)}
 
 
-def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
+@lru_cache(maxsize=16)  # the clips of a bank are of few rigs
+def roles_by_name(names: tuple[str, ...]) -> Mapping[str, int]:
     """Returns the joints of the limbs, neck and head that are found by name alone, by role.
 
     All joints of a body have the same words around the part: none, or "Bip01", "CC_Base", "m_avg", "_jnt". So the roles
@@ -74,7 +77,7 @@ def roles_by_name(names: tuple[str, ...]) -> dict[str, int]:
     for _, joint, affixes, part in sorted(matches):  # "thigh.L" goes before "thigh.L.001"
         bodies.setdefault(affixes, {}).setdefault(part, joint)
     found = [(affixes, _roles(_numbered(parts))) for affixes, parts in bodies.items()]
-    return max(found, key=lambda one: _rank(*one), default=(((), ()), {}))[1]
+    return MappingProxyType(max(found, key=lambda one: _rank(*one), default=(((), ()), {}))[1])
 
 
 def words_of(name: str) -> tuple[list[str], str]:

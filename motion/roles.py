@@ -151,8 +151,8 @@ def limbs_by_name(names: tuple[str, ...], given: Mapping[str, GivenRole]) -> dic
     Raises RoleError for a given joint that the rig does not have, SettingsError for an unknown role.
     """
     _check_known(given)
-    found = roles_by_name(names)
-    return found | {role: _joint(role, name, names) for role, name in given.items() if role in (*LIMBS, *OPTIONAL)}
+    named = {role: _joint(role, name, names) for role, name in given.items() if role in (*LIMBS, *OPTIONAL)}
+    return {**roles_by_name(names), **named}
 
 
 def common_ancestor(parents: Integers, joints: Sequence[int]) -> int:

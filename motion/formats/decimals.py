@@ -15,17 +15,21 @@ EXACT_POWER = 22  # the largest power of ten that a float holds exactly
 LARGEST_POWER = 308  # the largest power of ten that a float holds at all
 
 
-def read_table(text: str, rows: int, width: int) -> Floats | None:
-    """Returns the numbers [rows, width] of a text with one row per line; blank lines are skipped.
+def read_table(text: NDArray[np.uint8], rows: int, width: int) -> Floats | None:
+    """Returns the numbers [rows, width] of a text, as bytes, with one row per line; blank lines are skipped.
 
     None if the text has other rows, other words or numbers that are not finite. Numbers of up to 15 digits and 22
     decimal places equal what `float` returns; others agree to 14 digits.
     """
-    data = np.frombuffer(text.encode(), np.uint8)
-    if rows * width > len(data):  # each number needs a byte: no allocation for data that cannot be there
+    if rows < 0 or rows * width > len(text):  # each number needs a byte: no allocation for data that cannot be there
         return None
     values = np.empty((rows, width))
-    return values if fill_table(data, values) and np.isfinite(values).all() else None
+    return values if fill_table(text, values) and np.isfinite(values).all() else None
+
+
+def as_bytes(text: str) -> NDArray[np.uint8]:
+    """Returns a text as `read_table` needs it."""
+    return np.frombuffer(text.encode(), np.uint8)
 
 
 def is_finite(word: str) -> bool:

@@ -45,7 +45,9 @@ def still(frames: int, joints: int, size: int) -> Floats:
     if frames * joints > max(STILL, size):
         problem = f"{frames} frames of {joints} joints, most of them without channels, take too much memory"
         raise FormatError(problem, mend="Remove the joints without channels")
-    return np.tile(quaternion.IDENTITY, (frames, joints, 1))
+    rotations = np.empty((frames, joints, 4))
+    rotations[:] = quaternion.IDENTITY
+    return rotations
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +90,7 @@ def fold(nodes: Nodes, root: int) -> Folded:
         end_parents=np.array([places[int(nodes.end_parents[end])] for end in ends], np.int64),
         end_offsets=nodes.end_offsets[ends].reshape(-1, 3),
     )
-    rotations = nodes.rotations[:, inside]
+    rotations = np.take(nodes.rotations, inside, axis=1)  # frame by frame in memory, unlike [:, inside]
     rotations[:, 0] = rotation
     return Folded(skeleton, position, rotations, tuple(notes))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -75,12 +75,8 @@ def _copied(clip: Clip, roles: Roles, rig: Rig) -> Clip:
             )
     _check_bind_poses(clip, match, skeleton, skeleton_roles)
     scale = skeleton_roles.leg_length(skeleton) / roles.leg_length(clip.skeleton)
-    return replace(
-        clip,
-        skeleton=skeleton,
-        root_positions=clip.root_positions * scale,
-        rotations=clip.rotations if match == sorted(match) else clip.rotations[:, match],
-    )
+    rotations = clip.rotations if match == sorted(match) else np.take(clip.rotations, match, axis=1)
+    return Clip.of_valid(clip.name, skeleton, clip.rate, clip.root_positions * scale, rotations)
 
 
 def _match(clip: Clip, roles: Roles, ours: Skeleton, our_roles: Roles) -> list[int]:

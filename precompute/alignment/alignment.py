@@ -23,6 +23,7 @@ from motionsplice.precompute.alignment.working_rate import (
     paths_at_working_rate,
     support_at_working_rate,
 )
+from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.body.facing import facing, facing_joints
 
 KNOT_SPACING = 0.16  # seconds
@@ -81,7 +82,9 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
         )
     paths = paths_at_working_rate(clip, facing_joints(roles))
     knees = planar_distances(level(paths[:, :3]), level(baseline.clouds))
-    below = knees + contact_distances(support_at_working_rate(clip, roles), baseline.support, baseline.leg)
+    below = knees + contact_distances(
+        support_at_working_rate(clip, foot_contacts(clip, roles)), baseline.support, baseline.leg
+    )
     cells, frames = below.shape[1], np.arange(len(paths))
     swing = arm_swing(paths_at_working_rate(clip, arm_joints(roles)))
     distances = below + swing_distances(swing, wind_steadily(below) / cells, cells, baseline.leg)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError
@@ -22,7 +22,7 @@ from motionsplice.precompute.alignment.working_rate import (
     paths_at_working_rate,
     support_at_working_rate,
 )
-from motionsplice.precompute.body.contacts import left_strike
+from motionsplice.precompute.body.contacts import foot_contacts, left_strike
 from motionsplice.precompute.body.facing import facing, facing_joints
 
 LOOP_WINDOW = 5  # frames at the working rate
@@ -94,9 +94,10 @@ def _best_stride(clip: Clip, roles: Roles) -> Baseline:
         raise no_stride(clip.name)
     step = clip.duration / (len(windows) + LOOP_WINDOW - 2)
     start, end = first * step, (first + length) * step
-    strike = left_strike(clip, roles, start, end)
+    standing = foot_contacts(clip, roles)
+    strike = left_strike(standing, clip.rate, start, end)
     zero = 0.0 if strike is None else (strike - start) / step
-    ring = _ring(clip, roles, slice(first, first + length + 1))
+    ring = _ring(clip, roles, standing, slice(first, first + length + 1))
     return Baseline(clip.name, start, end, loop_distance, leg, zero, *ring)
 
 
@@ -106,7 +107,8 @@ def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
     if period is None:
         return None
     played, leg = played_on(clip, period, roles), roles.leg_length(clip.skeleton)
-    ring = _ring(played.frames(period, 2 * period + 1), roles, slice(None))
+    lap = played.frames(period, 2 * period + 1)
+    ring = _ring(lap, roles, foot_contacts(lap, roles), slice(None))
     windows = windowed(paths_at_working_rate(played, roles.lower_cloud), LOOP_WINDOW)
     cells, moving = len(ring[0]), LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
     apart = planar_lag_distances(windows, (round(cells / 2), round(cells / 3)))  # small in two or three strides
@@ -114,7 +116,7 @@ def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
     if min(swings) <= max(moving, WORST_LOOP * max(swings)):
         return None
     seconds = period / clip.rate
-    strike = left_strike(played, roles, seconds, 2.0 * seconds)
+    strike = left_strike(foot_contacts(played, roles), clip.rate, seconds, 2.0 * seconds)
     zero = 0.0 if strike is None else (strike / seconds - 1.0) * cells
     return Baseline(clip.name, 0.0, seconds, 0.0, leg, zero, *ring)
 
@@ -150,7 +152,7 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
     return min(candidates, key=lambda stride: (apart(stride), stride.name))
 
 
-def _ring(clip: Clip, roles: Roles, stride: slice) -> tuple[Floats, Floats]:
+def _ring(clip: Clip, roles: Roles, standing: NDArray[np.uint8], stride: slice) -> tuple[Floats, Floats]:
     """Returns the lower clouds [cells, 3, 3] and the support [cells, 2] of one stride.
 
     An even drift is added to the clouds, so that the stride ends at its start.
@@ -158,4 +160,4 @@ def _ring(clip: Clip, roles: Roles, stride: slice) -> tuple[Floats, Floats]:
     clouds = facing(paths_at_working_rate(clip, facing_joints(roles)))[stride]
     along = np.linspace(0.0, 1.0, len(clouds))[:, None, None]
     closed = (clouds - along * (clouds[-1] - clouds[0]))[:-1]
-    return closed, support_at_working_rate(clip, roles)[stride][:-1]
+    return closed, support_at_working_rate(clip, standing)[stride][:-1]

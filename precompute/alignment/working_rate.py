@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.roles import Roles
-from motionsplice.precompute.body.contacts import foot_contacts, support
+from motionsplice.precompute.body.contacts import support
 from motionsplice.precompute.body.joint_paths import joint_paths
 
 WORKING_RATE = 30.0  # frames per second at which motions are compared
@@ -19,9 +19,12 @@ def paths_at_working_rate(clip: Clip, joints: tuple[int, ...]) -> Floats:
     return quaternion.interpolated(joint_paths(clip, joints), _working_frames(clip))
 
 
-def support_at_working_rate(clip: Clip, roles: Roles) -> Floats:
-    """Returns how firmly both feet stand [n, 2], 0 to 1, at the moments of `paths_at_working_rate`."""
-    return quaternion.interpolated(support(foot_contacts(clip, roles), clip.rate), _working_frames(clip))
+def support_at_working_rate(clip: Clip, standing: NDArray[np.uint8]) -> Floats:
+    """Returns how firmly both feet stand [n, 2], 0 to 1, at the moments of `paths_at_working_rate`.
+
+    standing: [F] of `foot_contacts`.
+    """
+    return quaternion.interpolated(support(standing, clip.rate), _working_frames(clip))
 
 
 def _working_frames(clip: Clip) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing, binary_opening, convolve1d, minimum_filter1d, uniform_filter1d
+from scipy.ndimage import convolve1d, maximum_filter1d, minimum_filter1d, uniform_filter1d
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
@@ -22,10 +22,10 @@ LOADING = 0.1  # seconds in which a foot takes over the weight, and gives it up
 
 def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
     """Returns which feet stand at each frame [F]: the bits LEFT_FOOT and RIGHT_FOOT, or 0."""
-    leg, standing = roles.leg_length(clip.skeleton), np.zeros(clip.frame_count, np.uint8)
-    for bit, joints in zip((LEFT_FOOT, RIGHT_FOOT), roles.feet, strict=True):
-        standing |= bit * _stands(joint_paths(clip, joints), clip.rate, leg).astype(np.uint8)
-    return standing
+    left, right = roles.feet
+    standing = _standing_joints(joint_paths(clip, (*left, *right)), clip.rate, roles.leg_length(clip.skeleton))
+    feet = np.stack([standing[:, : len(left)].any(axis=1), standing[:, len(left) :].any(axis=1)], axis=1)
+    return np.asarray(_lasting(feet.astype(np.uint8), clip.rate) @ np.array([LEFT_FOOT, RIGHT_FOOT], np.uint8))
 
 
 def support(standing: NDArray[np.uint8], rate: float) -> Floats:
@@ -36,24 +36,32 @@ def support(standing: NDArray[np.uint8], rate: float) -> Floats:
     )
 
 
-def left_strike(clip: Clip, roles: Roles, first: float, last: float) -> float | None:
-    """Returns when the left foot first touches down between `first` and `last`, seconds; None if it does not."""
-    stands = (foot_contacts(clip, roles) & LEFT_FOOT).astype(np.int8)
-    downs = (np.flatnonzero(np.diff(stands) > 0) + 0.5) / clip.rate
+def left_strike(standing: NDArray[np.uint8], rate: float, first: float, last: float) -> float | None:
+    """Returns when the left foot first touches down between `first` and `last`, seconds; None if it does not.
+
+    standing: [F] of `foot_contacts`.
+    """
+    stands = (standing & LEFT_FOOT).astype(np.int8)
+    downs = (np.flatnonzero(np.diff(stands) > 0) + 0.5) / rate
     return next((float(down) for down in downs if first <= down < last), None)
 
 
-def _stands(paths: Floats, rate: float, leg: float) -> NDArray[np.bool_]:
-    """Returns at which frames [F] any joint of a foot stands; `paths` [F, n, 3] in metres, `leg` its length."""
+def _standing_joints(paths: Floats, rate: float, leg: float) -> NDArray[np.bool_]:
+    """Returns at which frames each joint of the feet stands [F, n]; `paths` [F, n, 3] in metres, `leg` its length."""
     speed = np.linalg.norm(np.gradient(paths, 1.0 / rate, axis=0), axis=-1)
     speed = uniform_filter1d(speed, _frames(SMOOTHED, rate), axis=0, mode="nearest")
     height = paths[..., 1] - minimum_filter1d(paths[..., 1], _frames(STEP, rate), axis=0, mode="nearest")
     slow = np.maximum(SLOW * leg, SLOW_OF_FAST * np.percentile(speed, 95.0, axis=0))
-    found = np.any((speed < slow) & (height < LOW * leg), axis=1)
-    brief = np.ones(_frames(SHORTEST, rate), np.bool_)
-    edges = (len(brief), len(brief))
-    padded = np.pad(found, edges, mode="edge")
-    return np.asarray(binary_opening(binary_closing(padded, brief), brief)[edges[0] : len(padded) - edges[1]])
+    return np.asarray((speed < slow) & (height < LOW * leg))
+
+
+def _lasting(feet: NDArray[np.uint8], rate: float) -> NDArray[np.uint8]:
+    """Returns which feet stand [F, 2], 0 or 1, without gaps in a contact, and then contacts, below SHORTEST."""
+    brief = _frames(SHORTEST, rate)
+    stands = np.pad(feet, ((brief, brief), (0, 0)), mode="edge")
+    for widen in (maximum_filter1d, minimum_filter1d, minimum_filter1d, maximum_filter1d):
+        stands = widen(stands, brief, axis=0, mode="constant")
+    return stands[brief:-brief]
 
 
 def _frames(seconds: float, rate: float) -> int:

@@ -19,25 +19,25 @@ def joint_paths(clip: Clip, joints: Sequence[int]) -> Floats:
     return joint_transforms(clip, joints)[0]
 
 
-def joint_transforms(clip: Clip, joints: Sequence[int]) -> tuple[Floats, Floats]:
+def joint_transforms(clip: Clip, joints: Sequence[int], step: int = 1) -> tuple[Floats, Floats]:
     """Returns the world positions [F, n, 3] in metres and world rotations [F, n, 4] of n joints of a clip.
 
-    The results agree with `motion.kinematics.world_transforms`, which computes all joints.
+    With a `step`, only every so many-th frame is computed. The results agree with `motion.kinematics.world_transforms`,
+    which computes all joints.
     """
     needed = np.array(sorted({above for joint in joints for above in clip.skeleton.chain(joint)}))
     places = {int(joint): place for place, joint in enumerate(needed)}
     parents = np.array([places.get(int(clip.skeleton.parents[joint]), -1) for joint in needed])
     wanted = np.array([places[joint] for joint in joints])
-    positions, world = np.empty((clip.frame_count, len(joints), 3)), np.empty((clip.frame_count, len(joints), 4))
-    follow_joints(
-        needed, parents, clip.skeleton.offsets[needed], wanted, clip.root_positions, clip.rotations, positions, world
-    )
+    roots, rotations = (np.ascontiguousarray(rows[::step]) for rows in (clip.root_positions, clip.rotations))
+    positions, world = np.empty((len(roots), len(joints), 3)), np.empty((len(roots), len(joints), 4))
+    follow_joints(needed, parents, clip.skeleton.offsets[needed], wanted, roots, rotations, positions, world)
     return positions, world
 
 
-def upper_joints(clip: Clip, roles: Roles) -> Floats:
-    """Returns the positions [F, n, 3] of the upper body's joints in the pelvis's frame, metres."""
-    positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis))
+def upper_joints(clip: Clip, roles: Roles, step: int = 1) -> Floats:
+    """Returns the positions [F, n, 3] of the upper body's joints in the pelvis's frame at every `step`-th frame."""
+    positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis), step)
     return quaternion.rotate(quaternion.conjugate(world[:, :1]), positions[:, 1:] - positions[:, :1])
 
 

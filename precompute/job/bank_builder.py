@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import io
-import os
 import re
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import msgpack
 import numpy as np
@@ -28,6 +24,7 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.hands.rows import LaidHands
 from motionsplice.precompute.job.standing import standing_of
+from motionsplice.precompute.job.written import Parts, write_synced, write_tables
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured
 from motionsplice.precompute.preparation.torso_offset import believed, shoulder_motion, torso_offsets
@@ -45,7 +42,7 @@ from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # other files in the folder are never removed
-OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})\.\d+")
+OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})(\.\d+)+")
 ABANDONED = 3600.0  # seconds after which a partial file is left over from a killed job
 CELLS_PER_FRAME = 4  # of the inverse table: the slope of phase is at least a quarter of its mean
 
@@ -59,8 +56,8 @@ def write_bank(
 ) -> str:
     """Writes a bank of at least one clip, with hands on some of them, to the folder `path` and returns its digest.
 
-    Tables are written and synced first. Renaming the manifest then makes the new bank current, so a reader sees either
-    the old bank or the new one. The old bank's tables stay until the next bank is written; older tables are removed.
+    Tables are written first. Renaming the manifest then makes the new bank current, so a reader sees either the old
+    bank or the new one. The old bank's tables stay until the next bank is written; older tables are removed.
     """
     clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(rig.skeleton, rig.roles)
     laid = sorted(hands, key=lambda one: (one.name, one.body))
@@ -70,7 +67,7 @@ def write_bank(
     folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips, standing)
     folder.mkdir(parents=True, exist_ok=True)
     rows, numbers = sum(len(one.phase) for one in clips), {one.name: number for number, one in enumerate(clips)}
-    parts: dict[str, tuple[int, Iterable[NDArray[Any]]]] = {
+    parts: dict[str, Parts] = {
         "lower": (rows, _rows("lower", layout, clips, offsets, {})),
         "upper": (rows, _rows("upper", layout, clips, offsets, usages)),
         "phase_of_frame": (rows, (one.phase for one in clips)),
@@ -84,7 +81,7 @@ def write_bank(
         "hands": (laid_rows, [np.zeros((0, layout.hands.columns)), *(one.rows for one in laid)]),
         "hand_frames": (laid_rows, [np.zeros((0, 2)), *(one.frames for one in laid)]),
     }
-    digests = {name: write_table(folder, TABLES[name][0], *parts[name]) for name in TABLES}
+    digests = write_tables(folder, {name: parts[name] for name in TABLES})
     stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
     before = _tables_in_use(path / MANIFEST)
     entries, laid_entries = _entries(clips, offsets, standing), _hands_entries(laid)
@@ -130,7 +127,7 @@ def write_manifest(
     packed = msgpack.packb(body)
     digest = content_digest(packed)
     manifest = {"format": FORMAT, "version": VERSION, "digest": digest, "body": packed}
-    _write_synced(path / MANIFEST, msgpack.packb(manifest))
+    write_synced(path / MANIFEST, msgpack.packb(manifest))
     return digest
 
 
@@ -141,28 +138,6 @@ def _mirror(rig: Rig) -> Mirror | None:
         return Mirror.of(rig.skeleton, rig.roles, pose)
     except SkeletonError:
         return None
-
-
-def write_table(folder: Path, kind: type, length: int, parts: Iterable[NDArray[Any]]) -> str:
-    """Writes `parts`, `length` rows in all, end to end as a table, and returns the table's digest.
-
-    The table's file is named after the digest. Only one part is held in memory at a time.
-    """
-    digest, partial = hashlib.blake2b(digest_size=16), folder / f".table.{os.getpid()}"
-    with partial.open("wb") as sink:
-        for number, part in enumerate(parts):
-            data: NDArray[Any] = np.ascontiguousarray(part, kind)
-            if number == 0:
-                head, header = io.BytesIO(), np.lib.format.header_data_from_array_1_0(data)
-                np.lib.format.write_array_header_1_0(head, header | {"shape": (length, *data.shape[1:])})
-                sink.write(head.getvalue())
-                digest.update(head.getvalue())
-            sink.write(data.data)
-            digest.update(data.data)
-        sink.flush()
-        os.fsync(sink.fileno())
-    _put(partial, folder / f"{digest.hexdigest()}.npy")
-    return digest.hexdigest()
 
 
 def _rows(
@@ -295,21 +270,3 @@ def _tables_in_use(manifest: Path) -> set[str]:
         return set(msgpack.unpackb(msgpack.unpackb(manifest.read_bytes())["body"])["tables"].values())
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return set()
-
-
-def _write_synced(file: Path, data: bytes) -> None:
-    """Writes a file, whole or not at all."""
-    partial = file.with_name(f".{file.name}.{os.getpid()}")
-    with partial.open("wb") as sink:
-        sink.write(data)
-        sink.flush()
-        os.fsync(sink.fileno())
-    _put(partial, file)
-
-
-def _put(partial: Path, file: Path) -> None:
-    """Renames a written file, and syncs the folder so that the file survives a power cut."""
-    partial.replace(file)
-    folder = os.open(file.parent, os.O_RDONLY)
-    os.fsync(folder)
-    os.close(folder)

@@ -1,19 +1,24 @@
 """The offline job's cache: results on disk, each under the digest of everything it depends on.
 
-An entry is one `.npz` file: named arrays, and `fields`, a MessagePack map of everything else. A damaged entry is made
-again. The folder may be deleted at any time.
+An entry is one file: a head, and then the bytes of named arrays. The head is a MessagePack map of the `fields`, which
+are everything else, and of what the arrays are, with checksums. A damaged entry is made again, and nothing is allocated
+for what it does not hold. The folder may be deleted at any time.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import re
+import struct
 import time
-from collections.abc import Callable, Collection, Mapping
+import zlib
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from io import BufferedReader
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 import msgpack
 import numpy as np
@@ -23,8 +28,11 @@ from motionsplice.motion.errors import MotionError
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.format.manifest import content_digest
 
-OURS = re.compile(r"[0-9a-f]{32}\.npz")
-OUR_PARTIAL = re.compile(r"\.[0-9a-f]{32}\.npz\.\d+")
+OURS = re.compile(r"[0-9a-f]{32}\.(entry|npz)")  # .npz: of earlier versions
+OUR_PARTIAL = re.compile(r"\.[0-9a-f]{32}\.(entry|npz)\.\d+")
+START = struct.Struct("<8sII")  # MAGIC, bytes of the head, their CRC-32
+MAGIC = b"MSENTRY1"
+KINDS = "fiu"  # of NumPy: floats and whole numbers
 ABANDONED = 3600.0  # seconds after which a partial file is left over from a killed job
 
 Fields = dict[str, Any]  # what MessagePack can hold, beside the arrays of an entry
@@ -58,18 +66,19 @@ class Cache:
         Returns None if the entry is missing, damaged, or of another kind.
         """
         try:
-            with np.load(self._file(key), allow_pickle=False) as archive:
-                return unpack(msgpack.unpackb(archive["fields"].tobytes()), archive)
+            with self._file(key).open("rb") as source:
+                entry = _Entry(source)
+                return unpack(entry.fields, entry)
         except Exception:  # any damaged entry can be made again
             return None
 
     def store(self, key: str, fields: Fields, arrays: Arrays) -> None:
         """Writes an entry, whole or not at all. Raises MotionError if it cannot be written."""
-        partial = self.folder / f".{key}.npz.{os.getpid()}"
+        partial = self.folder / f".{key}.entry.{os.getpid()}"
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with partial.open("wb") as sink:
-                np.savez(sink, allow_pickle=False, fields=np.frombuffer(msgpack.packb(fields), np.uint8), **arrays)
+                _write(sink, fields, {name: np.ascontiguousarray(array) for name, array in arrays.items()})
             partial.replace(self._file(key))
         except OSError as error:
             with suppress(OSError):
@@ -88,4 +97,49 @@ class Cache:
                     file.unlink()
 
     def _file(self, key: str) -> Path:
-        return self.folder / f"{key}.npz"
+        return self.folder / f"{key}.entry"
+
+
+class _Entry(Mapping[str, NDArray[Any]]):
+    """An entry in an open file. An array is read when it is asked for. Raises ValueError and others if damaged."""
+
+    def __init__(self, source: BufferedReader) -> None:
+        self._source, size = source, os.fstat(source.fileno()).st_size
+        magic, length, checksum = START.unpack(source.read(START.size))
+        self._first, self._room = START.size + length, size - START.size - length
+        if magic != MAGIC or self._room < 0:
+            raise ValueError("not an entry")
+        head = source.read(length)
+        if zlib.crc32(head) != checksum:
+            raise ValueError("the head is damaged")
+        self.fields, self._arrays = msgpack.unpackb(head)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        place, dtype, shape, checksum = self._arrays[name]
+        kind = np.dtype(dtype)
+        length = math.prod(shape) * kind.itemsize
+        if kind.kind not in KINDS or min(shape, default=0) < 0 or not 0 <= place <= place + length <= self._room:
+            raise ValueError(f"the array {name!r} is damaged")
+        data = np.empty(length, np.uint8)
+        self._source.seek(self._first + place)
+        if self._source.readinto(data.data) != length or zlib.crc32(data.data) != checksum:
+            raise ValueError(f"the array {name!r} is damaged")
+        return data.view(kind).reshape(shape)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays)
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+
+def _write(sink: BinaryIO, fields: Fields, arrays: Arrays) -> None:
+    """Writes an entry whose arrays are contiguous."""
+    described, place = dict[str, Any](), 0  # places are counted from the end of the head
+    for name, array in arrays.items():
+        described[name] = (place, array.dtype.str, array.shape, zlib.crc32(array.data))
+        place += array.nbytes
+    head = msgpack.packb((fields, described))
+    sink.write(START.pack(MAGIC, len(head), zlib.crc32(head)) + head)
+    for array in arrays.values():
+        sink.write(array.data)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 
 from numpy.typing import NDArray
 
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError, MotionError
 from motionsplice.motion.formats.files import files_behind, read_bytes
 from motionsplice.motion.formats.reading import Reading, read_clip
@@ -31,6 +32,8 @@ from motionsplice.precompute.job.method import version_of
 from motionsplice.precompute.job.sources import Source
 from motionsplice.precompute.preparation.prepared import PreparedClip, prepare
 from motionsplice.runtime.format.manifest import content_digest
+
+ROOM = 256_000_000  # bytes of rotations that one process keeps in memory
 
 Result = TypeVar("Result", covariant=True)
 Task = TypeVar("Task", contravariant=True)
@@ -113,18 +116,49 @@ def read(one: Identified) -> Reading:
     return reading
 
 
-def stored_reading(cache: Cache, one: Identified) -> Reading:
-    """Returns the reading that `StrideSearch` stored, or reads the clip. Raises MotionError."""
-    name = one.source.name
-    found = cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
-    return read(one) if found is None else found
+class Readings:
+    """Clips on their way from the search for a stride to their preparation, until the bank is built.
+
+    They stay in memory as far as they fit into `room`, in bytes. Others go into the cache, and so do all those that a
+    worker process has read, as its copy of this has no room.
+    """
+
+    def __init__(self, cache: Cache, room: int = ROOM) -> None:
+        self.cache, self._room = cache, room
+        self._kept: dict[str, Reading] = {}
+
+    def __reduce__(self) -> tuple[type[Readings], tuple[Cache, int]]:
+        return Readings, (self.cache, 0)
+
+    def keep(self, one: Identified, reading: Reading) -> None:
+        """Keeps a reading. Raises MotionError if the cache cannot be written."""
+        size = reading.clip.rotations.nbytes
+        if size <= self._room:
+            self._room -= size
+            self._kept[one.reading_key] = reading
+        else:
+            self.cache.store(one.reading_key, *pack_reading(reading))
+
+    def of(self, one: Identified) -> Reading:
+        """Returns a reading that was kept, or reads the clip. Raises MotionError."""
+        name, kept = one.source.name, self._kept.get(one.reading_key)
+        if kept is not None:  # perhaps that of an equal file
+            clip = kept.clip
+            same = Clip.of_valid(name, clip.skeleton, clip.rate, clip.root_positions, clip.rotations)
+            return replace(kept, clip=same)
+        found = self.cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
+        return read(one) if found is None else found
 
 
 @dataclass(frozen=True)
 class StrideSearch:
     """The search for a stride in a clip."""
 
-    cache: Cache
+    readings: Readings
+
+    @property
+    def cache(self) -> Cache:
+        return self.readings.cache
 
     def key(self, one: Identified) -> str:
         return key_of("stride", one.reading_key)
@@ -136,10 +170,10 @@ class StrideSearch:
     def run(self, one: Identified) -> None:
         """Stores the clip's stride, or that it has none. Raises MotionError if the clip cannot be read.
 
-        The reading is stored too, until the bank is built: `Preparation` needs it again.
+        The reading is kept too, until the bank is built: `Preparation` needs it again.
         """
         reading = read(one)
-        self.cache.store(one.reading_key, *pack_reading(reading))
+        self.readings.keep(one, reading)
         try:
             ring = find_baseline(reading.clip, reading.roles)
         except BaselineError:
@@ -155,19 +189,23 @@ class StrideSearch:
 class Preparation:
     """The preparation of a clip for a bank with this rig and baseline. Other rigs are retargeted or refused."""
 
-    cache: Cache
+    readings: Readings
     rig: Rig
     ring: Baseline
     retargeting: bool
     digest: str  # of all three
 
+    @property
+    def cache(self) -> Cache:
+        return self.readings.cache
+
     @classmethod
-    def of(cls, cache: Cache, stride: FoundStride, retargeting: bool) -> Preparation:
+    def of(cls, readings: Readings, stride: FoundStride, retargeting: bool) -> Preparation:
         rig, ring = stride.rig, stride.ring
         digest = key_of(
             pack_rig(rig), ring.leg, ring.zero, digest_of_array(ring.clouds), digest_of_array(ring.support), retargeting
         )
-        return cls(cache, rig, ring, retargeting, digest)
+        return cls(readings, rig, ring, retargeting, digest)
 
     def key(self, one: Identified) -> str:
         cut = one.source.cut
@@ -184,7 +222,7 @@ class Preparation:
 
     def run(self, one: Identified) -> None:
         """Prepares the clip and stores it. Raises MotionError if it cannot be read or does not fit the bank."""
-        reading, cut = stored_reading(self.cache, one), one.source.cut
+        reading, cut = self.readings.of(one), one.source.cut
         clip = reading.clip if cut is None else reading.clip.frames(cut.begin, cut.end)
         made = prepare(clip, reading.roles, self.rig, self.ring, retargeting=self.retargeting, cut=cut)
         made = replace(made, notes=(*reading.notes, *made.notes), file_warnings=reading.warnings)

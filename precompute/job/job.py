@@ -20,6 +20,7 @@ from motionsplice.precompute.job.clip_work import (
     Clips,
     Identified,
     Preparation,
+    Readings,
     StrideSearch,
     Work,
     contents_of,
@@ -128,13 +129,14 @@ class Job:
     def build(self, pairs: Sequence[HandsOnBody]) -> Outcome:
         """Runs the stages that follow `find_clips`. Raises MotionError."""
         cache = Cache(self.out / CACHE)
-        search, readings = StrideSearch(cache), HandsReading(cache)
+        clips, hands = Readings(cache), HandsReading(cache)
+        search = StrideSearch(clips)
         candidates = self.find_strides(search)
-        stride, used = self.on_skeleton(cache, self.choose_baseline(search, candidates))
-        self.read_hands(readings)
-        preparation = Preparation.of(cache, with_fingers(stride, readings, self.hand_clips), self.retarget)
+        stride, used = self.on_skeleton(clips, self.choose_baseline(search, candidates))
+        self.read_hands(hands)
+        preparation = Preparation.of(clips, with_fingers(stride, hands, self.hand_clips), self.retarget)
         aligned, new, cut = self.align(preparation)
-        laying = HandsLaying(preparation, readings)
+        laying = HandsLaying(preparation, hands)
         tasks = self.lay_hands(laying, tasks_of(pairs, aligned, self.hand_clips))
         recipe = preparation.recipe(aligned, recipe_of(laying, tasks))
         digest = cache.load(recipe, lambda fields, _: str(fields["bank"]))
@@ -143,7 +145,7 @@ class Job:
             digest = self.write(preparation, aligned, laying, tasks)
             cache.store(recipe, {"bank": digest}, {})
         used |= {work.key(one) for work in (search, preparation) for one in self.clips.values()}
-        used |= {readings.key(one) for one in self.hand_clips.values()} | {laying.key(task) for task in tasks.values()}
+        used |= {hands.key(one) for one in self.hand_clips.values()} | {laying.key(task) for task in tasks.values()}
         cache.keep_only({recipe, search.choice_key(candidates), cut, *used})
         failed = dict(sorted(self.failed.items()))
         return Outcome(digest, preparation.ring, tuple(aligned), failed, len(aligned.keys() - new), unchanged)
@@ -174,14 +176,14 @@ class Job:
             return typical_stride(search, candidates, self.failed)
         return named_stride(self.baseline, search, self.clips, self.failed)
 
-    def on_skeleton(self, cache: Cache, stride: FoundStride) -> tuple[FoundStride, set[str]]:
+    def on_skeleton(self, readings: Readings, stride: FoundStride) -> tuple[FoundStride, set[str]]:
         """Returns the baseline's stride on the skeleton of the user's choice, if there is one, and its cache keys.
 
         Raises MotionError if the skeleton cannot be read, or the baseline does not fit it.
         """
         if self.skeleton is None:
             return stride, set()
-        search = StrideOnSkeleton(cache, rig_of(self.skeleton, self.roles), self.retarget)
+        search = StrideOnSkeleton(readings, rig_of(self.skeleton, self.roles), self.retarget)
         baseline = self.clips[stride.ring.name]
         return load_or_run(search, baseline), {search.key(baseline)}
 

@@ -12,7 +12,7 @@ from motionsplice.motion.retarget.onto_rig import onto_rig
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.job.cache import Cache, key_of
-from motionsplice.precompute.job.clip_work import Identified, stored_reading
+from motionsplice.precompute.job.clip_work import Identified, Readings
 from motionsplice.precompute.job.entries import FoundStride, StrideSearched, pack_rig, pack_stride, unpack_stride
 from motionsplice.runtime.bank import Bank
 
@@ -33,16 +33,20 @@ def rig_of(path: Path, roles: Mapping[str, str | Sequence[str]]) -> Rig:
 class StrideOnSkeleton:
     """The search for the baseline's stride after its clip was moved onto a rig."""
 
-    cache: Cache
+    readings: Readings
     rig: Rig
     retargeting: bool
+
+    @property
+    def cache(self) -> Cache:
+        return self.readings.cache
 
     def key(self, one: Identified) -> str:
         return key_of("stride on a skeleton", one.reading_key, pack_rig(self.rig), self.retargeting)
 
     def run(self, one: Identified) -> None:
         """Stores the stride. Raises MotionError."""
-        reading, rig = stored_reading(self.cache, one), self.rig
+        reading, rig = self.readings.of(one), self.rig
         try:
             fitted = onto_rig(reading.clip, reading.roles, rig, retargeting=self.retargeting).clip
         except SkeletonError as error:

@@ -76,8 +76,4 @@ def _joined(clip: Clip, again: Clip) -> Clip:
     last, count = clip.frames(clip.frame_count - 1, clip.frame_count), again.frame_count - 1
     shift = settled(np.tile(last.root_positions - again.root_positions[0], (2, 1)), count)
     rotations = bent_onto(np.tile(last.rotations, (2, 1, 1)), again.rotations[[0, *range(count + 1)]])
-    return replace(
-        clip,
-        root_positions=np.concatenate([clip.root_positions, again.root_positions[1:] + shift]),
-        rotations=np.concatenate([clip.rotations, rotations]),
-    )
+    return clip.followed_by(again.root_positions[1:] + shift, rotations)

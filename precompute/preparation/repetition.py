@@ -26,7 +26,7 @@ def stride_to_stride(clip: Clip, clouds: Floats, phase: Floats, roles: Roles) ->
     phase = phase[: clip.frame_count : step]
     if phase[-1] - phase[0] < LEAST:
         return 0.0
-    local, clouds = upper_joints(clip, roles)[::step], clouds[: clip.frame_count : step]
+    local, clouds = upper_joints(clip, roles, step), clouds[: clip.frame_count : step]
     apart = []
     for shift in (1.0, -1.0):
         inside = np.flatnonzero((phase + shift >= phase[0]) & (phase + shift <= phase[-1]))

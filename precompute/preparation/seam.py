@@ -101,15 +101,10 @@ def _seamed(clip: Clip, phase: Floats, counterpart: float, back: int, roles: Rol
     """Adds the seam that leads from the last frame to its counterpart, `back` strides before it."""
     after = counterpart + np.arange(1.0, _seam_frames(clip) + 1.0)
     positions, rotations = _carried_on(clip, counterpart, after, roles)
-    longer = replace(
-        clip,
-        root_positions=np.concatenate([clip.root_positions, positions]),
-        rotations=np.concatenate([clip.rotations, rotations]),
-    )
     along = np.arange(clip.frame_count)
     apart = phase[-1] - back - np.interp(counterpart, along, phase)
     going_on = np.interp(after, along, phase) + back + settled(np.array([apart, apart]), len(after))
-    return Seamed(longer, np.concatenate([phase, going_on]), back)
+    return Seamed(clip.followed_by(positions, rotations), np.concatenate([phase, going_on]), back)
 
 
 def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> tuple[Floats, Floats]:

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from motionsplice.motion.quaternion import Floats
-from motionsplice.precompute.job.bank_builder import write_manifest, write_table
+from motionsplice.precompute.job.bank_builder import write_manifest
+from motionsplice.precompute.job.written import write_tables
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import TABLES
 from motionsplice.runtime.format.tables import TABLE_FOLDER
@@ -82,9 +83,8 @@ def answer(lines: Sequence[str], joints: int) -> Answer:
 def written(bank: Bank, folder: Path) -> Path:
     """Writes a bank that exists in memory only; returns its folder."""
     (folder / TABLE_FOLDER).mkdir(parents=True)
-    digests = {
-        name: write_table(folder / TABLE_FOLDER, kind, len(bank.tables[name]), [bank.tables[name]])
-        for name, (kind, _) in TABLES.items()
-    }
+    digests = write_tables(
+        folder / TABLE_FOLDER, {name: (len(bank.tables[name]), [bank.tables[name]]) for name in TABLES}
+    )
     write_manifest(folder, bank.skeleton, bank.roles, bank.mirror, bank.baseline, bank.clips, digests, bank.hands)
     return folder

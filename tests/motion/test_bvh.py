@@ -14,6 +14,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import bvh
+from motionsplice.motion.formats.bvh.reader import _contents, _plain_contents
 from motionsplice.motion.formats.fold import fold
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.skeleton import Skeleton
@@ -295,3 +296,36 @@ def test_people_in_real_files_stand_on_the_floor(real_motion: Path) -> None:
     heights = joint_positions(clip)[1:, :, 1]
     assert -0.05 < np.percentile(heights.min(axis=1), 50) < 0.1
     assert 1.4 < np.median(heights.max(axis=1)) < 1.9
+
+
+PIECES = (
+    *ODD_WORDS,
+    b"\r",
+    b"\r\n",
+    b"\x0b",
+    b"\0",
+    b"\xe5\xb7\xa6",
+    b"\xff",
+    b",",
+    b" # 1",
+    b"\nFrames: 2\nFrame Time: 0.5\n",
+)
+
+
+@given(st.data())
+def test_frames_straight_from_bytes_are_those_of_the_text(data: st.DataObject) -> None:
+    changed = bytearray(SMALL.encode())
+    for _ in range(data.draw(st.integers(0, 2))):
+        at, length = data.draw(st.integers(0, len(changed))), data.draw(st.integers(0, 3))
+        changed[at : at + length] = data.draw(st.sampled_from(PIECES))
+    plain = _plain_contents(bytes(changed))
+    if plain is not None:
+        whole = _contents(bytes(changed))
+        assert (plain.hierarchy, plain.header) == (whole.hierarchy, whole.header)
+        np.testing.assert_array_equal(plain.frames.values, whole.frames.values)
+        assert plain.frames.warnings == whole.frames.warnings == ()
+
+
+def test_a_plain_file_is_read_straight_from_bytes() -> None:
+    for ending in ("\n", "\r\n"):
+        assert _plain_contents(SMALL.replace("\n", ending).encode()) is not None

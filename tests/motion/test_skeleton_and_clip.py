@@ -99,3 +99,27 @@ def test_subtree_and_chain() -> None:
     assert skeleton.subtree(1) == [1, 2]
     assert skeleton.chain(2) == [2, 1, 0]
     assert skeleton.children == ((1,), (2,), ())
+
+
+def test_a_part_of_a_clip_shares_its_memory_and_is_not_checked_again() -> None:
+    clip = turning()
+    part = clip.frames(1, 4)
+    assert np.shares_memory(part.rotations, clip.rotations)
+    clip.rotations[2] = 9.0  # nobody does this; it shows that only the constructor looks at rotations
+    assert clip.frames(1, 4).frame_count == 3
+    with pytest.raises(ClipError, match="unit quaternion"):
+        replace(clip, name="checked")
+    with pytest.raises(ClipError, match="no frames"):
+        clip.frames(3, 3)
+
+
+def test_frames_that_follow_are_checked_and_lie_in_one_hemisphere() -> None:
+    clip = turning()
+    more = clip.followed_by(clip.root_positions[-1:] + 1.0, -clip.rotations[-1:])
+    assert more.frame_count == 6
+    np.testing.assert_array_equal(more.rotations, np.concatenate([clip.rotations, clip.rotations[-1:]]))
+    np.testing.assert_array_equal(more.root_positions[-1], clip.root_positions[-1] + 1.0)
+    with pytest.raises(ClipError, match="unit quaternion"):
+        clip.followed_by(clip.root_positions[:2], np.zeros((2, 3, 4)))
+    with pytest.raises(ClipError, match="farther than"):
+        clip.followed_by(np.full((1, 3), 1e300), clip.rotations[:1])

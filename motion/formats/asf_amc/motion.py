@@ -16,7 +16,7 @@ from motionsplice.motion.formats.asf_amc.skeleton import (
     spelled,
     spellings,
 )
-from motionsplice.motion.formats.decimals import is_finite, read_table
+from motionsplice.motion.formats.decimals import as_bytes, is_finite, read_table
 from motionsplice.motion.formats.fold import Nodes, still
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.text import COMMAS, text_of, with_points
@@ -119,7 +119,7 @@ def _check_complete(rows: dict[str, list[str]], seen: int, frame: int, line: int
 
 def _values(name: str, texts: list[str], width: int) -> Floats:
     """Parses one bone's values [F, width]."""
-    values = read_table(with_points("\n".join(texts)), len(texts), width)
+    values = read_table(as_bytes(with_points("\n".join(texts))), len(texts), width)
     if values is not None:
         return values
     for frame, text in enumerate(texts):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.bvh.hierarchy import COMMENT, CUT_SHORT
-from motionsplice.motion.formats.decimals import is_finite, read_table
+from motionsplice.motion.formats.decimals import as_bytes, is_finite, read_table
 from motionsplice.motion.formats.text import COMMAS, with_points
 from motionsplice.motion.quaternion import Floats
 
@@ -91,7 +91,7 @@ def read_frames(lines: list[str], header: Header, width: int, cut: bool) -> Fram
 
 
 def _table(rows: list[Row], count: int, width: int, commas: bool = False) -> Floats | None:
-    return read_table("\n".join(_numbers(text, commas) for _, text in rows), count, width)
+    return read_table(as_bytes("\n".join(_numbers(text, commas) for _, text in rows)), count, width)
 
 
 def _numbers(text: str, commas: bool) -> str:

@@ -6,12 +6,16 @@ channels are intrinsic rotations in the order of the file; position channels rep
 
 from __future__ import annotations
 
+import re
+from typing import NamedTuple
+
 import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean, listed
-from motionsplice.motion.formats.bvh.frames import read_frames, read_header
-from motionsplice.motion.formats.bvh.hierarchy import Joint, check_doubles, number_doubles, read_hierarchy
+from motionsplice.motion.formats.bvh.frames import Frames, Header, read_frames, read_header
+from motionsplice.motion.formats.bvh.hierarchy import Hierarchy, Joint, check_doubles, number_doubles, read_hierarchy
+from motionsplice.motion.formats.decimals import read_table
 from motionsplice.motion.formats.fold import Nodes, still
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.text import text_of
@@ -21,6 +25,17 @@ from motionsplice.motion.role_names import roles_by_name
 from motionsplice.motion.roles import ENDS
 
 BLOCK = 256  # frames converted to rotations at once, so that their angles stay in a core's cache
+
+# The last line of the header in nearly all files.
+FRAME_TIME = re.compile(rb"^[ \t]*frame[ _]?time[^\n]*\n", re.IGNORECASE | re.MULTILINE)
+
+
+class Contents(NamedTuple):
+    """The parts of a file."""
+
+    hierarchy: Hierarchy
+    header: Header
+    frames: Frames
 
 
 def parse(data: bytes, root: str | None = None) -> Parsed:
@@ -34,11 +49,8 @@ def parse(data: bytes, root: str | None = None) -> Parsed:
     Raises:
         FormatError: The file is malformed; the message names the line.
     """
-    lines = text_of(data, mend="Export the motion as BVH").splitlines()
-    hierarchy = read_hierarchy(lines)
+    hierarchy, header, frames = _plain_contents(data) or _contents(data)
     joints = hierarchy.joints
-    header = read_header(lines, hierarchy.line)
-    frames = read_frames(lines, header, _width(joints), cut=not data.endswith((b"\n", b"\r")))
     rate = meant_rate(header.step)
     notes = [*hierarchy.notes, *frames.notes]
     if abs(rate * float(header.step) - 1.0) > CLOSE:
@@ -51,6 +63,39 @@ def parse(data: bytes, root: str | None = None) -> Parsed:
         notes.append(f"renamed, because another joint has the same name: {listed(renamed)}")
     nodes = _nodes(joints, first, frames.values, len(data))
     return Parsed(nodes, rate, notes=tuple(dict.fromkeys(notes)), warnings=frames.warnings)
+
+
+def _plain_contents(data: bytes) -> Contents | None:
+    """Returns what a file says whose frames are nothing but numbers, one line each, as many as it declares.
+
+    Such frames are read from the bytes; only what precedes them is text. Returns None for other files.
+    """
+    last = FRAME_TIME.search(data)
+    if last is None:
+        return None
+    try:
+        lines = _lines(data[: last.end()])
+        hierarchy = read_hierarchy(lines)
+        header = read_header(lines, hierarchy.line)
+    except FormatError:
+        return None
+    rows = np.frombuffer(data, np.uint8, offset=last.end())
+    whole = header.count > 0 and header.end == len(lines)
+    values = read_table(rows, header.count, _width(hierarchy.joints)) if whole else None
+    return None if values is None else Contents(hierarchy, header, Frames(values))
+
+
+def _contents(data: bytes) -> Contents:
+    """Returns what a file says. Raises FormatError."""
+    lines = _lines(data)
+    hierarchy = read_hierarchy(lines)
+    header = read_header(lines, hierarchy.line)
+    cut = not data.endswith((b"\n", b"\r"))
+    return Contents(hierarchy, header, read_frames(lines, header, _width(hierarchy.joints), cut))
+
+
+def _lines(data: bytes) -> list[str]:
+    return text_of(data, mend="Export the motion as BVH").splitlines()
 
 
 def _real(joints: list[Joint]) -> list[Joint]:

@@ -4,12 +4,17 @@ import itertools
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
+from scipy.ndimage import binary_closing, binary_opening
 
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
-from motionsplice.precompute.body.contacts import foot_contacts, left_strike
+from motionsplice.precompute.body.contacts import SHORTEST, _frames, _lasting, foot_contacts, left_strike
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, Contact, contacts_of
 
 DUTY = {"walk": 0.62, "slow_walk": 0.62, "run": 0.335, "stairs_up": 0.63, "stairs_down": 0.62}
@@ -60,5 +65,14 @@ def test_contacts_are_runs_of_frames() -> None:
 
 def test_feet_that_do_not_come_down_have_no_strike() -> None:
     clip = make("walk", seed=3).frames(0, 40)
-    roles = find_roles(clip.skeleton)
-    assert left_strike(clip, roles, 10.0, 11.0) is None
+    assert left_strike(foot_contacts(clip, find_roles(clip.skeleton)), clip.rate, 10.0, 11.0) is None
+
+
+@given(arrays(np.uint8, st.tuples(st.integers(1, 60), st.just(2)), elements=st.integers(0, 1)), st.floats(20.0, 240.0))
+def test_short_gaps_and_contacts_go_as_by_binary_closing_and_opening(feet: NDArray[np.uint8], rate: float) -> None:
+    lasting = _lasting(feet, rate)
+    for foot in range(2):
+        brief = np.ones(_frames(SHORTEST, rate), np.bool_)
+        padded = np.pad(feet[:, foot], len(brief), mode="edge")
+        wanted = binary_opening(binary_closing(padded, brief), brief)[len(brief) : -len(brief)]
+        np.testing.assert_array_equal(lasting[:, foot], wanted)

@@ -14,10 +14,10 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
 
-def legs_apart(one: Clip, frames: ArrayLike, other: Clip, other_frames: ArrayLike, roles: Roles) -> Floats:
-    """Returns the distance of root and knees at real-valued frames [n] of both clips, root mean square, in metres."""
+def legs_apart(one: Clip, other: Clip, roles: Roles) -> Floats:
+    """Returns the distance of root and knees at each frame [F] of two clips, root mean square, in metres."""
     cloud = list(roles.lower_cloud)
-    places = (joint_positions(at_frames(clip, at)) for clip, at in ((one, frames), (other, other_frames)))
+    places = (joint_positions(clip) for clip in (one, other))
     return np.sqrt(planar_distance(*(level(at[:, cloud]) for at in places)) / len(cloud))
 
 

@@ -40,6 +40,8 @@ from .runtime.characters.aim import Aim as Aim
 from .runtime.characters.aim import Look as Look
 from .runtime.characters.state import EVENT_NAMES as EVENT_NAMES
 from .runtime.evaluator import Evaluator as Evaluator
+from .runtime.expectation import Expectation as Expectation
+from .runtime.expectation import expectation as expectation
 from .runtime.format.contacts import Contact as Contact
 from .runtime.format.manifest import BaselineEntry as BaselineEntry
 from .runtime.format.manifest import ClipEntry as ClipEntry

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.comparison import at_frames
 from motionsplice.motion.errors import UnknownClipError, did_you_mean
 from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.parts import TWIN_PARTS
@@ -210,10 +211,25 @@ class Contents:
         Raises:
             UnknownClipError: The bank has no such clip.
         """
-        rows = self._rows(name, seam)
+        return self._motion(name, self._rows(name, seam))
+
+    def _motion(self, name: str, rows: slice | NDArray[np.int64]) -> Clip:
         roots, rotations = self.layout.motion(self.tables["lower"][rows], self.tables["upper"][rows])
         clip, mirror = Clip(name, self.skeleton, self.clip(name).rate, roots, rotations), self._mirror_of(name)
         return mirror.clip(clip) if mirror else clip
+
+    def motion_at(self, name: str, frames: NDArray[np.float64]) -> Clip:
+        """Returns a clip of real-valued `frames` [n] alone, for which only the rows beside them are read.
+
+        Frames past the clip's last frame are in its seam.
+
+        Raises:
+            UnknownClipError: The bank has no such clip.
+        """
+        before, after, _ = quaternion.neighbours(self.clip(name).row_count, frames)
+        needed = np.unique([before, after])
+        clip = self._motion(name, needed + self.clip(name).first_row)
+        return at_frames(clip, np.interp(frames, needed, np.arange(len(needed))))
 
     def torso(self, name: str, *, seam: bool = False) -> TorsoRows:
         """Returns how the upper body of a clip sits on its root at each frame; with `seam`, at those of its seam too.

@@ -246,6 +246,7 @@ class Evaluator:
         if self._threads > 1:
             self.evaluate(Requests.empty(2), self.poses(2))
         self.world_positions(poses, np.empty((1, joints, 3), np.float32))
+        self.action_frames(Splice(self.bank.clips[0].name), np.zeros(1))
 
     def record(self, splice: Splice) -> tuple[int, int, float, float, int, int, int, int]:
         """Returns a splice as a record of Requests, at time 0. Raises UnknownClipError or SettingsError."""

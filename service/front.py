@@ -15,6 +15,7 @@ from starlette.types import Message, Receive, Scope, Send
 from motionsplice.motion.errors import MotionError
 from motionsplice.service.admission import Admission, origin_of
 from motionsplice.service.answers.answer import Answer, Headers
+from motionsplice.service.answers.expectation import expected
 from motionsplice.service.answers.pose import PoseAnswers
 from motionsplice.service.answers.poses import poses
 from motionsplice.service.answers.splice import splice
@@ -30,7 +31,7 @@ logger = logging.getLogger(__name__)
 
 BANKS, BELOW = "/v1/banks/", "/v1/"
 POSE, CHARACTERS = "/v1/pose", "/v1/characters"
-CACHED = frozenset({"/v1/splice", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
+CACHED = frozenset({"/v1/splice", "/v1/expectation", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
 CACHED_BELOW = ("/v1/clips/", "/v1/tables/")
 PREFLIGHT: Headers = [
     (b"access-control-allow-methods", b"GET, HEAD, POST, OPTIONS"),
@@ -62,6 +63,7 @@ class Front:
             ("GET", POSE): self._pose,
             ("POST", "/v1/poses"): _poses,
             ("GET", "/v1/splice"): _splice,
+            ("GET", "/v1/expectation"): _expectation,
             ("GET", "/v1/stream"): _stream,
             ("POST", "/v1/take"): _take,
         }
@@ -94,6 +96,20 @@ class Front:
             self._admission.check({"headers": headers, "path": POSE})
             answer = self._poses.answer(self.shared.serving.edition, query)
         except MotionError:
+            return None
+        self.shared.metrics.answered(POSE, answer.status)
+        return answer, self.next_request_id()
+
+    def answer_known(self, query: bytes) -> tuple[Answer, str] | None:
+        """Returns the same for a query that differs from an earlier one only in its time.
+
+        The caller knows the headers: the access control has passed them.
+        """
+        try:
+            answer = self._poses.known(self.shared.serving.edition, query)
+        except MotionError:
+            return None
+        if answer is None:
             return None
         self.shared.metrics.answered(POSE, answer.status)
         return answer, self.next_request_id()
@@ -195,6 +211,11 @@ async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, hea
 
 async def _splice(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
     await (await splice(shared, scope["query_string"])).send(send, headers)
+    return 200
+
+
+async def _expectation(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
+    await (await expected(shared, scope["query_string"])).send(send, headers)
     return 200
 
 

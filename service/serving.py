@@ -23,7 +23,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class Edition:
-    """A bank with a compiled evaluator. Only the event loop uses it."""
+    """A bank with a compiled evaluator. Only the event loop uses it, except for the estimator."""
 
     bank: Bank
     evaluator: Evaluator
@@ -37,6 +37,11 @@ class Edition:
     def clips(self) -> dict[str, dict[str, float]]:
         """Rate and duration of each clip, by its name."""
         return {clip.name: {"rate": clip.rate, "duration": clip.duration} for clip in self.bank.clips}
+
+    @cached_property
+    def estimator(self) -> Evaluator:
+        """The evaluator of expectations, for one thread at a time."""
+        return Evaluator(self.bank)
 
     @classmethod
     def warm(cls, bank: Bank) -> Edition:

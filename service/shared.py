@@ -18,6 +18,7 @@ class Shared:
     """The settings, the bank that is served, the metrics, the open streams, and whether the service is stopping.
 
     retargeting: held while a take is put onto a rig in a thread: one at a time, as that takes a core and much memory.
+    estimating: held while a thread uses the edition's estimator.
     """
 
     settings: Settings
@@ -26,6 +27,7 @@ class Shared:
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
     streams: set[object] = field(default_factory=set)
     retargeting: asyncio.Lock = field(default_factory=asyncio.Lock)
+    estimating: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     @contextmanager
     def admitted(self) -> Iterator[None]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.comparison import legs_apart, over_root
+from motionsplice.motion.comparison import at_frames, legs_apart, over_root
 from motionsplice.motion.kinematics import joint_positions, world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, common_ancestor
@@ -122,7 +122,7 @@ def change_within_halves(result: Clip, locomotion: Clip, upper_rotations: Floats
 
 def mismatch(locomotion: Clip, action: Clip, action_frames: Floats, roles: Roles) -> Floats:
     """Returns the distance of root and knees between the clips at aligned frames [F], root mean square, in metres."""
-    return legs_apart(locomotion, np.arange(len(action_frames)), action, action_frames, roles)
+    return legs_apart(locomotion.frames(0, len(action_frames)), at_frames(action, action_frames), roles)
 
 
 def _for_derivatives(clip: Clip) -> Clip:

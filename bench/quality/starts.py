@@ -22,7 +22,7 @@ from bench.quality.measures import upper_body_errors
 from bench.quality.pair_list import PAIRS, Pair, grid_pairs, read_pairs, truth_of
 from motionsplice.cli import run
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.requests import Method
+from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
 
 STARTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25)  # seconds of the action; those beyond a short clip's end are left out
@@ -31,6 +31,7 @@ STARTS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25)  # seconds of the action; those beyon
 def main(
     clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: the built-in motions")] = None,
     baseline: Annotated[str | None, typer.Option(help="Baseline clip; default: chosen automatically")] = None,
+    posture: Annotated[Posture, typer.Option(help="How the splices keep the action's posture")] = "relative",
 ) -> None:
     """Prints one row for each group of pairs."""
     with tempfile.TemporaryDirectory() as folder:
@@ -38,8 +39,12 @@ def main(
         groups: defaultdict[str, list[tuple[float, str]]] = defaultdict(list)
         for pair in grid_pairs() if clips is None else read_pairs(PAIRS):
             if pair.truth:
-                groups[pair.group or "built-in"].append((ratio(evaluator, pair), f"{pair.locomotion} <- {pair.action}"))
-    table = Table(title=f"Error / plain replacement's, means of {len(STARTS)} starts", title_justify="left")
+                groups[pair.group or "built-in"].append(
+                    (ratio(evaluator, pair, posture), f"{pair.locomotion} <- {pair.action}")
+                )
+    table = Table(
+        title=f"Error / plain replacement's, posture {posture}, means of {len(STARTS)} starts", title_justify="left"
+    )
     for column in ("group", "pairs", "mean", "worst", "above 1"):
         table.add_column(column, justify="right" if table.columns else "left")
     groups["all"] = [one for some in groups.values() for one in some]
@@ -50,14 +55,14 @@ def main(
     Console(width=110).print(table)
 
 
-def ratio(evaluator: Evaluator, pair: Pair) -> float:
+def ratio(evaluator: Evaluator, pair: Pair, posture: Posture = "relative") -> float:
     """Returns the mean error of a pair's splices, divided by that of plain replacement."""
     truth, seconds = truth_of(pair, evaluator.bank), evaluator.bank.clip(pair.action).duration
     assert truth is not None
 
     def error(method: Method) -> float:
         made = [
-            evaluator.clip(Splice(pair.locomotion, pair.action, start=start, method=method))
+            evaluator.clip(Splice(pair.locomotion, pair.action, start=start, method=method, posture=posture))
             for start in STARTS
             if start < seconds
         ]

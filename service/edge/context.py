@@ -7,6 +7,7 @@ from functools import cached_property
 import uvicorn
 
 from motionsplice.service.edge.hosts import Hosts
+from motionsplice.service.edge.known_heads import AnswerHead, KnownHeaders
 from motionsplice.service.edge.ledger import Ledger
 from motionsplice.service.front import Front
 from motionsplice.service.settings import Settings
@@ -22,6 +23,16 @@ class EdgeContext(uvicorn.Config):
         """The application, once loaded."""
         assert isinstance(self.loaded_app, Front)
         return self.loaded_app
+
+    @cached_property
+    def known_headers(self) -> KnownHeaders:
+        """The headers of earlier requests."""
+        return KnownHeaders()
+
+    @cached_property
+    def answer_head(self) -> AnswerHead:
+        """The first lines of answers."""
+        return AnswerHead()
 
     @cached_property
     def ledger(self) -> Ledger:

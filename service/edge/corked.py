@@ -33,6 +33,11 @@ class Corked(asyncio.Transport):
             else:
                 self.transport.write(b"".join(pieces))
 
+    def write_now(self, data: bytes) -> None:
+        """Sends data that nothing will follow in this turn, after everything written so far."""
+        self.flush()
+        self.transport.write(data)
+
     def close(self) -> None:
         self.flush()
         self.transport.close()

@@ -10,6 +10,7 @@ from typing import Any, cast
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 from uvicorn.server import ServerState
 
+from motionsplice.service.answers.answer import Answer
 from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.corked import Corked
 from motionsplice.service.edge.refusal import refusal
@@ -17,9 +18,7 @@ from motionsplice.service.edge.stall import StallGuard
 
 POSE = b"/v1/pose?"
 MOST_PIPELINED = 16  # requests of a connection that wait for an earlier answer
-NOT_PLAIN = frozenset(
-    {b"connection", b"content-length", b"transfer-encoding", b"expect", b"if-none-match", b"origin", b"upgrade"}
-)
+NOT_PLAIN = frozenset({b"content-length", b"transfer-encoding", b"expect", b"if-none-match", b"origin", b"upgrade"})
 
 
 class Phase(Enum):
@@ -49,6 +48,9 @@ class HttpProtocol(HttpToolsProtocol):
         self._unfinished = 0  # bytes of heads and trailers since a head was complete or a piece of a body arrived
         self._progress = False  # whether the current data completed a head or held a piece of a body
         self._answered = False  # whether a request in the current data was answered at once
+        self._is_between = True  # whether the parser expects the first byte of a request
+        self._begun = 0  # requests that began in the current data
+        self._idle_since = 0.0  # when a known request was answered, which leaves the timer of idle connections running
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(Corked(transport, self.loop))
@@ -66,7 +68,9 @@ class HttpProtocol(HttpToolsProtocol):
         self.config.ledger.forget(self._real_transport)
 
     def data_received(self, data: bytes) -> None:
-        self._answered = False
+        if self._answer_known(data):
+            return
+        was_between, self._begun, self._answered = self._is_between, 0, False
         if self._phase is Phase.HEAD:
             self._expect_a_request()
         self._progress = False
@@ -74,10 +78,13 @@ class HttpProtocol(HttpToolsProtocol):
         self._unfinished = 0 if self._progress else self._unfinished + len(data)
         if self._unfinished > self.config.settings.max_header:
             self._refuse_head()
+        if self._answered and was_between and self._is_between and self._begun == 1:
+            self.config.known_headers.learn(data, self.url)
 
     def on_message_begin(self) -> None:
         super().on_message_begin()
-        self._phase = Phase.HEAD
+        self._phase, self._is_between = Phase.HEAD, False
+        self._begun += 1
 
     def on_headers_complete(self) -> None:
         if self.transport.is_closing():
@@ -101,7 +108,7 @@ class HttpProtocol(HttpToolsProtocol):
 
     def on_message_complete(self) -> None:
         was_answered = self._phase is Phase.ANSWERED
-        self._phase, self._progress = Phase.HEAD, True
+        self._phase, self._progress, self._is_between = Phase.HEAD, True, True
         if not self.transport.is_closing() and not was_answered:
             super().on_message_complete()
 
@@ -109,6 +116,13 @@ class HttpProtocol(HttpToolsProtocol):
         super().on_response_complete()
         if self._deadline is not None:  # the next request is arriving
             self._unset_keepalive_if_required()
+
+    def timeout_keep_alive_handler(self) -> None:
+        left = self._idle_since + self.timeout_keep_alive - self.loop.time()
+        if left > 0.0:
+            self.timeout_keep_alive_task = self.loop.call_later(left, self.timeout_keep_alive_handler)
+        else:
+            super().timeout_keep_alive_handler()
 
     def pause_writing(self) -> None:
         super().pause_writing()
@@ -154,7 +168,8 @@ class HttpProtocol(HttpToolsProtocol):
         if not (self.url.startswith(POSE) and idle) or self._answered or parser.get_method() != b"GET":
             return False
         if (
-            not parser.should_keep_alive()
+            parser.get_http_version() != "1.1"
+            or not parser.should_keep_alive()
             or parser.should_upgrade()
             or any(name in NOT_PLAIN for name, _ in self.headers)
         ):
@@ -162,15 +177,30 @@ class HttpProtocol(HttpToolsProtocol):
         answered = self.config.front.answer_at_once(self.url[len(POSE) :], self.headers)
         if answered is None:
             return False
-        answer, identity = answered
-        head = [b"%s: %s\r\n" % one for one in self.server_state.default_headers]
-        self.transport.write(
-            b"HTTP/1.1 200 OK\r\n%scontent-type: %s\r\nx-request-id: %s\r\ncontent-length: %d\r\n\r\n%s"
-            % (b"".join(head), answer.media_type, identity.encode(), len(answer.body), answer.body)
-        )
+        self._send(*answered)
         self._answered, self._phase = True, Phase.ANSWERED
         self.on_response_complete()
         return True
+
+    def _answer_known(self, data: bytes) -> bool:
+        """Answers a request for a pose that differs from earlier ones only in its time, without the parser.
+
+        The connection must be idle, so its timer is running; it goes on. Returns whether it was answered.
+        """
+        if self.timeout_keep_alive_task is None or not self._is_between or self.flow.write_paused:
+            return False
+        url = self.config.known_headers.target(data)
+        if not url.startswith(POSE) or (answered := self.config.front.answer_known(url[len(POSE) :])) is None:
+            return False
+        self._send(*answered)
+        self._idle_since = self.loop.time()
+        self.server_state.total_requests += 1
+        return True
+
+    def _send(self, answer: Answer, identity: str) -> None:
+        head = self.config.answer_head.of(self.server_state.default_headers, answer.media_type)
+        lines = b"%s%s\r\ncontent-length: %d\r\n\r\n" % (head, identity.encode(), len(answer.body))
+        cast("Corked", self.transport).write_now(lines + answer.body)
 
     def _expect_a_request(self) -> None:
         if self._deadline is None:

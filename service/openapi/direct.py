@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from motionsplice.service.answers.expectation import EXPECTATION
 from motionsplice.service.answers.files import FILES
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.poses import POSES
@@ -75,6 +76,20 @@ def direct_operations(batch: dict[str, Any], order: dict[str, Any]) -> dict[str,
                 NOT_READY,
             )
         },
+        "/v1/expectation": {
+            "get": _operation(
+                "get_expectation",
+                "How far a splice can be trusted",
+                "The error to expect of it, and of plain replacement, estimated from what both clips show.",
+                EXPECTATION,
+                {MSGPACK: OCTETS, JSON: reference("ExpectationAnswer")},
+                UNKNOWN,
+                REFUSED,
+                BUSY,
+                NOT_READY,
+                answer="The estimate",
+            )
+        },
         "/v1/take": {
             "post": {
                 **_operation(
@@ -128,7 +143,13 @@ def parameters(query: Query) -> list[dict[str, Any]]:
 
 
 def _operation(
-    name: str, summary: str, description: str, query: Query, content: dict[str, Schema], *problems: Responses
+    name: str,
+    summary: str,
+    description: str,
+    query: Query,
+    content: dict[str, Schema],
+    *problems: Responses,
+    answer: str = "The frames",
 ) -> dict[str, Any]:
     """Returns an operation whose answer is of one of several media types.
 
@@ -142,7 +163,7 @@ def _operation(
         "operationId": name,
         "parameters": parameters(query),
         "responses": {
-            "200": {"description": "The frames", "content": frames},
+            "200": {"description": answer, "content": frames},
             **{str(status): response for one in problems for status, response in one.items()},
         },
     }

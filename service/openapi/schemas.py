@@ -19,6 +19,7 @@ Schema = dict[str, Any]
 
 ANY = None  # any length of a list
 NONE: Mapping[str, Schema] = {}
+_BANK: Schema = {"type": "string", "description": "Digest of the bank", "example": "b6093d240d320be34211b036cccaa68d"}
 
 
 def reference(name: str) -> Schema:
@@ -78,11 +79,7 @@ def _frames(
         "description": f"{description} (docs/protocol.md, Frames). J joints; `parts` selects the arrays.",
         "required": ["bank", *fields, "root_positions"],
         "properties": {
-            "bank": {
-                "type": "string",
-                "description": "Digest of the bank",
-                "example": "b6093d240d320be34211b036cccaa68d",
-            },
+            "bank": _BANK,
             **fields,
             "root_positions": {**_numbers(*leading, 3), "example": root},
             "rotations": {**_numbers(*leading, ANY, 4), "example": rotations},
@@ -110,6 +107,15 @@ _FRAMES: dict[str, Schema] = {
     "count": {"type": "integer", "description": "F"},
     "rate": {"type": "number", "description": "Frames per second"},
 }
+_ESTIMATES = {
+    "error": "Expected distance of the upper body from that of the same person doing both",
+    "replaced": "The same for plain replacement",
+    "ratio": "error / replaced",
+    "legs": "Distance of root and knees of both clips at the frames that are spliced",
+    "repetition": "Distance of the action's upper body from itself a stride later; 0: unknown",
+    "slowest": "Least speed of the action, seconds of the action per second",
+    "fastest": "Largest speed of the action",
+}
 SCHEMAS: Mapping[str, Schema] = {
     **{name: {"type": "string", "title": name, "enum": list(values)} for values, name in ENUMERATIONS.items()},
     "Problem": Problem.model_json_schema(),
@@ -130,6 +136,29 @@ SCHEMAS: Mapping[str, Schema] = {
         events={"type": "array", "items": reference("TakeEvent"), "description": "What happened, in order"},
         optional=_OF_RIG,
     ),
+    "ExpectationAnswer": {
+        "type": "object",
+        "title": "ExpectationAnswer",
+        "description": "What to expect of a splice",
+        "required": ["bank", "expected"],
+        "properties": {
+            "bank": _BANK,
+            "expected": {
+                "anyOf": [reference("Expectation"), {"type": "null"}],
+                "description": "Null for an action that stands or has stretches, whose time does not follow the legs",
+            },
+        },
+    },
+    "Expectation": {
+        "type": "object",
+        "title": "Expectation",
+        "description": "Estimates from what both clips show. Distances are means over frames and joints, metres.",
+        "required": [*_ESTIMATES, "gains_little"],
+        "properties": {
+            **{name: {"type": "number", "description": meaning} for name, meaning in _ESTIMATES.items()},
+            "gains_little": {"type": "boolean", "description": "Whether plain replacement may be as good"},
+        },
+    },
     "TakeRig": {
         "type": "object",
         "title": "TakeRig",

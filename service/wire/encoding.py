@@ -36,6 +36,11 @@ class Encoding:
         """The query parameters that ask for this encoding."""
         return {"axes": self.axes.name, "encoding": self.numbers, "parts": self.parts}
 
+    @property
+    def is_in_place(self) -> bool:
+        """Whether all arrays are those of the poses, which are neither converted nor completed."""
+        return self.axes.ours and self.numbers == "float32" and self.parts == "local"
+
     def arrays(self, evaluator: Evaluator, poses: Poses) -> Arrays:
         """Returns `root_positions` [n, 3] and, by `parts`, `rotations` [n, J, 4] and `world_positions` [n, J, 3].
 

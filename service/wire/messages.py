@@ -29,19 +29,29 @@ def packed_map(fields: Mapping[str, Any]) -> bytes:
     return bytes(_packer().pack(fields))
 
 
+def json_map(fields: Mapping[str, Any]) -> bytes:
+    """Returns a map without arrays as JSON."""
+    return orjson.dumps(fields)
+
+
 def packed(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
     """Returns a message of frames as MessagePack: some fields, arrays, and `bank`, the bank's digest.
 
     Arrays become blobs of little-endian numbers in C order; they must be contiguous. Each begins at a multiple of 4
     bytes (`layout`). The blobs are joined here rather than by msgpack, which would copy them twice more.
     """
+    return b"".join(pieces(bank, fields, arrays))
+
+
+def pieces(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> list[Any]:
+    """Returns the pieces of `packed`, the arrays among them, which may change before they are joined."""
     values = _packer().pack(fields)[1:]
     starts, heads = layout(bank, tuple(arrays), len(fields))
     start, first = starts[len(values) % 4]
-    parts: list[Any] = [start, values, first]
+    found: list[Any] = [start, values, first]
     for array, next_head in zip(arrays.values(), heads, strict=True):
-        parts += (array.nbytes.to_bytes(LENGTH, "big"), array, next_head)
-    return b"".join(parts)
+        found += (array.nbytes.to_bytes(LENGTH, "big"), array, next_head)
+    return found
 
 
 def json(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:

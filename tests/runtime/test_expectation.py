@@ -1,15 +1,21 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from bench.quality.measures import upper_body_errors
-from motionsplice.motion.procedural.library import truth
+from motionsplice.motion.comparison import at_frames
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.procedural.library import make, truth
 from motionsplice.motion.samples import write_sample_clips
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.expectation import LEGS, REPETITIONS, Expectation, expectation
+from motionsplice.runtime.expectation import LEGS, MOST, REPETITIONS, Expectation, expectation, some_of
 from motionsplice.runtime.splice import Splice
 
 
@@ -57,3 +63,45 @@ def test_little_is_gained_where_a_splice_is_near_replacement() -> None:
 
 def test_nothing_is_expected_without_an_action(evaluator: Evaluator) -> None:
     assert expectation(evaluator, Splice("walk")) is None
+
+
+def test_the_paces_are_those_of_the_alignment(evaluator: Evaluator) -> None:
+    frames = evaluator.action_frames(Splice("run", "carry_box"), evaluator.frame_times("run"))
+    steps = np.diff(frames[::2])
+    steps = steps[steps > 0.0] / 2.0
+    known = found(evaluator, "run", "carry_box")
+    assert known.slowest == pytest.approx(steps.min(), abs=0.02)
+    assert known.fastest == pytest.approx(steps.max(), abs=0.02)
+    assert known.slowest > 1.0
+
+
+def test_of_a_long_locomotion_a_part_shows_what_all_of_it_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_sample_clips(tmp_path / "clips")
+    (tmp_path / "clips" / "long_run.bvh").write_bytes(dump_bvh(make("run", seed=7, seconds=40.0)))
+    build_bank([tmp_path / "clips"], tmp_path / "bank", baseline="walk")
+    evaluator = Evaluator(Bank.open(tmp_path / "bank"))
+    some = found(evaluator, "long_run", "wave")
+    monkeypatch.setattr("motionsplice.runtime.expectation.MOST", 10 * MOST)
+    every = found(evaluator, "long_run", "wave")
+    assert some.error == pytest.approx(every.error, rel=0.1)
+    assert some.replaced == pytest.approx(every.replaced, rel=0.1)
+    assert some != every
+
+
+@given(st.integers(1, 5000), st.integers(1, 400))
+def test_some_moments_are_spread_over_all_and_in_order(count: int, most: int) -> None:
+    moments = 2 * np.arange(count)
+    some = some_of(moments, most)
+    assert len(some) == min(count, most)
+    assert np.isin(some, moments).all()
+    assert (np.diff(some) >= 0).all()
+    assert np.diff(some, prepend=0, append=moments[-1]).max(initial=0) <= 2 * (2 * count / len(some) + 1)
+
+
+def test_frames_of_a_clip_are_those_of_the_whole_clip(evaluator: Evaluator) -> None:
+    bank, frames = evaluator.bank, np.array([7.25, 3.0, 3.5, 0.0, 330.5, 359.99])
+    for name in ("wave", "wave~mirror"):
+        whole, some = at_frames(bank.motion(name, seam=True), frames), bank.motion_at(name, frames)
+        np.testing.assert_allclose(some.root_positions, whole.root_positions, atol=1e-12)
+        dots = np.abs(np.einsum("fji,fji->fj", some.rotations, whole.rotations))
+        np.testing.assert_allclose(dots, 1.0, atol=1e-12)

@@ -128,7 +128,16 @@ def test_errors_are_problems_that_say_what_to_do(
     assert problem["request_id"] == answer.headers["x-request-id"]
 
 
-@pytest.mark.parametrize("path", ["pose?locomotion=walk&time=1", "splice?locomotion=walk", "clips", "tables/lower"])
+@pytest.mark.parametrize(
+    "path",
+    [
+        "pose?locomotion=walk&time=1",
+        "splice?locomotion=walk",
+        "expectation?locomotion=walk&action=wave",
+        "clips",
+        "tables/lower",
+    ],
+)
 def test_answers_below_the_digest_of_the_bank_can_be_cached_for_ever(client: TestClient, bank: Bank, path: str) -> None:
     below = client.get(f"/v1/banks/{bank.digest}/{path}")
     assert below.headers["cache-control"] == "public, max-age=31536000, immutable"
@@ -264,8 +273,8 @@ def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -
     OpenAPI.model_validate(document)
     assert set(document["paths"]) >= {
         "/v1/server", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/clips/{name}", "/v1/pose", "/v1/poses",
-        "/v1/splice", "/v1/stream", "/v1/take", "/v1/job", "/v1/job/events", "/v1/manifest", "/v1/tables/{name}",
-        "/healthz", "/readyz", "/metrics",
+        "/v1/splice", "/v1/expectation", "/v1/stream", "/v1/take", "/v1/job", "/v1/job/events", "/v1/manifest",
+        "/v1/tables/{name}", "/healthz", "/readyz", "/metrics",
     }  # fmt: skip
     names = {one["name"] for one in document["paths"]["/v1/pose"]["get"]["parameters"]}
     assert names == {

@@ -13,6 +13,7 @@ from playwright.sync_api import expect
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.expectation import expectation
 from motionsplice.runtime.splice import Splice
 from tests.viewer.conftest import View
 
@@ -58,6 +59,18 @@ def test_the_joints_are_the_services(view: View, bank: Bank) -> None:
         expected = np.empty((1, bank.skeleton.joint_count, 3), np.float32)
         evaluator.world_positions(pose, expected)
         assert np.abs(distances(shown) - distances(expected[0].astype(np.float64))).max() < 1e-4
+
+
+def test_what_to_expect_of_the_pair_stands_on_the_stage(view: View, bank: Bank) -> None:
+    known = expectation(Evaluator(bank), Splice("run", "wave"))
+    assert known is not None
+    readout = view.page.locator("#readout")
+    view.show(locomotion="run", action="wave")
+    expect(readout).to_contain_text(
+        f"Expected error {100 * known.error:.0f} cm, plain replacement {100 * known.replaced:.0f} cm"
+    )
+    view.show(locomotion="run", action="wave", own="true")
+    expect(readout).not_to_contain_text("Expected")
 
 
 def test_the_action_as_captured_is_shown_at_the_moment_that_the_splice_plays(view: View, bank: Bank) -> None:

@@ -16,8 +16,9 @@ export class Readout {
     this.names = make('p', { class: 'names' });
     this.apart = make('p', { class: 'apart' });
     this.scale = make('p', { class: 'scale', hidden: true }, '0', colours, `${100 * FULL} cm`);
+    this.expected = make('p');
     this.problem = make('p', { class: 'fault', role: 'alert' });
-    element.replaceChildren(this.names, this.apart, this.scale, this.problem);
+    element.replaceChildren(this.names, this.apart, this.scale, this.expected, this.problem);
   }
 
   /**

@@ -101,7 +101,7 @@ function layers(values) {
  * @param {string} clip
  * @param {boolean} mirrored
  */
-function named(clip, mirrored) {
+export function named(clip, mirrored) {
   return mirrored ? `${clip}~mirror` : clip;
 }
 

@@ -99,6 +99,8 @@ export class Viewer {
       }
       const mismatches = await this.#mismatches();
       if (mismatches && number === this.#asked) this.timeline.add({ mismatches });
+      const { say } = await import('./expected.js');
+      await say(this.readout.expected, this.sides, this.state.values, () => number === this.#asked);
     } catch (error) {
       if (number === this.#asked) this.onError(error);
     } finally {

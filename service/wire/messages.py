@@ -19,14 +19,14 @@ JSON_SHARE = 16  # JSON is about this many times larger and slower than blobs, s
 
 
 @cache
-def _packer() -> msgpack.Packer:
+def packer() -> msgpack.Packer:
     """Returns a shared packer: allocating its buffer takes longer than packing a message."""
     return msgpack.Packer()
 
 
 def packed_map(fields: Mapping[str, Any]) -> bytes:
     """Returns a map without arrays as MessagePack."""
-    return bytes(_packer().pack(fields))
+    return bytes(packer().pack(fields))
 
 
 def packed(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
@@ -35,7 +35,7 @@ def packed(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
     Arrays become blobs of little-endian numbers in C order; they must be contiguous. Each begins at a multiple of 4
     bytes (`layout`). The blobs are joined here rather than by msgpack, which would copy them twice more.
     """
-    values = _packer().pack(fields)[1:]
+    values = packer().pack(fields)[1:]
     starts, heads = layout(bank, tuple(arrays), len(fields))
     start, first = starts[len(values) % 4]
     parts: list[Any] = [start, values, first]

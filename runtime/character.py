@@ -19,7 +19,7 @@ from motionsplice.runtime.characters import clip_references as references
 from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.action import Action, waiting_action, waiting_stop
+from motionsplice.runtime.characters.action import Action, running_rows, waiting_action, waiting_stop
 from motionsplice.runtime.characters.aim import AIM_PARTS, Aim, Look, give_target
 from motionsplice.runtime.characters.commands import (
     BLEND,
@@ -102,6 +102,23 @@ class Characters:
         twin = copy.copy(self)
         twin.state = twin._room = self.state.copy()
         return twin
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Returns the characters of all parts as one, so that one call advances or evaluates all.
+
+        Args:
+            parts: Characters on the same stage, at the same rate, at least one. Their states become slices of its own,
+                until rows are added to one or removed.
+        """
+        if len(parts) == 1:
+            return parts[0]
+        whole = copy.copy(parts[0])
+        whole.state = whole._room = np.concatenate([part.state for part in parts])
+        first = 0
+        for part in parts:
+            first, part.state = first + len(part), whole.state[first : first + len(part)]
+        return whole
 
     def add(self, count: int, locomotion: Locomotion, *, time: float = 0.0, loop: bool = True) -> NDArray[np.int64]:
         """Adds `count` characters at the origin, facing Z, and returns their rows [count].
@@ -270,6 +287,18 @@ class Characters:
         work = (stage.evaluator.arrays, stage.limbs, stage.chains, stage.legs, self.state.reshape(-1), self._share)
         room = (stage.evaluator.scratch, stage.mixing)
         character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
+
+    def remember(self) -> None:
+        """Notes the poses of a frame that is not shown, which those of later frames depend on.
+
+        It evaluates only characters that have an action of posture `running`.
+        """
+        rows = running_rows(self.state)
+        if len(rows) > 0:
+            some = copy.copy(self)
+            some.state = self.state[rows]
+            some.evaluate(self.stage.evaluator.poses(len(rows)))
+            self.state[rows] = some.state
 
     def missing_clips(self, bank: Bank) -> set[str]:
         """Returns the names of clips and hands, played or waiting, that another bank does not have."""

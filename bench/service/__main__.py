@@ -5,6 +5,7 @@ server that only sends. --soak measures for minutes. --check exits with status 1
 
 streams      Are 64 streams of one character even, complete and cheap?
 crowd        What does one stream of 4,000 characters cost?
+saturation   Do 200 to 1,000 streams share one core evenly, and how many messages does it send?
 poses        How many single poses per second does the server answer, and how long do they take?
 batches      What does a request of 1,000 poses cost, beyond evaluating and encoding it?
 stalled      Do clients that stop reading disturb others, and are they closed?
@@ -27,6 +28,7 @@ from bench.service.crowd import crowd
 from bench.service.exchange import exchange
 from bench.service.harm import connects, stalled
 from bench.service.requests import batches, poses
+from bench.service.saturation import saturation
 from bench.service.streams import streams
 from motionsplice.cli import run
 from motionsplice.motion.errors import SettingsError, did_you_mean
@@ -35,6 +37,7 @@ Measure = Callable[[Path], Findings]
 SHORT: dict[str, Measure] = {
     "streams": streams,
     "crowd": crowd,
+    "saturation": saturation,
     "poses": poses,
     "batches": batches,
     "stalled": stalled,
@@ -44,6 +47,7 @@ SHORT: dict[str, Measure] = {
 LONG: dict[str, Measure] = {
     "streams": lambda bank: streams(bank, seconds=60.0, rounds=5),
     "crowd": lambda bank: crowd(bank, seconds=60.0),
+    "saturation": lambda bank: saturation(bank, seconds=30.0),
     "stalled": lambda bank: stalled(bank, seconds=60.0, rounds=3),
     "connects": lambda bank: connects(bank, times=20_000),
     "exchange": lambda bank: exchange(bank, exchanges=200),

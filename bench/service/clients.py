@@ -70,10 +70,10 @@ class Streams:
         ]
 
 
-def taken_meanwhile(server: Process, job: stream_client.Job) -> tuple[list[Taken], float]:
+def taken_meanwhile(server: Process, job: stream_client.Job, starting: float = STARTING) -> tuple[list[Taken], float]:
     """Returns what clients received in `job.seconds` after all had started, and the server's processor seconds."""
-    streams = Streams(replace(job, seconds=STARTING + job.seconds + ENDING))
-    time.sleep(STARTING)
+    streams = Streams(replace(job, seconds=starting + job.seconds + ENDING))
+    time.sleep(starting)
     began, spent = time.perf_counter(), server.cpu()
     time.sleep(job.seconds)
     ended, spent = time.perf_counter(), server.cpu() - spent

@@ -100,3 +100,10 @@ def waiting_stop(blend: float, curve: str) -> NDArray[np.float64]:
     slot[col.KIND], slot[col.MASK] = col.OWN, col.UPPER_BODY
     slot[col.LASTING], slot[col.CURVE] = not_negative("blend", blend), known(col.CURVES, "curve", curve)
     return slot
+
+
+def running_rows(state: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Returns the indices of rows [n, COLUMNS] that have an action of posture `running`."""
+    slots = np.arange(col.MOST_ACTIONS)
+    running = state[:, col.FIRST_ACTION + slots * col.ACTION_COLUMNS + col.POSTURE] == POSTURES["running"]
+    return np.flatnonzero((running & (slots < state[:, [col.ACTIONS]])).any(axis=1))

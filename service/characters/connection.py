@@ -7,7 +7,6 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from enum import Enum
 from typing import Any, Protocol
 
@@ -16,6 +15,7 @@ from starlette.types import Receive, Send
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.service.characters.commands import Command, checked, parse, ref_of
+from motionsplice.service.characters.ensemble import Ensemble
 from motionsplice.service.characters.frame_format import FrameFormat
 from motionsplice.service.characters.play import Play
 from motionsplice.service.metrics import Metrics
@@ -62,7 +62,7 @@ class State(Enum):
     CLOSED = "closed"  # nothing is sent any more
 
 
-OPEN = frozenset({State.READY, State.HOLDING, State.DEFERRED})
+OPEN = State.READY, State.HOLDING, State.DEFERRED
 NEXT: Mapping[State, frozenset[State]] = {
     State.READY: frozenset(State),
     State.HOLDING: frozenset(State),
@@ -80,10 +80,11 @@ class Connection:
     Attributes:
         state: See State. Methods that send frames do nothing once the connection is closing.
         play: What the next message of frames begins with.
-        wanted: When that message is to be made, in seconds of the event loop's clock; infinite unless the state is
-            READY or HOLDING.
+        wanted: When that message is to be made, in seconds of the event loop's clock: when it is due, or when the
+            client could take it if that was later. Infinite unless the state is READY or HOLDING.
         sent: What the last message began with if it holds frames that are not due yet, else None. A command goes back
             into it.
+        ensemble: The scenes that were last made together with this one, or None.
         refused: The newer edition that this connection cannot move to and that its client knows of, or None.
         format: The format of the frames.
     """
@@ -95,6 +96,7 @@ class Connection:
         self.play = play
         self.wanted = play.due
         self.sent: Play | None = None
+        self.ensemble: Ensemble | None = None
         self.refused: Edition | None = None
         self.format = form
         self.settings = settings
@@ -159,7 +161,7 @@ class Connection:
     def change(self, play: Play, now: float) -> None:
         """Continues with a changed scene, from its frame on. Makes that frame at once if it was already sent."""
         sooner = play.frame < self.play.frame
-        self.play, self.sent = play, None
+        self.play, self.sent, self.ensemble = play, None, None
         if not self.is_open:
             return
         if sooner:
@@ -192,7 +194,7 @@ class Connection:
                     await self._until_free()
                     if self.state is State.DEFERRED:  # unless a command or `close` has changed it meanwhile
                         self._enter(State.READY)
-                        self.wanted = self.play.due
+                        self.wanted = max(self.play.due, asyncio.get_running_loop().time())
                         free()
             await self._send_events(send)
             code, reason = self._close
@@ -234,8 +236,8 @@ class Connection:
             scene = sent.scene.copy()
             for _ in range(past):
                 scene.pass_frame()
-            return replace(sent, scene=scene).after(past)
-        return replace(self.play, scene=self.play.scene.copy())
+            return sent._replace(scene=scene).after(past)
+        return self.play._replace(scene=self.play.scene.copy())
 
     async def receive(self, receive: Receive, do: Do) -> None:
         """Receives messages and does their commands, until the client disconnects or the connection closes."""

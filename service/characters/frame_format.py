@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -11,9 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.service.wire.encoding import Arrays, Encoding
-from motionsplice.service.wire.messages import JSON_SHARE, frame_fields, json, packed
+from motionsplice.service.wire.messages import JSON_SHARE, frame_fields, json
 from motionsplice.service.wire.parameters import HOW, encoding, format_parameter
 from motionsplice.service.wire.query import flag
+from motionsplice.service.wire.rows import RowMessages
+
+Writer = Callable[[int, float, NDArray[np.uint32], int, int], bytes]
 
 PARAMETERS = (
     *HOW,
@@ -53,16 +56,21 @@ class FrameFormat:
             "root_turns": (axes.turn * deltas[:, 3]).astype(np.float32),
         }
 
-    def message(
-        self, bank: str, first: int, rate: float, time: float, ids: NDArray[np.uint32], frames: list[Arrays]
-    ) -> bytes:
-        """Returns the message of some frames of the characters `ids`, each with arrays [n, ...].
+    def writer(self, bank: str, rate: float, frames: list[Arrays]) -> Writer:
+        """Returns what writes messages of some frames of characters, each frame with arrays [n, ...].
 
-        `first` is the number of the first frame, and `time` when it is due, in seconds since 1970.
+        It takes the number of the first frame, when that is due in seconds since 1970, the ids of the message's
+        characters, and the rows that they have: the first, and the one after the last.
         """
-        fields = {**frame_fields(first, len(frames), rate), "time": time}
-        arrays = {"ids": ids, **{name: _stacked([frame[name] for frame in frames]) for name in frames[0]}}
-        return json(bank, {"event": "frames", **fields}, arrays) if self.is_text else packed(bank, fields, arrays)
+        if not self.is_text:
+            return RowMessages(bank, rate, frames).message
+
+        def write(first: int, time: float, ids: NDArray[np.uint32], row: int, end: int) -> bytes:
+            fields = {"event": "frames", **frame_fields(first, len(frames), rate), "time": time}
+            arrays = {name: np.stack([frame[name][row:end] for frame in frames]) for name in frames[0]}
+            return json(bank, fields, {"ids": ids, **arrays})
+
+        return write
 
 
 def frame_format(values: Mapping[str, Any]) -> FrameFormat:
@@ -74,8 +82,3 @@ def frame_format(values: Mapping[str, Any]) -> FrameFormat:
 def _shared(*values: Any) -> FrameFormat:
     given = dict(zip((parameter.name for parameter in PARAMETERS), values, strict=True))
     return FrameFormat(encoding(given), given["deltas"], given["format"])
-
-
-def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:
-    """Returns arrays [n, ...] of each frame as one array [F, n, ...]."""
-    return arrays[0][None] if len(arrays) == 1 else np.stack(arrays)

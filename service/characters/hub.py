@@ -6,17 +6,18 @@ import asyncio
 import logging
 import math
 import time
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 from starlette.types import Receive, Scope, Send
 
 from motionsplice.runtime.requests import Poses
 from motionsplice.service.admission import SUBPROTOCOL
 from motionsplice.service.characters.commands import Command
 from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
+from motionsplice.service.characters.ensemble import MOST_JOINED, Ensemble
 from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
+from motionsplice.service.characters.lateness import Lateness, frames_at_once, moved
 from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.receivers import Receivers
 from motionsplice.service.characters.scene import Scene
@@ -34,9 +35,8 @@ CHARACTERS = Query(
     integer("ahead", "frames in a message", 1, least=1, most=1000),
     *PARAMETERS,
 )
-LEFT_OUT = 1.0  # seconds by which characters move on at most when frames are left out
-BEHIND = 0.1  # seconds by which the clock may be late before frames are left out
 EARLY = 0.0005  # seconds by which a frame may be made before it is due: the precision of the event loop's timers
+TURNS, SHARE = 16, 0.5  # turns of the event loop after a late tick, and of its time the part that they may take
 
 
 class Hub:
@@ -46,6 +46,7 @@ class Hub:
         self.connections: set[Connection] = set()
         self._shared = shared
         self._changed = asyncio.Event()
+        self._lateness = Lateness()
         self._receivers = Receivers(shared.settings, shared.metrics)
         shared.serving.listeners.append(self._exchange)
 
@@ -91,11 +92,12 @@ class Hub:
         """Runs the clock: makes frames when they are due, until cancelled."""
         loop = asyncio.get_running_loop()
         while True:
-            due = min((one.wanted for one in self.connections), default=math.inf)
-            if due <= loop.time() + EARLY:
-                self._tick(loop.time())
-                await asyncio.sleep(0)
+            due, now = min((one.wanted for one in self.connections), default=math.inf), loop.time()
+            if due <= now + EARLY:
+                self._tick(now)
+                await _serve_others(loop, TURNS if self._lateness.sheds else 1, loop.time() - now)
                 continue
+            self._lateness.end()
             self._changed.clear()
             alarm = loop.call_at(due, self._changed.set) if due < math.inf else None
             await self._changed.wait()
@@ -103,27 +105,16 @@ class Hub:
                 alarm.cancel()
 
     def _tick(self, now: float) -> None:
-        groups: dict[tuple[Edition, float, int, FrameFormat], list[Connection]] = {}
-        first, missed = now, 0
-        for one in self.connections:
-            if one.wanted > now + EARLY:
-                continue
-            if not one.is_free:
-                one.defer()
-                continue
-            first = min(first, one.wanted)
-            missed += _catch_up(one, now)
-            play = one.play
-            if len(play.scene):
-                groups.setdefault((play.scene.edition, play.rate, play.ahead, one.format), []).append(one)
-            else:
-                one.sent = None
-                one.go_on(play.after(play.ahead))
-        self._shared.metrics.tick_lateness.observe(now - first)
-        self._shared.metrics.frames_skipped.inc(missed)
-        for (edition, rate, ahead, form), group in groups.items():
+        groups = self._due(now)
+        self._lateness.begin(late := _late(groups, now))
+        self._shared.metrics.tick_lateness.observe(late)
+        missed = {one: self._lateness.missed(one.play.due, one.play.rate, now) for group in groups for one in group}
+        self._shared.metrics.frames_skipped.inc(sum(missed.values()))
+        work = sum(moved(count, one.play.rate) * len(one.play.scene) for one, count in missed.items())
+        for group in groups:
             try:
-                self._make(edition, rate, ahead, form, group)
+                _catch_up(group, missed, work)
+                self._make(group)
             except Exception:
                 logger.exception("making frames failed")
                 for one in group:
@@ -133,40 +124,53 @@ class Hub:
             if one.play.scene.edition is not newest and not one.play.scene.missing(newest):
                 self._move(one, newest)
 
-    def _make(self, edition: Edition, rate: float, ahead: int, form: FrameFormat, group: list[Connection]) -> None:
-        """Makes a message of `ahead` frames for each connection of a group, and advances the scenes."""
-        scenes = [one.play.scene for one in group]
-        if ahead > 1:
+    def _due(self, now: float) -> list[list[Connection]]:
+        """Returns the connections that are to have frames now, in groups that have them made together."""
+        groups: dict[tuple[Any, ...], list[Connection]] = {}
+        for one in self.connections:
+            if one.wanted > now + EARLY:
+                continue
+            if not one.is_free:
+                one.defer()
+                continue
+            play, scene = one.play, one.play.scene
+            alone = None if 0 < len(scene) <= MOST_JOINED else one
+            groups.setdefault((scene.edition, play.rate, play.ahead, one.format, alone), []).append(one)
+        return list(groups.values())
+
+    def _make(self, group: list[Connection]) -> None:
+        """Makes a message of frames for each connection of a group, and advances the scenes."""
+        play, form = group[0].play, group[0].format
+        if not len(play.scene):
+            group[0].sent = None
+            group[0].go_on(play.after(play.ahead))
+            return
+        if play.ahead > 1:
             for one in group:
-                one.sent = replace(one.play, scene=one.play.scene.copy())
-        ends = np.cumsum([len(scene) for scene in scenes]).tolist()
-        frames: list[Arrays] = []
-        for later in range(ahead):
-            poses, arrays = self._evaluate(edition, scenes, form)
+                one.sent = one.play._replace(scene=one.play.scene.copy())
+        ensemble, frames = _together(group), []
+        for later in range(play.ahead):
+            poses, arrays = self._evaluate(play.scene.edition, ensemble, form)
             frames.append(arrays)
-            for one, first, end in zip(group, [0, *ends], ends, strict=False):
+            for one, (first, end) in zip(group, ensemble.rows, strict=True):
                 if one.play.scene.sent:
                     self._receivers.send(one, poses.rows(first, end))
-                for event in one.play.scene.advance():
-                    one.queue_event(frame=one.play.frame + later + 1, **event)
-        wall, loop = time.time(), asyncio.get_running_loop().time()
-        sent = 0
-        for one, first, end in zip(group, [0, *ends], ends, strict=False):
-            play, time_due = one.play, wall + one.play.due - loop
-            own = [{name: array[first:end] for name, array in frame.items()} for frame in frames]
-            message = form.message(edition.bank.digest, play.frame, rate, time_due, play.scene.ids, own)
-            sent += one.send_frames(ahead, message)
-            one.go_on(play.after(ahead))
+            for row, event in ensemble.advance():
+                group[row].queue_event(frame=group[row].play.frame + later + 1, **event)
+        write = form.writer(play.scene.edition.bank.digest, play.rate, frames)
+        wall, sent = time.time() - asyncio.get_running_loop().time(), 0
+        for one, (first, end) in zip(group, ensemble.rows, strict=True):
+            now = one.play
+            sent += one.send_frames(play.ahead, write(now.frame, wall + now.due, now.scene.ids, first, end))
+            one.go_on(now.after(play.ahead))
         self._shared.metrics.frames_sent.inc(sent)
 
-    def _evaluate(self, edition: Edition, scenes: list[Scene], form: FrameFormat) -> tuple[Poses, Arrays]:
-        """Evaluates all characters of some scenes. Returns their poses, and as encoded arrays [n, ...]."""
+    def _evaluate(self, edition: Edition, ensemble: Ensemble, form: FrameFormat) -> tuple[Poses, Arrays]:
+        """Evaluates all characters of an ensemble. Returns their poses, and as encoded arrays [n, ...]."""
         began = time.perf_counter()
-        poses, first = edition.evaluator.poses(sum(len(scene) for scene in scenes)), 0
-        for scene in scenes:
-            scene.evaluate(poses.rows(first, first + len(scene)))
-            first += len(scene)
-        motion = form.motion(np.concatenate([scene.characters.deltas for scene in scenes])) if form.deltas else {}
+        poses = edition.evaluator.poses(len(ensemble))
+        ensemble.evaluate(poses)
+        motion = form.motion(ensemble.characters.deltas) if form.deltas else {}
         arrays = {**motion, **form.encoding.arrays(edition.evaluator, poses)}
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
         return poses, arrays
@@ -179,7 +183,7 @@ class Hub:
             if command.do == "set":
                 rate, ahead = command.values.get("rate", play.rate), command.values.get("ahead", play.ahead)
                 due = play.due if rate == play.rate else _next_tick(now, rate)
-                play = replace(play, rate=float(rate), ahead=ahead, due=due)
+                play = play._replace(rate=float(rate), ahead=ahead, due=due)
                 play.scene.keep_time(play.rate)
                 if "events" in command.values:
                     play.scene.subscribe(command.values["events"])
@@ -200,10 +204,13 @@ class Hub:
             problem = f"{len(play.scene)} characters times {play.ahead} frames are too many for one message"
             raise LimitError(problem, mend=f"Ask for at most {most} characters times frames")
         load = cost * play.load
-        others = sum(one.format.cost * one.play.load for one in self.connections if one is not connection)
-        if load > cost * connection.play.load and others + load > settings.max_load:
+        if load > cost * connection.play.load and self._load(connection) + load > settings.max_load:
             problem = f"this process evaluates at most {settings.max_load} characters per second"
             raise BusyError(problem, mend="Ask for fewer characters or a lower rate, or ask another process")
+
+    def _load(self, apart: Connection) -> float:
+        """Returns the characters evaluated per second for all connections but one, by what they cost."""
+        return sum(one.format.cost * one.play.load for one in self.connections if one is not apart)
 
     def _exchange(self, edition: Edition) -> None:
         for connection in self.connections:
@@ -250,11 +257,44 @@ def _next_tick(now: float, rate: float) -> float:
     return math.ceil(now * rate) / rate
 
 
-def _catch_up(connection: Connection, now: float) -> int:
-    """Leaves frames out if the clock is more than BEHIND late. Returns how many."""
-    play = connection.play
-    missed = math.floor((now - play.due) * play.rate) if now - play.due > BEHIND else 0
-    if missed:
-        play.scene.leave_out(min(missed, math.ceil(LEFT_OUT * play.rate)))
-        connection.play = play.after(missed)
-    return missed
+def _late(groups: list[list[Connection]], now: float) -> float:
+    """Returns how late the frames of some groups are, in seconds. Clients that could not take them do not count."""
+    return now - min((one.wanted for group in groups for one in group), default=now)
+
+
+def _together(group: list[Connection]) -> Ensemble:
+    """Returns the scenes of a group as an ensemble: that of the frames before, if they are the same."""
+    scenes, ensemble = [one.play.scene for one in group], group[0].ensemble
+    if ensemble is None or not ensemble.holds(scenes):
+        ensemble = Ensemble(scenes)
+        for one in group:
+            one.ensemble = ensemble
+    return ensemble
+
+
+def _catch_up(group: list[Connection], missed: Mapping[Connection, int], work: int) -> None:
+    """Leaves out the frames that connections of a group miss. `work`: characters times frames that all miss."""
+    alike: dict[int, list[Connection]] = {}
+    for one in group:
+        if missed[one]:
+            alike.setdefault(missed[one], []).append(one)
+    for count, some in alike.items():
+        play = some[0].play
+        if len(play.scene):
+            frames = moved(count, play.rate)
+            for later, row, event in _together(some).leave_out(frames, frames_at_once(work, play.rate)):
+                some[row].queue_event(frame=some[row].play.frame + count - frames + later, **event)
+        for one in some:
+            one.play = one.play.after(count)
+
+
+async def _serve_others(loop: asyncio.AbstractEventLoop, turns: int, spent: float) -> None:
+    """Lets other tasks and sockets have turns of the event loop, after a tick that took `spent` seconds.
+
+    A handshake or a command takes several turns, and a clock that is always late would leave one a tick.
+    """
+    end = loop.time() + SHARE * spent
+    for _ in range(turns):
+        await asyncio.sleep(0)
+        if loop.time() >= end:
+            return

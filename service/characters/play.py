@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from motionsplice.service.characters.scene import Scene
 
 
-@dataclass(frozen=True, eq=False)
-class Play:
+class Play(NamedTuple):
     """A scene at one frame.
 
     Attributes:

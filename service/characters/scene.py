@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Self, TypeVar, get_args
 
@@ -27,8 +26,6 @@ from motionsplice.service.characters.commands import Command, ends_target
 from motionsplice.service.problems import LimitError, RequestError
 from motionsplice.service.serving import Edition
 
-FEW = 20_000  # characters times frames that are evaluated within a few milliseconds
-LONGEST_STEP = 0.1  # seconds by which characters are advanced at once
 Target = TypeVar("Target", Look, Aim)
 DEFAULT_EVENTS = ACTION_BEGAN | ACTION_ENDED | LOCOMOTION_ENDED
 
@@ -74,40 +71,28 @@ class Scene:
         self.characters.evaluate(self.edition.evaluator.poses(len(self)))
         self.characters.advance()
 
-    def leave_out(self, frames: int) -> None:
-        """Advances by frames that are not sent.
-
-        Many frames are advanced in longer steps without evaluation, so that a late clock does not fall further behind.
-        Their root motion is added to that of the next frame.
-        """
-        few = frames * len(self) <= FEW
-        step = 1 if few else math.ceil(LONGEST_STEP * self.characters.rate)
-        for first in range(0, frames, step):
-            before = self.characters.deltas.copy()
-            if few:
-                self.pass_frame()
-            else:
-                self.characters.advance(min(step, frames - first))
-            self.characters.deltas[:] = composed(before, self.characters.deltas)
-
     def evaluate(self, out: Poses) -> None:
         self.characters.evaluate(out)
 
     def advance(self) -> Iterator[dict[str, Any]]:
         """Advances all characters by a frame. Yields events: name, ids and, for an action, its clip."""
-        happened = self.characters.advance() & self.events
-        if happened:
-            events, state = self.characters.events, self.characters.state
-            for bit, name in EVENT_NAMES.items():
-                rows = np.flatnonzero(events & bit) if happened & bit else ()
-                column = {ACTION_BEGAN: BEGAN, ACTION_ENDED: ENDED}.get(bit)
-                if column is None and len(rows):
-                    yield {"event": name, "ids": self.ids[rows].tolist()}
-                elif column is not None:
-                    for number in np.unique(state[rows, column]):
-                        ids = [int(self.ids[row]) for row in rows if state[row, column] == number]
-                        bank = self.edition.bank
-                        yield {"event": name, "ids": ids, "action": bank.whole(bank.numbered[int(number)].name)}
+        if self.characters.advance() & self.events:
+            yield from self.happened()
+
+    def happened(self) -> Iterator[dict[str, Any]]:
+        """Yields the events of the last step that the client wants."""
+        events, state = self.characters.events & self.events, self.characters.state
+        happened = int(np.bitwise_or.reduce(events))
+        for bit, name in EVENT_NAMES.items():
+            rows = np.flatnonzero(events & bit) if happened & bit else ()
+            column = {ACTION_BEGAN: BEGAN, ACTION_ENDED: ENDED}.get(bit)
+            if column is None and len(rows):
+                yield {"event": name, "ids": self.ids[rows].tolist()}
+            elif column is not None:
+                for number in np.unique(state[rows, column]):
+                    ids = [int(self.ids[row]) for row in rows if state[row, column] == number]
+                    bank = self.edition.bank
+                    yield {"event": name, "ids": ids, "action": bank.whole(bank.numbered[int(number)].name)}
 
     def do(self, command: Command) -> None:
         """Does a command. Raises MotionError; the command may then be done in part."""
@@ -174,13 +159,6 @@ class Scene:
         if missing:
             raise RequestError(f"id: character {missing[0]} not found", mend="Create it first")
         return rows
-
-
-def composed(first: NDArray[np.float64], then: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns two steps of root motion [n, 4] as one, relative to the place and heading before the first."""
-    left, up, ahead, turn = then.T
-    sin, cos = np.sin(first[:, 3]), np.cos(first[:, 3])
-    return first + np.column_stack((cos * left + sin * ahead, up, cos * ahead - sin * left, turn))
 
 
 def _target(kind: type[Target], values: Mapping[str, Any]) -> Target | None:

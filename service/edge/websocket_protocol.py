@@ -16,6 +16,7 @@ from websockets.http11 import Request
 
 from motionsplice.service.characters.connection import TRANSPORT
 from motionsplice.service.edge.context import EdgeContext
+from motionsplice.service.edge.corked import LARGE
 from motionsplice.service.edge.refusal import refusal
 from motionsplice.service.edge.stall import StallGuard
 
@@ -93,7 +94,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         return self.writable.is_set()
 
     def send_at_once(self, message: bytes, *, text: bool) -> bool:
-        """Sends a message without a task or a copy if the send buffer is empty. Returns whether it did."""
+        """Sends a message without a task if the send buffer is empty. Returns whether it did."""
         if not self.writable.is_set() or self.close_sent or self.transport.is_closing():
             return False
         kind, size = WHOLE_TEXT if text else WHOLE_BINARY, len(message)
@@ -103,7 +104,10 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             head = struct.pack("!BBH", kind, 126, size)
         else:
             head = struct.pack("!BBQ", kind, 127, size)
-        self.transport.writelines((head, message))
+        if size > LARGE:
+            self.transport.writelines((head, message))
+        else:
+            self.transport.write(head + message)
         return True
 
     async def nothing_waits(self) -> None:

@@ -19,14 +19,14 @@ JSON_SHARE = 16  # JSON is about this many times larger and slower than blobs, s
 
 
 @cache
-def _packer() -> msgpack.Packer:
+def packer() -> msgpack.Packer:
     """Returns a shared packer: allocating its buffer takes longer than packing a message."""
     return msgpack.Packer()
 
 
 def packed_map(fields: Mapping[str, Any]) -> bytes:
     """Returns a map without arrays as MessagePack."""
-    return bytes(_packer().pack(fields))
+    return bytes(packer().pack(fields))
 
 
 def json_map(fields: Mapping[str, Any]) -> bytes:
@@ -45,7 +45,7 @@ def packed(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
 
 def pieces(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> list[Any]:
     """Returns the pieces of `packed`, the arrays among them, which may change before they are joined."""
-    values = _packer().pack(fields)[1:]
+    values = packer().pack(fields)[1:]
     starts, heads = layout(bank, tuple(arrays), len(fields))
     start, first = starts[len(values) % 4]
     found: list[Any] = [start, values, first]

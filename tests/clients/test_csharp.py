@@ -88,7 +88,7 @@ def message_of(
         root, step = random.random((2, 1, 3)).astype(np.float32)
         turn = random.random(1).astype(np.float32)
         frames.append({"root_steps": step, "root_turns": turn, "root_positions": root, "rotations": rotations})
-    return form.message(bank, number, rate, 1.8e9 + number / rate, np.array([7], np.uint32), frames)
+    return form.writer(bank, rate, frames)(number, 1.8e9 + number / rate, np.array([7], np.uint32), 0, 1)
 
 
 @pytest.mark.parametrize(("ahead", "rate"), [(1, 60.0), (8, 60.0), (3, 10.0)])

@@ -82,7 +82,7 @@ def _message(edition: Edition, form: FrameFormat) -> bytes:
         arrays = {**form.motion(scene.characters.deltas), **form.encoding.arrays(edition.evaluator, poses)}
         frames.append({name: np.array(one) for name, one in arrays.items()})
         list(scene.advance())
-    return form.message(edition.bank.digest, FIRST, RATE, TIME, scene.ids, frames)
+    return form.writer(edition.bank.digest, RATE, frames)(FIRST, TIME, scene.ids, 0, len(scene))
 
 
 def _answers(bank: Bank) -> Iterator[tuple[str, str, Any, bytes]]:

@@ -42,7 +42,7 @@ def test_frames_of_characters_are_aligned(
         arrays["world_positions"] = draw.random((n, joints, 3), np.float32)
     motion = form.motion(draw.random((n, 4))) if deltas else {}
     ids = np.arange(n, dtype=np.uint32)
-    message = form.message(BANK, first, 60.0, 1.5e9, ids, count * [{**motion, **arrays}])
+    message = form.writer(BANK, 60.0, count * [{**motion, **arrays}])(first, 1.5e9, ids, 0, n)
     offsets = blob_offsets(message)
     assert [offset % 4 for offset in offsets.values()] == len(offsets) * [0]
     assert len(offsets) == 1 + len(motion) + len(arrays)

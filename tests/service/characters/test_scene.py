@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import gc
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -11,7 +15,7 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.service.characters import scene
 from motionsplice.service.characters.commands import checked, parse
 from motionsplice.service.characters.scene import Scene
-from motionsplice.service.serving import Edition
+from motionsplice.service.serving import Edition, Serving
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +38,21 @@ def test_a_few_frames_are_left_out_as_if_they_had_been_evaluated(edition: Editio
     late.leave_out(50)
     late.characters.deltas[:] = evaluated.characters.deltas  # which are those of all 50 frames
     assert late.characters.state.tobytes() == evaluated.characters.state.tobytes()
+
+
+def test_a_scene_plays_on_after_its_bank_was_exchanged_and_removed(edition: Edition, tmp_path: Path) -> None:
+    expected, serving = playing(edition), Serving(Bank.open(shutil.copytree(edition.bank.path, tmp_path / "bank")))
+    serving.exchange(Edition.warm(serving.bank))
+    found = playing(serving.edition)
+    serving.exchange(edition)
+    shutil.rmtree(tmp_path / "bank")
+    gc.collect()
+    for _ in range(20):
+        poses = [one.edition.evaluator.poses(2) for one in (expected, found)]
+        for one, into in zip((expected, found), poses, strict=True):
+            one.advance()
+            one.evaluate(into)
+        assert poses[0].rotations.tobytes() == poses[1].rotations.tobytes()
 
 
 @pytest.mark.parametrize("few", [True, False])

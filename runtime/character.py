@@ -204,7 +204,7 @@ class Characters:
         Raises:
             TimeRangeError: `action.start` is NaN or outside the clip.
         """
-        slot = waiting_action(action, self.stage.bank, self.stage.limbs, self.rate)
+        slot = waiting_action(action, self.stage.bank, self.stage.arrays.limbs, self.rate)
         self._wait(rows, slot, known(col.WHENS, "moment", action.when))
 
     def stop(self, rows: Rows, *, blend: float = BLEND, curve: col.Curve = "smooth") -> None:
@@ -263,7 +263,7 @@ class Characters:
 
     def lock_feet(self, rows: Rows, lock_feet: bool = True) -> None:
         """Holds standing feet in place, or no longer. The lock fades in or out within 0.2 seconds."""
-        self.state[rows, col.LOCK] = lockable(self.stage.legs, lock_feet)
+        self.state[rows, col.LOCK] = lockable(self.stage.arrays.legs, lock_feet)
 
     def advance(self, frames: int = 1) -> int:
         """Advances all characters, by one frame if not given otherwise.
@@ -275,18 +275,15 @@ class Characters:
         """
         if frames < 0:
             raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
-        stage, state, seconds = self.stage, self.state.reshape(-1), frames / self.rate
-        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, stage.legs.reach, state, seconds))
+        return int(clock_kernels.advance(self.stage._handle, self.state.reshape(-1), frames / self.rate))
 
     def evaluate(self, out: Poses) -> None:
         """Writes the n characters' poses into `out`, which must have room for exactly n. Raises SettingsError."""
-        stage = self.stage
-        if out.flat.shape != (len(self), 4 * stage.bank.skeleton.joint_count):
+        if out.flat.shape != (len(self), 4 * self.stage.bank.skeleton.joint_count):
             problem = f"{len(self)} characters need {len(self)} poses, found room for {len(out.flat)}"
             raise SettingsError(problem, mend="Create the poses with Evaluator.poses(len(characters))")
-        work = (stage.evaluator.arrays, stage.limbs, stage.chains, stage.legs, self.state.reshape(-1), self._share)
-        room = (stage.evaluator.scratch, stage.mixing)
-        character_kernels.evaluate_characters(*work, *room, out.root_positions, out.flat)
+        work = (self.state.reshape(-1), self._share, out.root_positions, out.flat)
+        character_kernels.evaluate_characters(self.stage._handle, *work)
 
     def remember(self) -> None:
         """Notes the poses of a frame that is not shown, which those of later frames depend on.
@@ -307,7 +304,7 @@ class Characters:
     def moved(self, stage: Stage) -> Characters:
         """Returns copies on another bank, at the same frames. Raises UnknownClipError if it lacks a clip or hands."""
         state = references.renumbered(self.state, self.stage.bank, stage.bank)
-        clock_kernels.recompute_from_frames(stage.evaluator.arrays, stage.ground, state.reshape(-1))
+        clock_kernels.recompute_from_frames(stage._handle, state.reshape(-1))
         return Characters(stage, self.rate, state)
 
     @property
@@ -322,8 +319,7 @@ class Characters:
         return self.state[:, col.EVENTS].astype(np.int64)
 
     def _begin(self, rows: Rows) -> None:
-        stage, state = self.stage, self.state.reshape(-1)
-        clock_kernels.begin(stage.evaluator.arrays, stage.ground, state, self._numbers(rows))
+        clock_kernels.begin(self.stage._handle, self.state.reshape(-1), self._numbers(rows))
 
     def _numbers(self, rows: Rows) -> NDArray[np.int64]:
         return np.atleast_1d(np.arange(len(self))[rows])

@@ -29,6 +29,7 @@ from motionsplice.runtime.requests import (
     known,
     time_fault,
 )
+from motionsplice.runtime.simd.handle import handle_of
 from motionsplice.runtime.splice import Splice
 
 NO_MEMORY = Memory(np.empty((0, arrays.MEMORY_COLUMNS)), 0.0)
@@ -71,9 +72,9 @@ class Evaluator:
         self._threads = threads
         self._joints = bank.skeleton.joint_count
         self.arrays = arrays.bank_arrays(bank)
-        self._rig = arrays.rig_arrays(bank.skeleton)
         self.scratch = arrays.scratch(self.arrays, threads)
-        self._world = world_kernels.scratch(bank.skeleton.joint_count)
+        self._handle = handle_of(arrays.SpliceArrays(self.arrays, self.scratch))
+        self._rig = handle_of(world_kernels.rig_arrays(bank.skeleton))
         self._one = Requests.empty(1)
         self._has_hybrids = any(clip.stretches for clip in bank.clips)
 
@@ -96,20 +97,20 @@ class Evaluator:
                 gives the upper body, posture `running` has no memory, or sizes differ.
         """
         self._check_room(requests, out, memory)
-        if self._has_hybrids and stretch_kernels.shows_hybrids(self.arrays, requests.records):
+        if self._has_hybrids and stretch_kernels.shows_hybrids(self._handle, requests.records):
             self._evaluate_stretches(requests, out, memory)
         else:
             self._evaluate(requests, out, memory)
 
     def _evaluate(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         remembered = memory or NO_MEMORY
-        work = (self.arrays, requests.records, remembered.state, remembered.share, self.scratch)
+        work = (requests.records, remembered.state, remembered.share, out.root_positions, out.flat)
         if self._threads == 1 or len(remembered.state) == 1:
-            fault = kernels.evaluate(*work, out.root_positions, out.flat)
+            fault = kernels.evaluate(self._handle, *work)
         else:
             with ONE_AT_A_TIME:
                 numba.set_num_threads(self._threads)
-                fault = kernels.evaluate_in_parallel(*work, out.root_positions, out.flat)
+                fault = kernels.evaluate_in_parallel(self._handle, *work)
         if fault >= 0:
             raise self._fault(requests, fault)
 
@@ -133,11 +134,11 @@ class Evaluator:
 
         Raises TimeRangeError or SettingsError for an invalid request.
         """
-        if (fault := kernels.first_at_fault(self.arrays, requests.records, True)) >= 0:
-            raise self._fault(requests, fault)
         now, before = Requests(requests.records.copy()), Requests(requests.records.copy())
         shares = np.empty(len(requests))
-        stretch_kernels.resolve(self.arrays, requests.records, now.records, before.records, shares)
+        fault = stretch_kernels.resolve(self._handle, requests.records, now.records, before.records, shares)
+        if fault >= 0:
+            raise self._fault(requests, fault)
         return now, before, shares
 
     def world_positions(self, poses: Poses, out: Float32s) -> None:
@@ -154,7 +155,7 @@ class Evaluator:
         check_array("rotations", poses.rotations, FLOAT32, (count, self._joints, 4))
         check_array("world positions", out, FLOAT32, (count, self._joints, 3))
         flat = out.reshape(count, 3 * self._joints)
-        world_kernels.world_positions(self._rig, poses.root_positions, poses.flat, self._world, flat)
+        world_kernels.world_positions(self._rig, poses.root_positions, poses.flat, flat)
 
     def pose(self, splice: Splice, time: float) -> Poses:
         """Returns one pose of a splice.
@@ -228,8 +229,8 @@ class Evaluator:
         requests.records[:] = self.record(splice)
         requests.time[:] = times
         now = self._resolved(requests)[0]
-        kernels.action_frames(self.arrays, now.records, frames)
-        stretch_kernels.frames_of_hybrids(self.arrays, requests.records, now.records, frames)
+        kernels.action_frames(self._handle, now.records, frames)
+        stretch_kernels.frames_of_hybrids(self._handle, requests.records, now.records, frames)
         return frames
 
     def frame_times(self, locomotion: str) -> NDArray[np.float64]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.characters.arrays import ground, mixing
+from motionsplice.runtime.characters.arrays import StageArrays, ground, mixing
 from motionsplice.runtime.characters.chains import chains_of
 from motionsplice.runtime.characters.legs import legs_of
 from motionsplice.runtime.characters.limbs import limbs_of
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.simd.handle import handle_of
 
 
 class Stage:
@@ -21,19 +22,20 @@ class Stage:
     Attributes:
         evaluator: The evaluator.
         bank: Its bank.
-        ground: Root paths, foot contacts and feet of all rows of the bank.
-        limbs: Joints of the parts of the upper body, for masks.
-        chains: Chains of joints that turn toward targets, with scratch memory.
-        legs: Joints of the legs, for the foot lock.
-        mixing: Scratch memory for mixing.
+        arrays: The bank and its rig as flat arrays for kernels.
     """
 
     def __init__(self, evaluator: Evaluator) -> None:
         bank = evaluator.bank
         self.evaluator = evaluator
         self.bank: Bank = bank
-        self.ground = ground(bank)
-        self.limbs = limbs_of(bank.skeleton, bank.roles, bank.layout)
-        self.chains = chains_of(bank)
-        self.legs = legs_of(bank.skeleton, bank.roles)
-        self.mixing = mixing(bank.layout)
+        self.arrays = StageArrays(
+            bank=evaluator.arrays,
+            ground=ground(bank),
+            limbs=limbs_of(bank.skeleton, bank.roles, bank.layout),
+            chains=chains_of(bank),
+            legs=legs_of(bank.skeleton, bank.roles),
+            scratch=evaluator.scratch,
+            mixing=mixing(bank.layout),
+        )
+        self._handle = handle_of(self.arrays)

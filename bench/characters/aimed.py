@@ -80,7 +80,7 @@ def in_heading(clip: Shown, vectors: Floats) -> Floats:
 
 def gazes(stage: Stage, clip: Shown) -> Floats:
     """Returns which way the head looks in each frame [F, 3]."""
-    return quaternion.rotate(clip.world[:, stage.bank.roles.head], stage.chains.gaze)
+    return quaternion.rotate(clip.world[:, stage.bank.roles.head], stage.arrays.chains.gaze)
 
 
 def is_within(clip: Shown, vectors: Floats) -> Any:

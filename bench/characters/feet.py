@@ -19,7 +19,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.format.contacts import FEET, which_stand
-from motionsplice.runtime.kernels.arrays import constant
+from motionsplice.runtime.simd.handle import handle_of
 from motionsplice.runtime.stage import Stage
 
 BRIEF = 6  # frames: stances of at most so many do not count
@@ -37,7 +37,9 @@ class Stance(NamedTuple):
 def without_feet(stage: Stage) -> Stage:
     """Returns a stage whose feet never stand, so that none drives a root."""
     bare = copy.copy(stage)
-    bare.ground = stage.ground._replace(feet=constant(np.zeros_like(stage.ground.feet)))
+    ground = stage.arrays.ground
+    bare.arrays = stage.arrays._replace(ground=ground._replace(feet=np.zeros_like(ground.feet)))
+    bare._handle = handle_of(bare.arrays)
     return bare
 
 

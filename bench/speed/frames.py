@@ -19,7 +19,8 @@ A time is that of a whole call divided by its number of characters.
 warm     After an untimed call; small batches run many times in a row.
 cold     Before each call, more memory is written than the caches hold.
 paced    One call per 60 Hz tick, with sleep in between, so that the core slows down and others use its caches.
-single   One character per call, many times in a row. The extra cost over a character in a batch is Python's overhead.
+single   One character per call, many times in a row: by request, also to a kernel that takes each array as an argument,
+         and by name. The extra cost over a character in a batch is Python's overhead.
 
 The times depend on the machine and its other load. The slowest round is mostly due to other processes.
 """
@@ -39,7 +40,7 @@ import typer
 
 from bench.generated import Size, generate
 from bench.rounds import Summary, Work, evict_caches, interleaved, paced, summaries
-from bench.speed import frame_tables, roofline
+from bench.speed import frame_tables, roofline, unpacked
 from bench.speed.cpp_twin import CppTwin
 from bench.speed.numpy_twin import NumpyTwin
 from bench.speed.workload import RATE, SETS, Copy, Scene, evaluation, request_sets, twin_evaluation
@@ -53,6 +54,7 @@ from motionsplice.runtime.splice import Splice
 Tables = dict[str, list[Summary]]
 
 ANY = Scene()
+UNPACKED = "arrays as arguments"
 BATCH, LARGE = 1000, 10_000  # characters; batches of LARGE or more run fewer rounds
 COLD, PACED = (1, 100, 1000), (1, 100, 1000)
 HOT = 100  # least number of characters per turn of a hot loop; smaller batches are called several times
@@ -184,10 +186,11 @@ def in_ticks(evaluator: Evaluator, ticks: int) -> list[Summary]:
 def single_calls(evaluator: Evaluator, rounds: int) -> list[Summary]:
     """Times calls of one character, as in a small game: by request into existing poses, and by name."""
     work = methods(evaluator, 1, ANY)
+    work[UNPACKED] = unpacked.evaluation(evaluator, request_sets(evaluator.bank, 1, ANY, seed=len(work)))
     first, last = evaluator.bank.clips[0], evaluator.bank.clips[-1]
     times = np.random.default_rng(0).random(SETS) * first.duration
     work["by name"] = lambda number: evaluator.pose(Splice(first.name, last.name), times[number % SETS])
-    return summaries(warm(work, 1, rounds), 1)
+    return summaries(warm(work, 1, rounds), 1, ("naive", "copy", UNPACKED))
 
 
 def in_cpp(evaluator: Evaluator, rounds: int) -> list[Summary]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.chains import Chains
 from motionsplice.runtime.format.rows import Layout
-from motionsplice.runtime.kernels.arrays import BLOCK, MEMORY_COLUMNS, constant
+from motionsplice.runtime.kernels.arrays import BLOCK, MEMORY_COLUMNS, BankArrays, Scratch
 from motionsplice.runtime.requests import REQUEST
 from motionsplice.runtime.simd.compiled import Array
 
@@ -17,14 +18,14 @@ from motionsplice.runtime.simd.compiled import Array
 class Ground(NamedTuple):
     """The tables `paths` [rows, 4], `contacts` [rows] and `feet` [rows, 6] of a bank."""
 
-    paths: Array
-    contacts: Array
-    feet: Array
+    paths: Annotated[Array, np.float64, 2]
+    contacts: Annotated[Array, np.uint8, 1]
+    feet: Annotated[Array, np.float32, 2]
 
 
 def ground(bank: Bank) -> Ground:
     """Returns the root paths, foot contacts and feet of a bank, without copying them."""
-    return Ground(*(constant(bank.tables[name]) for name in Ground._fields))
+    return Ground(*(bank.tables[name] for name in Ground._fields))
 
 
 class Limbs(NamedTuple):
@@ -38,11 +39,11 @@ class Limbs(NamedTuple):
         columns: [parts, longest], the first columns of these joints in a pose.
     """
 
-    part_of_lane: Array
-    attachments: Array
-    lengths: Array
-    chains: Array
-    columns: Array
+    part_of_lane: Annotated[Array, np.int64, 1]
+    attachments: Annotated[Array, np.int64, 1]
+    lengths: Annotated[Array, np.int64, 1]
+    chains: Annotated[Array, np.int64, 2]
+    columns: Annotated[Array, np.uint64, 2]
 
 
 class Legs(NamedTuple):
@@ -57,26 +58,50 @@ class Legs(NamedTuple):
         reach: The farthest that the foot lock holds a foot from its pose, metres.
     """
 
-    columns: Array
-    offsets: Array
-    counts: Array
-    hips: Array
-    knees: Array
+    columns: Annotated[Array, np.uint64, 2]
+    offsets: Annotated[Array, np.float64, 3]
+    counts: Annotated[Array, np.int64, 1]
+    hips: Annotated[Array, np.int64, 1]
+    knees: Annotated[Array, np.int64, 1]
     reach: float
 
 
 class Mixing(NamedTuple):
     """Scratch memory for mixing the characters of a block."""
 
-    requests: Array  # [BLOCK] REQUEST: the splice of each lane
-    memory: Array  # [BLOCK, MEMORY_COLUMNS]: the memory of each splice
-    sum: Array  # [4, lanes of a half] float32: weighted sum of rotations
-    lane_weights: Array  # [1, lanes of a half] float32: weights of the next summand
-    row: Array  # [2, columns] float32: a mixed row of `lower`, and zeros as its next row
-    weights: Array  # [1 + actions + 1, parts]: of the locomotions, of each action, and what is left
-    shares: Array  # [BLOCK, parts]: of each action in its pose
-    turns: Array  # [BLOCK, 4 parts]: the action's pelvis, then its attachments relative to the pelvis
-    limbs_turn: Array  # [BLOCK]: whether a character's limbs must be turned
+    requests: Annotated[Array, REQUEST, 1]  # [BLOCK]: the splice of each lane
+    memory: Annotated[Array, np.float64, 2]  # [BLOCK, MEMORY_COLUMNS]: the memory of each splice
+    sum: Annotated[Array, np.float32, 2]  # [4, lanes of a half]: weighted sum of rotations
+    lane_weights: Annotated[Array, np.float32, 2]  # [1, lanes of a half]: weights of the next summand
+    row: Annotated[Array, np.float32, 2]  # [2, columns]: a mixed row of `lower`, and zeros as its next row
+    # [(1 + actions + 1) parts]: of the locomotions, of each action, and what is left
+    weights: Annotated[Array, np.float64, 1]
+    shares: Annotated[Array, np.float64, 2]  # [BLOCK, parts]: of each action in its pose
+    # [BLOCK, 4 parts]: the action's pelvis, then its attachments relative to the pelvis
+    turns: Annotated[Array, np.float64, 2]
+    limbs_turn: Annotated[Array, np.int64, 1]  # [BLOCK]: whether a character's limbs must be turned
+
+
+class StageArrays(NamedTuple):
+    """What the kernels of characters work on, besides states and poses.
+
+    Attributes:
+        bank: The bank.
+        ground: Root paths, foot contacts and feet of all rows of the bank.
+        limbs: Joints of the parts of the upper body, for masks.
+        chains: Chains of joints that turn toward targets, with scratch memory.
+        legs: Joints of the legs, for the foot lock.
+        scratch: Scratch memory of the evaluator.
+        mixing: Scratch memory for mixing.
+    """
+
+    bank: BankArrays
+    ground: Ground
+    limbs: Limbs
+    chains: Chains
+    legs: Legs
+    scratch: Scratch
+    mixing: Mixing
 
 
 def mixing(layout: Layout) -> Mixing:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,15 +40,15 @@ class Chains(NamedTuple):
         world: [joints of the trunk, 11], scratch memory: rotation, place, and by how much the rotation was turned.
     """
 
-    lengths: Array
-    firsts: Array
-    columns: Array
-    offsets: Array
-    gaze: Array
-    eyes: Array
-    shoulders: Array
-    rests: Array
-    world: Array
+    lengths: Annotated[Array, np.int64, 1]
+    firsts: Annotated[Array, np.int64, 1]
+    columns: Annotated[Array, np.uint64, 2]
+    offsets: Annotated[Array, np.float64, 3]
+    gaze: Annotated[Array, np.float64, 1]
+    eyes: Annotated[Array, np.float64, 1]
+    shoulders: Annotated[Array, np.float64, 1]
+    rests: Annotated[Array, np.float64, 2]
+    world: Annotated[Array, np.float64, 2]
 
 
 def chains_of(bank: Bank) -> Chains:

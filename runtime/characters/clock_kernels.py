@@ -9,7 +9,7 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action_kernels import advance_actions
 from motionsplice.runtime.characters.aim_kernels import advance_aims
-from motionsplice.runtime.characters.arrays import Ground
+from motionsplice.runtime.characters.arrays import Ground, StageArrays
 from motionsplice.runtime.characters.feet_kernels import (
     LONGEST,
     NOTHING,
@@ -39,21 +39,25 @@ from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import frame_after_last, frame_of
 from motionsplice.runtime.kernels.phase import own_step, phase_of
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
+from motionsplice.runtime.simd.handle import Handle, record_at
 
 SMOOTHING = 0.05  # seconds: weights follow their goals through two low-pass filters with this time constant
 AGAIN = 0.3  # seconds: fade of a clip into its own beginning, if it has no loop
 
 
 @kernel
-def begin(bank: BankArrays, ground: Ground, states: Array, rows: Array) -> None:
+def begin(handle: Handle, states: Array, rows: Array) -> None:
     """Begins what is waiting in `rows` [n], if it can begin at once."""
+    stage = record_at(handle, StageArrays)
     for row in rows:
-        begin_waiting(bank, ground, states, row * col.COLUMNS, 0.0, ZERO)
+        begin_waiting(stage.bank, stage.ground, states, row * col.COLUMNS, 0.0, ZERO)
 
 
 @kernel
-def recompute_from_frames(bank: BankArrays, ground: Ground, s: Array) -> None:
+def recompute_from_frames(handle: Handle, s: Array) -> None:
     """Recomputes phases and paths from frames, for characters that were moved to another bank."""
+    stage = record_at(handle, StageArrays)
+    bank, ground = stage.bank, stage.ground
     for c in range(0, len(s), col.COLUMNS):
         for number in range(int(s[c + col.LOCOMOTIONS])):
             recompute_slot(bank, s, locomotion_slot(c, number))
@@ -73,11 +77,10 @@ def recompute_slot(bank: BankArrays, s: Array, slot: int) -> None:
 
 
 @kernel
-def advance(bank: BankArrays, ground: Ground, reach: float, s: Array, seconds: float) -> int:
-    """Advances all characters; returns the bits of all events that happened to any of them.
-
-    reach: the farthest that the foot lock holds a foot from its pose, metres.
-    """
+def advance(handle: Handle, s: Array, seconds: float) -> int:
+    """Advances all characters; returns the bits of all events that happened to any of them."""
+    stage = record_at(handle, StageArrays)
+    bank, ground, reach = stage.bank, stage.ground, stage.legs.reach
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
     for c in range(0, len(s), col.COLUMNS):
         s[c + col.EVENTS] = 0.0

@@ -24,7 +24,7 @@ def legs_of(skeleton: Skeleton, roles: Roles) -> Legs:
     for number, chain in enumerate(chains):
         columns[number, : len(chain)] = np.multiply(chain, 4)
         offsets[number, : len(chain)] = skeleton.offsets[chain]
-    hips, knees, ankles = np.array(at).T
+    hips, knees, ankles = np.array(list(zip(*at, strict=True)))
     counts = ankles + 1 if fits else np.zeros(2, np.int64)
     reach = REACH * roles.leg_length(skeleton) if fits else 1.0
     return Legs(columns, offsets, counts, hips, knees, reach)

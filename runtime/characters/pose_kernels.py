@@ -10,8 +10,7 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
-from motionsplice.runtime.characters.arrays import Legs, Limbs, Mixing
-from motionsplice.runtime.characters.chains import Chains
+from motionsplice.runtime.characters.arrays import Mixing, StageArrays
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
@@ -20,7 +19,7 @@ from motionsplice.runtime.characters.turning_kernels import turn_limbs, turn_pel
 from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays, Scratch
+from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
 from motionsplice.runtime.kernels.lookup import between_rows, fetch_ahead, fetch_hands, is_mirrored
 from motionsplice.runtime.kernels.mirror import mirror_lower
@@ -28,22 +27,13 @@ from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, inlined, kernel
+from motionsplice.runtime.simd.handle import Handle, record_at
 
 
 @kernel
-def evaluate_characters(
-    bank: BankArrays,
-    limbs: Limbs,
-    chains: Chains,
-    legs: Legs,
-    s: Array,
-    share: float,
-    scratch: Scratch,
-    mixing: Mixing,
-    roots: Array,
-    rotations: Array,
-) -> None:
-    """Writes each character's root position [n, 3] and local rotations [n, 4 J]."""
+def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, rotations: Array) -> None:
+    """Writes each character's root position [n, 3] and local rotations [n, 4 J]. handle is that of StageArrays."""
+    bank, _, limbs, chains, legs, scratch, mixing = record_at(handle, StageArrays)
     lanes, block = scratch.lanes[0], scratch.block[0]
     first = 0
     while first < len(roots):

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from motionsplice.motion.mirror import FLIP
 from motionsplice.motion.parts import part_of_joint
 from motionsplice.motion.quaternion import IDENTITY, Floats, conjugate, multiply, to_matrices
-from motionsplice.motion.skeleton import Skeleton
 from motionsplice.motion.twins import MIRROR
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, POSTURE_FRAME, TORSO_OFFSET
@@ -64,30 +63,31 @@ class BankArrays(NamedTuple):
         hand_rows: [H, C] int64, the first row in `hands` of each hands clip on each clip; -1 if not aligned to it.
     """
 
-    lower: Array
-    upper: Array
-    phases: Array
-    frames: Array
-    clips: Array
-    rig: Array
-    mirror: Array
-    stances: Array
-    hands: Array
-    hand_rows: Array
+    lower: Annotated[Array, np.float32, 2]
+    upper: Annotated[Array, np.float32, 2]
+    phases: Annotated[Array, np.float64, 1]
+    frames: Annotated[Array, np.float32, 1]
+    clips: Annotated[Array, np.float64, 2]
+    rig: Annotated[Array, np.uint64, 1]
+    mirror: Annotated[Array, np.float32, 2]
+    stances: Annotated[Array, np.float32, 2]
+    hands: Annotated[Array, np.float32, 2]
+    hand_rows: Annotated[Array, np.int64, 2]
 
 
 class Scratch(NamedTuple):
     """Scratch memory of each thread, for one block of characters."""
 
-    lanes: Array  # [threads, 4 lower lanes + 4 upper lanes + 4 lanes of hands + 4 spare lanes + 4 upper lanes] float32
-    block: Array  # [threads, BLOCK_ROWS * BLOCK] float64
+    # [threads, 4 lower lanes + 4 upper lanes + 4 lanes of hands + 4 spare lanes + 4 upper lanes]
+    lanes: Annotated[Array, np.float32, 2]
+    block: Annotated[Array, np.float64, 2]  # [threads, BLOCK_ROWS * BLOCK]
 
 
-class RigArrays(NamedTuple):
-    """A skeleton as flat arrays, for forward kinematics."""
+class SpliceArrays(NamedTuple):
+    """What the kernels of the evaluator work on, besides requests, memory and poses."""
 
-    parents: Array  # [J]
-    offsets: Array  # [J, 3] float32
+    bank: BankArrays
+    scratch: Scratch
 
 
 def bank_arrays(bank: Bank) -> BankArrays:
@@ -128,15 +128,15 @@ def bank_arrays(bank: Bank) -> BankArrays:
     counts = (len(layout.lower.joints), layout.hands.width, spare, len(layout.hands.joints), own)
     lanes = [4 * (FIRST_JOINT + layout.upper.joints.index(joint)) for joint in layout.hands.joints]
     return BankArrays(
-        lower=constant(bank.tables["lower"]),
-        upper=constant(bank.tables["upper"]),
-        phases=constant(bank.tables["phase_of_frame"]),
-        frames=constant(bank.tables["frame_of_phase"]),
+        lower=bank.tables["lower"],
+        upper=bank.tables["upper"],
+        phases=bank.tables["phase_of_frame"],
+        frames=bank.tables["frame_of_phase"],
         clips=clips,
         rig=np.array([*widths, layout.points, 4 * layout.pelvis, *counts, *columns, *lanes], np.uint64),
         mirror=lane_mirror(bank),
         stances=stance_rows(bank, standing),
-        hands=constant(bank.tables["hands"]),
+        hands=bank.tables["hands"],
         hand_rows=hand_rows,
     )
 
@@ -178,19 +178,7 @@ def _image(above: Floats, turn: Floats) -> Floats:
     return np.asarray(multiply(multiply(conjugate(above), np.diag(FLIP)), turn).T.ravel())
 
 
-def constant(table: Array) -> Array:
-    """Returns a read-only view. Writable arrays have another Numba type, for which kernels would be compiled again."""
-    view = table.view()
-    view.flags.writeable = False
-    return view
-
-
 def scratch(bank: BankArrays, threads: int) -> Scratch:
     """Returns scratch memory for `threads` threads."""
     lanes = 4 * int(bank.rig[OWN_UPPER] + bank.rig[UPPER_WIDTH])
     return Scratch(np.zeros((threads, lanes), np.float32), np.zeros((threads, BLOCK_ROWS * BLOCK)))
-
-
-def rig_arrays(skeleton: Skeleton) -> RigArrays:
-    """Returns a skeleton as flat arrays."""
-    return RigArrays(skeleton.parents, skeleton.offsets.astype(np.float32))

@@ -11,7 +11,17 @@ from numba import prange
 
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays, Scratch
+from motionsplice.runtime.kernels.arrays import (
+    BLOCK,
+    ROW_L,
+    ROW_U,
+    SHARE_L,
+    SHARE_U,
+    SPLICED,
+    BankArrays,
+    Scratch,
+    SpliceArrays,
+)
 from motionsplice.runtime.kernels.hands import lay_hands
 from motionsplice.runtime.kernels.lookup import (
     NAIVE,
@@ -31,36 +41,45 @@ from motionsplice.runtime.kernels.posture import RUNNING, correlate, is_aligned,
 from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.kernels.standing import lay_on
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel, parallel_kernel
+from motionsplice.runtime.simd.handle import Handle, record_at
 
 
 @kernel
-def evaluate(
-    bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
-) -> int:
+def evaluate(handle: Handle, requests: Array, memory: Array, share: float, roots: Array, rotations: Array) -> int:
     """Writes each character's root position [n, 3] and local rotations [n, 4 J]; returns `first_at_fault`.
 
     If a request is invalid, nothing is written. memory [m, MEMORY_COLUMNS] has m = n, 1 (all requests are about one
-    character) or 0. share is the weight of a new frame in a running posture.
+    character) or 0. handle is that of a SpliceArrays; share is the weight of a new frame in a running posture.
     """
+    bank, scratch = record_at(handle, SpliceArrays)
     fault = first_at_fault(bank, requests, len(memory) > 0)
     if fault < 0:
         evaluate_part(bank, requests, memory, share, scratch, 0, 0, len(requests), roots, rotations)
     return fault
 
 
-@parallel_kernel
+@kernel
 def evaluate_in_parallel(
-    bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
+    handle: Handle, requests: Array, memory: Array, share: float, roots: Array, rotations: Array
 ) -> int:
     """As `evaluate`, with as many threads as `scratch` has; memory must have n or 0 rows."""
+    bank, scratch = record_at(handle, SpliceArrays)
     fault = first_at_fault(bank, requests, len(memory) > 0)
     if fault < 0:
-        threads, blocks = len(scratch.lanes), (len(requests) + BLOCK - 1) // BLOCK
-        for thread in prange(threads):
-            first, stop = blocks * thread // threads * BLOCK, blocks * (thread + 1) // threads * BLOCK
-            stop = min(stop, len(requests))
-            evaluate_part(bank, requests, memory, share, scratch, thread, first, stop, roots, rotations)
+        evaluate_parts(bank, requests, memory, share, scratch, roots, rotations)
     return fault
+
+
+@parallel_kernel
+def evaluate_parts(
+    bank: BankArrays, requests: Array, memory: Array, share: float, scratch: Scratch, roots: Array, rotations: Array
+) -> None:
+    """Evaluates a part of the requests in each thread. Numba passes to threads only records that are arguments."""
+    threads, blocks = len(scratch.lanes), (len(requests) + BLOCK - 1) // BLOCK
+    for thread in prange(threads):
+        first, stop = blocks * thread // threads * BLOCK, blocks * (thread + 1) // threads * BLOCK
+        stop = min(stop, len(requests))
+        evaluate_part(bank, requests, memory, share, scratch, thread, first, stop, roots, rotations)
 
 
 @kernel
@@ -216,8 +235,9 @@ def copy_rotation(lanes: Array, at: Index, rotations: Array, character: int, col
 
 
 @kernel
-def action_frames(bank: BankArrays, requests: Array, frames: Array) -> None:
+def action_frames(handle: Handle, requests: Array, frames: Array) -> None:
     """Writes each character's real-valued action frame [n]."""
+    bank = record_at(handle, SpliceArrays).bank
     clips = bank.clips
     for character in range(len(requests)):
         request = requests[character]

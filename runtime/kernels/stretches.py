@@ -11,19 +11,22 @@ import math
 import numpy as np
 
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BankArrays
+from motionsplice.runtime.kernels.arrays import BankArrays, SpliceArrays
 from motionsplice.runtime.kernels.curves import smooth
+from motionsplice.runtime.kernels.evaluate import first_at_fault
 from motionsplice.runtime.kernels.lookup import IN_STEP, SPLICE, frame_of, frames_in_loop
 from motionsplice.runtime.kernels.phase import phase_of
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
+from motionsplice.runtime.simd.handle import Handle, record_at
 
 HANDOVER = 0.4  # seconds in which a stretch fades in over the one before
 EARLIER = 0.25  # cycles by which a walking stretch may begin before it takes over, to be in step
 
 
 @kernel
-def shows_hybrids(bank: BankArrays, requests: Array) -> bool:
+def shows_hybrids(handle: Handle, requests: Array) -> bool:
     """Whether any request shows a hybrid; invalid ones do not."""
+    bank = record_at(handle, SpliceArrays).bank
     for character in range(len(requests)):
         action = requests[character]["action"]
         spliced = requests[character]["method"] == SPLICE and 0 <= action < len(bank.clips)
@@ -33,16 +36,21 @@ def shows_hybrids(bank: BankArrays, requests: Array) -> bool:
 
 
 @kernel
-def resolve(bank: BankArrays, requests: Array, now: Array, before: Array, shares: Array) -> None:
-    """Replaces hybrids by their stretches.
+def resolve(handle: Handle, requests: Array, now: Array, before: Array, shares: Array) -> int:
+    """Replaces hybrids by their stretches; returns `first_at_fault`. If a request is invalid, nothing is written.
 
     now, before: copies of the requests [n]; where a request shows a hybrid, `now` becomes one for the newest stretch,
     and `before` one for the stretch before it. shares: [n] of `now` in the result, 1 where nothing is blended.
     """
+    bank = record_at(handle, SpliceArrays).bank
+    fault = first_at_fault(bank, requests, True)
+    if fault >= 0:
+        return fault
     for character in range(len(requests)):
         request, shares[character] = requests[character], 1.0
         if request["method"] == SPLICE and bank.clips[request["action"], arrays.FIRST_STRETCH] >= 0.0:
             shares[character] = find_stretch(bank, request, now[character], before[character])
+    return fault
 
 
 @kernel
@@ -152,8 +160,9 @@ def blend(rotations: Array, before: Array, rows: Array, shares: Array) -> None:
 
 
 @kernel
-def frames_of_hybrids(bank: BankArrays, requests: Array, now: Array, frames: Array) -> None:
+def frames_of_hybrids(handle: Handle, requests: Array, now: Array, frames: Array) -> None:
     """Replaces frames [n] of stretches by those of the hybrids of which they are a part."""
+    bank = record_at(handle, SpliceArrays).bank
     for character in range(len(requests)):
         if requests[character]["action"] != now[character]["action"]:
             stretch = now[character]["action"]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import Annotated, NamedTuple
 
-from motionsplice.runtime.kernels.arrays import RigArrays
+import numpy as np
+
+from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.kernels.rotations import product, rotated
 from motionsplice.runtime.simd.compiled import Array, kernel
+from motionsplice.runtime.simd.handle import Handle, record_at
 from motionsplice.runtime.simd.lanes import gather, load, scatter, spread, store
 from motionsplice.runtime.simd.width import LANES
 
@@ -15,15 +17,25 @@ from motionsplice.runtime.simd.width import LANES
 X, Y, Z, W, AT_X, AT_Y, AT_Z, COLUMNS = (np.uint64(LANES * number) for number in range(8))
 
 
-def scratch(joints: int) -> NDArray[np.float32]:
-    """Returns scratch memory for eight characters."""
-    return np.zeros((joints, int(COLUMNS)), np.float32)
+class RigArrays(NamedTuple):
+    """A skeleton of J joints as flat arrays, for forward kinematics, and scratch memory for eight characters."""
+
+    parents: Annotated[Array, np.int64, 1]  # [J]
+    offsets: Annotated[Array, np.float32, 2]  # [J, 3]
+    world: Annotated[Array, np.float32, 2]  # [J, COLUMNS]
+
+
+def rig_arrays(skeleton: Skeleton) -> RigArrays:
+    """Returns a skeleton as flat arrays."""
+    world = np.zeros((skeleton.joint_count, int(COLUMNS)), np.float32)
+    return RigArrays(skeleton.parents, skeleton.offsets.astype(np.float32), world)
 
 
 @kernel
-def world_positions(rig: RigArrays, roots: Array, rotations: Array, world: Array, positions: Array) -> None:
-    """Writes world positions [n, 3 J] of poses: roots [n, 3] and rotations [n, 4 J]. world is from `scratch`."""
-    last = len(roots) - 1
+def world_positions(handle: Handle, roots: Array, rotations: Array, positions: Array) -> None:
+    """Writes world positions [n, 3 J] of poses: roots [n, 3] and rotations [n, 4 J]. handle is that of RigArrays."""
+    rig = record_at(handle, RigArrays)
+    world, last = rig.world, len(roots) - 1
     for first in range(0, len(roots), LANES):
         for k in range(LANES):
             for axis in range(3):

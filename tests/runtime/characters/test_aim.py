@@ -64,7 +64,7 @@ def pointing(characters: Characters, part: str) -> tuple[Floats, Floats]:
     """Returns from where and which way a head or an arm of the first character points."""
     (places, world), roles = world_of(characters), characters.stage.bank.roles
     if part == "head":
-        return places[roles.head], quaternion.rotate(world[roles.head], characters.stage.chains.gaze)
+        return places[roles.head], quaternion.rotate(world[roles.head], characters.stage.arrays.chains.gaze)
     ends = ("shoulder", "wrist")
     shoulder, wrist = (places[getattr(roles, part.replace("arm", end))] for end in ends)
     return shoulder, quaternion.unit(wrist - shoulder)

@@ -104,7 +104,7 @@ def test_the_holds_of_feet_are_those_of_the_twin(bank: Bank, one: Setup, second:
                 one.share * (one.support[foot] + (old[clip].support[foot] if clip in old else 0.0)) / 2.0
                 for clip, one in new.items()
             )
-            wanted = hold(before[at], moved[[0, 2]], turn, support, 1.0 / RATE, characters.stage.legs.reach)
+            wanted = hold(before[at], moved[[0, 2]], turn, support, 1.0 / RATE, characters.stage.arrays.legs.reach)
             np.testing.assert_allclose(after[at], wanted, rtol=0.0, atol=1e-5)
             largest = max(largest, float(np.hypot(*wanted[:2])))
     assert largest > 0.005
@@ -160,13 +160,14 @@ def test_a_foot_that_stands_for_long_is_let_go(one: Setup) -> None:
 def test_a_rig_without_legs_is_refused(one: Setup, bank: Bank) -> None:
     characters = one()
     characters.add(1, "walk")
-    characters.stage.legs, kept = legs_of(bank.skeleton, replace(bank.roles, left_knee=0)), characters.stage.legs
+    legs, kept = legs_of(bank.skeleton, replace(bank.roles, left_knee=0)), characters.stage.arrays
+    characters.stage.arrays = kept._replace(legs=legs)
     try:
         characters.lock_feet([0], False)
         with pytest.raises(SettingsError, match="hip, knee and ankle"):
             characters.lock_feet([0])
     finally:
-        characters.stage.legs = kept
+        characters.stage.arrays = kept
 
 
 def lock(row: Floats, offsets: list[float]) -> None:

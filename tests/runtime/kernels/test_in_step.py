@@ -8,10 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels import evaluate as kernels
 from motionsplice.runtime.kernels.lookup import IN_STEP
 from motionsplice.runtime.requests import Requests
+from motionsplice.runtime.simd.handle import handle_of
 
 
 def action_frame(bank: Bank, locomotion: int, time: float, action: int, cycles: int) -> float:
@@ -19,7 +20,9 @@ def action_frame(bank: Bank, locomotion: int, time: float, action: int, cycles: 
     requests, frames = Requests.empty(1), np.empty(1)
     requests.locomotion[:], requests.action[:], requests.cycles[:] = locomotion, action, cycles
     requests.time[:] = time
-    kernels.action_frames(Evaluator(bank).arrays, requests.records, frames)
+    bank_arrays = arrays.bank_arrays(bank)
+    handle = handle_of(arrays.SpliceArrays(bank_arrays, arrays.scratch(bank_arrays, 1)))
+    kernels.action_frames(handle, requests.records, frames)
     return float(frames[0])
 
 

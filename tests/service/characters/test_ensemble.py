@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import json
+import shutil
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +20,7 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.service.characters.commands import checked, parse
 from motionsplice.service.characters.ensemble import Ensemble
 from motionsplice.service.characters.scene import Scene
-from motionsplice.service.serving import Edition
+from motionsplice.service.serving import Edition, Serving
 
 LONG = 6  # frames in a step of 0.1 s
 
@@ -47,6 +50,19 @@ def shown(scene: Scene) -> bytes:
     state = scene.characters.state.copy()
     state[:, col.DELTA : col.DELTA + 4] = 0.0
     return poses.root_positions.tobytes() + poses.rotations.tobytes() + state.tobytes()
+
+
+def test_a_scene_plays_on_after_its_bank_was_exchanged_and_removed(edition: Edition, tmp_path: Path) -> None:
+    expected, serving = playing(edition), Serving(Bank.open(shutil.copytree(edition.bank.path, tmp_path / "bank")))
+    serving.exchange(Edition.warm(serving.bank))
+    found = playing(serving.edition)
+    serving.exchange(edition)
+    shutil.rmtree(tmp_path / "bank")
+    gc.collect()
+    for _ in range(20):
+        assert shown(expected) == shown(found)
+        for scene in (expected, found):
+            scene.pass_frame()
 
 
 @pytest.mark.parametrize("posture", ["relative", "running"])

@@ -20,6 +20,7 @@ from motionsplice.motion.errors import MotionError
 
 COMMANDS = {  # each command's module in `motionsplice.commands`, and the first line of its help
     "precompute": ("bank", "Align clips to a baseline locomotion, and write a bank."),
+    "install": ("bank", "Copy a bank to where it is served, in place of an older one."),
     "inspect": ("bank", "Show the clips of a bank, and how well each is aligned to the baseline."),
     "splice": (
         "motion",

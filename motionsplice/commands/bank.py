@@ -1,4 +1,4 @@
-"""`motionsplice precompute` and `motionsplice inspect`: building and listing a bank.
+"""`motionsplice precompute`, `install` and `inspect`: building, copying and listing a bank.
 
 The offline job is imported when it is needed, so that `inspect` starts fast.
 """
@@ -6,7 +6,8 @@ The offline job is imported when it is needed, so that `inspect` starts fast.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -35,6 +36,7 @@ def register(app: typer.Typer) -> None:
     app.command("precompute", epilog="Example: [bold]motionsplice precompute clips/ --out bank --baseline walk[/bold]")(
         precompute_command
     )
+    app.command("install", epilog="Example: [bold]motionsplice install bank /srv/bank[/bold]")(install_command)
     app.command("inspect", epilog="Example: [bold]motionsplice inspect bank[/bold]")(inspect_command)
 
 
@@ -121,17 +123,7 @@ def run(
     from motionsplice.motion.roles import read_roles_file
     from motionsplice.precompute.job.job import build_bank
 
-    columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console) as bar:
-        tasks: dict[str, TaskID] = {}
-
-        def show(stage: str, done: int, total: int) -> None:
-            if stage not in tasks:  # a stage without work has no bar
-                tasks[stage] = bar.add_task(stage)
-            bar.update(tasks[stage], completed=done, total=total)
-            if file is not None:
-                file.show(stage, done, total)
-
+    with stages(file) as show:
         return build_bank(
             clips,
             out,
@@ -144,6 +136,23 @@ def run(
             retarget=retarget,
             progress=show,
         )
+
+
+@contextmanager
+def stages(file: ProgressFile | None = None) -> Iterator[Callable[[str, int, int], None]]:
+    """Shows a bar for each stage of a job, and writes the progress to a file."""
+    columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console) as bar:
+        tasks: dict[str, TaskID] = {}
+
+        def show(stage: str, done: int, total: int) -> None:
+            if stage not in tasks:  # a stage without work has no bar
+                tasks[stage] = bar.add_task(stage)
+            bar.update(tasks[stage], completed=done, total=total)
+            if file is not None:
+                file.show(stage, done, total)
+
+        yield show
 
 
 def print_work(outcome: Outcome, out: Path) -> None:
@@ -181,6 +190,22 @@ def print_retargeted(bank: Bank, skeleton: Path | None) -> None:
     if notes:
         line = f"`motionsplice inspect {bank.path}` prints the notes on the clips"
         console.print(line, style="dim", highlight=False, soft_wrap=True, markup=False)
+
+
+def install_command(
+    bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")],
+    place: Annotated[Path, typer.Argument(help="The folder to copy it to; it may hold a bank that is served.")],
+) -> None:
+    """Copy a bank to where it is served, in place of an older one.
+
+    The copy is verified. Files of the bank that is there are not changed while it is in use; the new manifest comes
+    last. A service with --watch then serves the new bank.
+    """
+    from motionsplice.precompute.job.install import install_bank
+
+    with stages() as show:
+        digest = install_bank(bank, place, show)
+    console.print(f"{place}: bank {digest}", highlight=False, soft_wrap=True)
 
 
 def inspect_command(bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")]) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cache
@@ -24,7 +22,7 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.hands.rows import LaidHands
 from motionsplice.precompute.job.standing import standing_of
-from motionsplice.precompute.job.written import Parts, write_synced, write_tables
+from motionsplice.precompute.job.written import Parts, remove_others, tables_in_use, write_synced, write_tables
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured
 from motionsplice.precompute.preparation.torso_offset import believed, shoulder_motion, torso_offsets
@@ -41,9 +39,6 @@ from motionsplice.runtime.format.manifest import (
 from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
-OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # other files in the folder are never removed
-OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})(\.\d+)+")
-ABANDONED = 3600.0  # seconds after which a partial file is left over from a killed job
 CELLS_PER_FRAME = 4  # of the inverse table: the slope of phase is at least a quarter of its mean
 
 
@@ -83,15 +78,10 @@ def write_bank(
     }
     digests = write_tables(folder, {name: parts[name] for name in TABLES})
     stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
-    before = _tables_in_use(path / MANIFEST)
+    before = tables_in_use(path / MANIFEST)
     entries, laid_entries = _entries(clips, offsets, standing), _hands_entries(laid)
     digest = write_manifest(path, rig.skeleton, rig.roles, _mirror(rig), stride, entries, digests, laid_entries)
-    for file in folder.glob("*.npy"):
-        if OUR_TABLE.fullmatch(file.stem) and file.stem not in before | set(digests.values()):
-            file.unlink()
-    for file in (*path.iterdir(), *folder.iterdir()):
-        if OUR_PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > ABANDONED:
-            file.unlink()  # left by a killed job
+    remove_others(path, before | set(digests.values()))
     return digest
 
 
@@ -262,11 +252,3 @@ def frame_of_phase(phase: Floats) -> Floats:
     """Inverts a strictly increasing phase [F]: returns the frames at evenly spaced phases [CELLS_PER_FRAME F]."""
     grid = np.linspace(phase[0], phase[-1], CELLS_PER_FRAME * len(phase))
     return np.interp(grid, phase, np.arange(len(phase), dtype=np.float64))
-
-
-def _tables_in_use(manifest: Path) -> set[str]:
-    """Returns the table digests of the bank about to be replaced; empty if it is missing or damaged."""
-    try:
-        return set(msgpack.unpackb(msgpack.unpackb(manifest.read_bytes())["body"])["tables"].values())
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return set()

@@ -11,7 +11,6 @@ import math
 import os
 import re
 import struct
-import time
 import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
@@ -33,7 +32,6 @@ OUR_PARTIAL = re.compile(r"\.[0-9a-f]{32}\.(entry|npz)\.\d+")
 START = struct.Struct("<8sII")  # MAGIC, bytes of the head, their CRC-32
 MAGIC = b"MSENTRY1"
 KINDS = "fiu"  # of NumPy: floats and whole numbers
-ABANDONED = 3600.0  # seconds after which a partial file is left over from a killed job
 
 Fields = dict[str, Any]  # what MessagePack can hold, beside the arrays of an entry
 Arrays = Mapping[str, NDArray[Any]]
@@ -48,6 +46,10 @@ def key_of(*parts: Any) -> str:
 def digest_of_array(values: Floats) -> str:
     """Returns the digest of an array: its type, shape and values."""
     return key_of(str(values.dtype), values.shape, np.ascontiguousarray(values).tobytes())
+
+
+class CacheError(MotionError):
+    """The cache cannot be written. It is no fault of a clip, so the whole job fails and the bank stays as it was."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ class Cache:
             return None
 
     def store(self, key: str, fields: Fields, arrays: Arrays) -> None:
-        """Writes an entry, whole or not at all. Raises MotionError if it cannot be written."""
+        """Writes an entry, whole or not at all. Raises CacheError."""
         partial = self.folder / f".{key}.entry.{os.getpid()}"
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -85,15 +87,15 @@ class Cache:
                 partial.unlink()
             problem = f"cannot write to the cache: {error.strerror}"
             mend = "Check the folder's permissions and free space"
-            raise MotionError(problem, file=str(self.folder), mend=mend) from None
+            raise CacheError(problem, file=str(self.folder), mend=mend) from None
 
     def keep_only(self, keys: Collection[str]) -> None:
         """Removes all other entries, and partial files of killed jobs."""
         names = {self._file(key).name for key in keys}
         for file in self.folder.iterdir():
             unused = OURS.fullmatch(file.name) and file.name not in names
-            with suppress(FileNotFoundError):  # another job may have removed it
-                if unused or (OUR_PARTIAL.fullmatch(file.name) and time.time() - file.stat().st_mtime > ABANDONED):
+            if unused or OUR_PARTIAL.fullmatch(file.name):
+                with suppress(OSError):  # the next job removes it
                     file.unlink()
 
     def _file(self, key: str) -> Path:

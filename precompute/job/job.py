@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from os import PathLike
@@ -15,7 +16,7 @@ from motionsplice.precompute.hands.settings import HandsOnBody
 from motionsplice.precompute.job.alone import alone_in
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
-from motionsplice.precompute.job.cache import Cache
+from motionsplice.precompute.job.cache import Cache, CacheError
 from motionsplice.precompute.job.clip_work import (
     Clips,
     Identified,
@@ -143,7 +144,8 @@ class Job:
         unchanged = digest is not None and _holds_bank(self.out, digest)
         if digest is None or not unchanged:
             digest = self.write(preparation, aligned, laying, tasks)
-            cache.store(recipe, {"bank": digest}, {})
+            with suppress(MotionError):  # the bank is in place; the next run writes it again
+                cache.store(recipe, {"bank": digest}, {})
         used |= {work.key(one) for work in (search, preparation) for one in self.clips.values()}
         used |= {hands.key(one) for one in self.hand_clips.values()} | {laying.key(task) for task in tasks.values()}
         cache.keep_only({recipe, search.choice_key(candidates), cut, *used})
@@ -233,6 +235,8 @@ class Job:
         names, size = {id(one): name for name, one in new.items()}, sum(one.size for one in new.values())
         with workers(min(self.jobs, len(new), size // WORTH_A_PROCESS)) as pool:
             for done, (one, result) in enumerate(outcomes(pool, work.run, new.values()), 1):
+                if isinstance(result, CacheError):
+                    raise result
                 if isinstance(result, MotionError):
                     self.failed[names[id(one)]] = result
                 self.progress(stage, done, len(new))

@@ -17,11 +17,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import BankError
+from motionsplice.runtime.format.bounded import unpacked
 from motionsplice.runtime.format.manifest import MANIFEST, TABLES
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
@@ -68,7 +68,7 @@ def write_synced(file: Path, data: bytes) -> None:
 def tables_in_use(manifest: Path) -> set[str]:
     """Returns the table digests of the bank about to be replaced; empty if it is missing or damaged."""
     try:
-        return set(msgpack.unpackb(msgpack.unpackb(manifest.read_bytes())["body"])["tables"].values())
+        return set(unpacked(unpacked(manifest.read_bytes())["body"])["tables"].values())
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return set()
 

@@ -16,6 +16,7 @@ from motionsplice.motion.errors import BankError, MotionError
 from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
+from motionsplice.runtime.format.bounded import unpacked
 
 FORMAT = "motionsplice bank"
 VERSION = 7
@@ -239,7 +240,7 @@ def _read(folder: Path) -> bytes:
 
 def _body(data: bytes, file: str) -> tuple[str, dict[str, Any]]:
     try:
-        outer = msgpack.unpackb(data)
+        outer = unpacked(data)
         digest, packed, form, version = outer["digest"], outer["body"], outer["format"], outer["version"]
     except (ValueError, KeyError, TypeError, msgpack.UnpackException):
         raise BankError("the manifest is cut short or damaged", file=file, mend=REBUILD) from None
@@ -248,7 +249,7 @@ def _body(data: bytes, file: str) -> tuple[str, dict[str, Any]]:
         raise BankError(problem, file=file, mend=REBUILD)
     if not isinstance(packed, bytes) or content_digest(packed) != digest:
         raise BankError("the manifest was altered: its digest does not match", file=file, mend=REBUILD)
-    body = msgpack.unpackb(packed)
+    body = unpacked(packed)
     if not isinstance(body, dict):
         raise BankError("the manifest is not a map", file=file, mend=REBUILD)
     return digest, body

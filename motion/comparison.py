@@ -14,11 +14,13 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
 
-def legs_apart(one: Clip, other: Clip, roles: Roles) -> Floats:
-    """Returns the distance of root and knees at each frame [F] of two clips, root mean square, in metres."""
+def legs_apart(one: Floats, other: Floats, roles: Roles) -> Floats:
+    """Returns the distance of root and knees at each frame [F], root mean square, from places of joints [F, J, 3].
+
+    Both are in metres.
+    """
     cloud = list(roles.lower_cloud)
-    places = (joint_positions(clip) for clip in (one, other))
-    return np.sqrt(planar_distance(*(level(at[:, cloud]) for at in places)) / len(cloud))
+    return np.sqrt(planar_distance(*(level(at[:, cloud]) for at in (one, other))) / len(cloud))
 
 
 def over_root(clip: Clip, roles: Roles) -> Floats:

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.comparison import legs_apart
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.requests import Memory
+from motionsplice.runtime.requests import Memory, Poses
 from motionsplice.runtime.splice import Splice
 
 RATE = 30.0  # moments per second at which both clips are compared
@@ -91,8 +92,9 @@ def expectation(evaluator: Evaluator, splice: Splice) -> Expectation | None:
     frames, next_frames = (evaluator.action_frames(splice, at / locomotion.rate) for at in (moments, later))
     paces = (next_frames - frames) / (later - moments) * locomotion.rate / action.rate
     paces = paces[paces > 0.0]  # a step back is a jump by whole strides
-    shown = bank.motion_at(splice.locomotion, moments.astype(np.float64)), bank.motion_at(splice.action, frames)
-    legs = float(np.sqrt(np.mean(legs_apart(*shown, bank.roles) ** 2)))
+    own, other = bank.motion_at(splice.locomotion, moments.astype(np.float64)), bank.motion_at(splice.action, frames)
+    apart = legs_apart(_places(evaluator, _poses(own)), _places(evaluator, _poses(other)), bank.roles)
+    legs = float(np.sqrt(np.mean(apart**2)))
     error = float(np.hypot(REPETITIONS * action.repetition, LEGS * legs))
     times = moments / locomotion.rate
     spliced, replaced = (_upper_body(evaluator, replace(splice, method=one), times) for one in ("splice", "naive"))
@@ -106,12 +108,21 @@ def expectation(evaluator: Evaluator, splice: Splice) -> Expectation | None:
     )
 
 
-def _upper_body(evaluator: Evaluator, splice: Splice, times: NDArray[np.float64]) -> NDArray[np.float32]:
+def _upper_body(evaluator: Evaluator, splice: Splice, times: NDArray[np.float64]) -> NDArray[np.float64]:
     """Returns the joints above the pelvis relative to the root [n, joints, 3], in metres, at `times` [n]."""
-    skeleton = evaluator.bank.skeleton
-    world = np.empty((len(times), skeleton.joint_count, 3), np.float32)
-    evaluator.world_positions(evaluator.sequence(splice, times, memory=Memory.begin(1, RATE)), world)
-    return np.asarray(world[:, skeleton.subtree(evaluator.bank.roles.pelvis)[1:]] - world[:, :1])
+    places = _places(evaluator, evaluator.sequence(splice, times, memory=Memory.begin(1, RATE)))
+    return places[:, evaluator.bank.skeleton.subtree(evaluator.bank.roles.pelvis)[1:]] - places[:, :1]
+
+
+def _places(evaluator: Evaluator, poses: Poses) -> NDArray[np.float64]:
+    """Returns the world positions [n, J, 3] of all joints, in metres."""
+    world = np.empty((*poses.rotations.shape[:2], 3), np.float32)
+    evaluator.world_positions(poses, world)
+    return world.astype(np.float64)
+
+
+def _poses(clip: Clip) -> Poses:
+    return Poses(clip.root_positions.astype(np.float32), clip.rotations.astype(np.float32))
 
 
 def some_of(moments: NDArray[np.int64], most: int) -> NDArray[np.int64]:

@@ -122,7 +122,8 @@ def change_within_halves(result: Clip, locomotion: Clip, upper_rotations: Floats
 
 def mismatch(locomotion: Clip, action: Clip, action_frames: Floats, roles: Roles) -> Floats:
     """Returns the distance of root and knees between the clips at aligned frames [F], root mean square, in metres."""
-    return legs_apart(locomotion.frames(0, len(action_frames)), at_frames(action, action_frames), roles)
+    shown = joint_positions(locomotion.frames(0, len(action_frames)))
+    return legs_apart(shown, joint_positions(at_frames(action, action_frames)), roles)
 
 
 def _for_derivatives(clip: Clip) -> Clip:

@@ -1,25 +1,39 @@
-// The evaluator in C++ as a shared library, for bench/speed/cpp_twin.py.
+// The evaluator in C++ as a library that bench.speed.frames times: see sampler.h.
+#include "sampler.h"
+
 #include "../../clients/cpp/motionsplice.hpp"
+
+namespace {
 
 struct Twin {
     motionsplice::Bank bank;
     motionsplice::Evaluator evaluator;
+    std::vector<motionsplice::Splice> splices;
+    std::vector<double> times;
 
     explicit Twin(motionsplice::Bank opened) : bank(std::move(opened)), evaluator(bank) {}
 };
 
-extern "C" {
+}  // namespace
 
-Twin* open_bank(const char* folder) {
+void* sampler_open(const char* bank) {
     motionsplice::Error error;
-    motionsplice::Bank bank = motionsplice::Bank::open(folder, error);
-    return error ? nullptr : new Twin(std::move(bank));
+    motionsplice::Bank opened = motionsplice::Bank::open(bank, error);
+    return error ? nullptr : new Twin(std::move(opened));
 }
 
-void close_bank(Twin* twin) { delete twin; }
+int sampler_evaluate(void* sampler, const sampler_request* requests, std::int32_t count, float* rotations,
+                     float* root_positions) {
+    Twin& twin = *static_cast<Twin*>(sampler);
+    twin.splices.resize(count);
+    twin.times.resize(count);
+    for (std::int32_t k = 0; k < count; ++k) {
+        twin.splices[k].locomotion = requests[k].locomotion;
+        twin.splices[k].action = requests[k].action;
+        twin.splices[k].start = requests[k].start;
+        twin.times[k] = requests[k].time;
+    }
+    return twin.evaluator.poses(twin.splices.data(), twin.times.data(), count, rotations, root_positions) ? 1 : 0;
+}
 
-bool evaluate(Twin* twin, const motionsplice::Splice* splices, const double* times, int count, float* rotations,
-              float* root_positions) {
-    return !twin->evaluator.poses(splices, times, count, rotations, root_positions);
-}
-}
+void sampler_close(void* sampler) { delete static_cast<Twin*>(sampler); }

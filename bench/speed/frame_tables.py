@@ -18,7 +18,7 @@ TITLES = {
     "cold": "Cold batches: caches emptied before each call",
     "paced": "60 Hz ticks, with sleep in between",
     "single": "Single calls of one character, Python included",
-    "cpp": "Warm batches: the kernels, and the same algorithm in C++ (clients/cpp)",
+    "libraries": "Warm batches: the kernels, and libraries in C",
 }
 
 

@@ -12,6 +12,8 @@ copy                  The floor: `np.take` of the rows that the splices read, tw
 NumPy                 The same splices in NumPy, without kernels (`bench.speed.numpy_twin`), in separate rounds.
 the same in C++       The same algorithm in C++: the evaluator of clients/cpp, compiled by g++ -O3 -march=native, over
                       tables of its own, in turns with the kernels. Left out, with the reason, without g++.
+--against LIBRARY     A shared library of yours, such as your engine's sampler, likewise. It needs the three functions
+                      of bench/speed/sampler.h. How far its poses are from the kernels' is printed.
 
 All rows of a table run interleaved in one process. Each call has its own requests, and ratios are taken within rounds.
 A time is that of a whole call divided by its number of characters.
@@ -40,9 +42,9 @@ import typer
 
 from bench.generated import Size, generate
 from bench.rounds import Summary, Work, evict_caches, interleaved, paced, summaries
-from bench.speed import frame_tables, roofline, unpacked
-from bench.speed.cpp_twin import CppTwin
+from bench.speed import cpp_twin, frame_tables, roofline, unpacked
 from bench.speed.numpy_twin import NumpyTwin
+from bench.speed.sampler import Sampler
 from bench.speed.workload import RATE, SETS, Copy, Scene, evaluation, request_sets, twin_evaluation
 from motionsplice.cli import run
 from motionsplice.motion.quaternion import Floats
@@ -69,6 +71,7 @@ def main(
     rounds: Annotated[int, typer.Option(min=2, help="Rounds of each table")] = 300,
     ticks: Annotated[int, typer.Option(min=2, help="60 Hz ticks per paced row")] = 300,
     threads: Annotated[int, typer.Option(min=2, help="Number of threads to compare with one")] = 2,
+    against: Annotated[Path | None, typer.Option(help="A library that is timed too: see bench/speed/sampler.h")] = None,
     out: Annotated[Path | None, typer.Option(help="JSON file for the results")] = None,
 ) -> None:
     """Prints the time of a splice, beside plain replacement and a copy of the same number of bytes."""
@@ -76,6 +79,10 @@ def main(
         opened = Bank.open(bank) if bank else generate(Path(folder) / "bank", Size(joints, clips, seconds))
         evaluator = Evaluator(opened)
         evaluator.warm()
+        libraries = {} if cpp_twin.MISSING else {"the same algorithm in C++": cpp_twin.compiled(Path(folder))}
+        if against:
+            libraries[against.name] = against
+        samplers = {name: Sampler(path, evaluator) for name, path in libraries.items()}
         tables = {
             "batches": batches(evaluator, characters or [1, 10, 100, 1000, 10_000], rounds),
             "scenes": scenes(evaluator, rounds),
@@ -85,8 +92,13 @@ def main(
             "paced": in_ticks(evaluator, ticks),
             "single": single_calls(evaluator, rounds),
         }
-        if not CppTwin.missing:
-            tables["cpp"] = in_cpp(evaluator, rounds)
+        if samplers:
+            tables["libraries"] = in_libraries(evaluator, samplers, rounds)
+        degrees = {
+            name: np.degrees(one.difference(request_sets(opened, BATCH, ANY)[0])) for name, one in samplers.items()
+        }
+        for one in samplers.values():
+            one.close()
         roof = roofline.measure(opened)
         about = {
             "joints": opened.skeleton.joint_count,
@@ -95,8 +107,10 @@ def main(
             "bytes": sum(table.nbytes for table in opened.tables.values()),
         }
     frame_tables.show(about, tables, roof)
-    if CppTwin.missing:
-        print(f"The row of the same algorithm in C++ is left out: {CppTwin.missing}.")
+    for name, angle in degrees.items():
+        print(f"{name}: its rotations differ from the kernels' by {angle:.4f} degrees (median).")
+    if cpp_twin.MISSING:
+        print(f"The row of the same algorithm in C++ is left out: {cpp_twin.MISSING}.")
     if out:
         out.write_text(json.dumps(as_json(about, tables, roof), indent=1))
 
@@ -193,15 +207,14 @@ def single_calls(evaluator: Evaluator, rounds: int) -> list[Summary]:
     return summaries(warm(work, 1, rounds), 1, ("naive", "copy", UNPACKED))
 
 
-def in_cpp(evaluator: Evaluator, rounds: int) -> list[Summary]:
-    """Times warm batches by the kernels and by the same algorithm in C++."""
-    twin, rows = CppTwin(evaluator.bank), []
+def in_libraries(evaluator: Evaluator, samplers: Mapping[str, Sampler], rounds: int) -> list[Summary]:
+    """Times warm batches by the kernels and by libraries."""
+    rows = []
     for count in (1, 100, BATCH, LARGE):
-        ours, theirs = (request_sets(evaluator.bank, count, ANY, seed=seed) for seed in range(2))
-        work = {
-            "splice": evaluation(evaluator, ours),
-            "the same algorithm in C++": twin.evaluation(theirs, evaluator.poses(count)),
-        }
+        work = {"splice": evaluation(evaluator, request_sets(evaluator.bank, count, ANY))}
+        for seed, (name, sampler) in enumerate(samplers.items(), 1):
+            sets = request_sets(evaluator.bank, count, ANY, seed=seed)
+            work[name] = sampler.evaluation(sets, evaluator.poses(count))
         rows += summaries(warm(work, count, rounds), count, ["splice"])
     return rows
 

@@ -8,11 +8,12 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+import orjson
 
 from motionsplice.runtime.expectation import Expectation, expectation
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.shared import Shared
-from motionsplice.service.wire.messages import JSON, MSGPACK, json_map, packed_map
+from motionsplice.service.wire.messages import JSON, MSGPACK, packed_map
 from motionsplice.service.wire.parameters import WHAT, format_parameter, splice_of
 from motionsplice.service.wire.query import REQUIRED, Query, text
 
@@ -21,7 +22,7 @@ EXPECTATION = Query(
     text("action", "clip that gives the upper body", REQUIRED), *OTHERS, format_parameter("json", "msgpack")
 )
 WRITERS: Mapping[str, tuple[str, Callable[[Mapping[str, Any]], bytes]]] = {
-    "json": (JSON, json_map),
+    "json": (JSON, orjson.dumps),
     "msgpack": (MSGPACK, packed_map),
 }
 

@@ -29,11 +29,6 @@ def packed_map(fields: Mapping[str, Any]) -> bytes:
     return bytes(packer().pack(fields))
 
 
-def json_map(fields: Mapping[str, Any]) -> bytes:
-    """Returns a map without arrays as JSON."""
-    return orjson.dumps(fields)
-
-
 def packed(bank: str, fields: Mapping[str, Any], arrays: Arrays) -> bytes:
     """Returns a message of frames as MessagePack: some fields, arrays, and `bank`, the bank's digest.
 

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -10,18 +12,20 @@ import pytest
 
 from bench.generated import Size, generate
 from bench.rounds import Summary
-from bench.speed import flatness, frames, roofline
-from bench.speed.cpp_twin import CppTwin
+from bench.speed import cpp_twin, flatness, frames, roofline
 from bench.speed.memory import FIELDS, state_of, table_pages
 from bench.speed.numpy_twin import NumpyTwin
+from bench.speed.sampler import Sampler
 from bench.speed.speed_charts import speed_chart
 from bench.speed.workload import SETS, Copy, Scene, request_sets
+from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import METHODS, Requests
 from motionsplice.runtime.splice import Splice
 
 MANY = Scene()
+needs_gcc = pytest.mark.skipif(bool(cpp_twin.MISSING), reason=cpp_twin.MISSING)
 
 
 @pytest.fixture(scope="module")
@@ -29,12 +33,15 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Bank:
     return generate(tmp_path_factory.mktemp("generated") / "bank", Size(joints=22, clips=6, seconds=4.0))
 
 
-@pytest.mark.skipif(bool(CppTwin.missing), reason=CppTwin.missing)
-def test_the_twin_in_cpp_agrees_with_the_kernels(generated: Bank) -> None:
-    evaluator, sets = Evaluator(generated), request_sets(generated, 60, MANY, posture="absolute")
+@needs_gcc
+def test_the_twin_in_cpp_agrees_with_the_kernels(generated: Bank, tmp_path: Path) -> None:
+    evaluator, sets = Evaluator(generated), request_sets(generated, 60, MANY)
+    sets[3].start[:] = 0.3
     ours, theirs = evaluator.poses(60), evaluator.poses(60)
     evaluator.evaluate(sets[3], ours)
-    CppTwin(generated).evaluation(sets, theirs)(3)
+    with closing(Sampler(cpp_twin.compiled(tmp_path), evaluator)) as twin:
+        twin.evaluation(sets, theirs)(3)
+        assert twin.difference(sets[3]) < 1e-6
     np.testing.assert_allclose(theirs.root_positions, ours.root_positions, atol=1e-6)
     np.testing.assert_allclose(theirs.rotations, ours.rotations, atol=1e-6)
 
@@ -42,11 +49,71 @@ def test_the_twin_in_cpp_agrees_with_the_kernels(generated: Bank) -> None:
 def test_without_a_compiler_the_row_in_cpp_is_left_out_with_the_reason(
     generated: Bank, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(CppTwin, "missing", "g++ is not installed")
+    monkeypatch.setattr(cpp_twin, "MISSING", "g++ is not installed")
     frames.main(bank=generated.path, characters=[1], rounds=2, ticks=2)
     printed = capsys.readouterr().out
     assert "left out: g++ is not installed" in printed
-    assert "C++ (clients/cpp)" not in printed
+    assert "libraries in C" not in printed
+
+
+LIBRARY = """
+#include <stddef.h>
+#include "sampler.h"
+void* sampler_open(const char* bank) { return OPENED; }
+int sampler_evaluate(void* sampler, const sampler_request* requests, int32_t count, float* rotations, float* roots) {
+    for (int k = 0; k < 4 * 22 * count; ++k) rotations[k] = k % 4 == 3 ? LENGTH : 0.0f;
+    for (int k = 0; k < count; ++k) roots[3 * k] = (float)requests[k].action_time;
+    return 0;
+}
+#ifndef HALF
+void sampler_close(void* sampler) {}
+#endif
+"""
+
+
+def built(folder: Path, *options: str) -> Path:
+    """Compiles LIBRARY."""
+    (folder / "engine.c").write_text(LIBRARY)
+    command = ["gcc", "-shared", "-fPIC", "-I", str(Path(frames.__file__).parent), *options]
+    subprocess.run([*command, folder / "engine.c", "-o", folder / "engine.so"], check=True)
+    return folder / "engine.so"
+
+
+@needs_gcc
+def test_a_library_is_given_the_moment_of_the_action_and_timed_beside_the_kernels(
+    generated: Bank, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    engine, evaluator = built(tmp_path, "-DOPENED=(void*)bank", "-DLENGTH=1.0f"), Evaluator(generated)
+    requests, poses = request_sets(generated, 3, MANY)[0], evaluator.poses(3)
+    with closing(Sampler(engine, evaluator)) as sampler:
+        sampler.evaluation([requests], poses)(0)
+        assert sampler.difference(requests) > 0.05
+    for k in range(3):
+        own, other = (generated.clips[number[k]] for number in (requests.locomotion, requests.action))
+        frame = evaluator.action_frames(Splice(own.name, other.name), requests.time[k : k + 1])[0]
+        assert poses.root_positions[k, 0] == pytest.approx(frame / other.rate, abs=1e-5)
+    frames.main(bank=generated.path, characters=[1], rounds=2, ticks=2, against=engine)
+    printed = capsys.readouterr().out
+    assert "Warm batches: the kernels, and libraries in C" in printed
+    assert "engine.so: its rotations differ from the kernels' by" in printed
+
+
+@needs_gcc
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["-DOPENED=NULL", "-DLENGTH=1.0f"], "does not open the bank"),
+        (["-DOPENED=(void*)bank", "-DLENGTH=1.0f", "-DHALF"], "sampler_close"),
+        (["-DOPENED=(void*)bank", "-DLENGTH=0.0f"], "does not write unit quaternions"),
+    ],
+)
+def test_a_library_that_cannot_be_compared_is_refused(
+    generated: Bank, tmp_path: Path, options: list[str], words: str
+) -> None:
+    with pytest.raises(SettingsError, match=words):
+        Sampler(built(tmp_path, *options), Evaluator(generated)).difference(request_sets(generated, 3, MANY)[0])
+    with pytest.raises(SettingsError, match="cannot be used"):
+        Sampler(tmp_path / "engine.c", Evaluator(generated))
 
 
 @pytest.mark.parametrize("of", ["generated", "bank"])
@@ -112,7 +179,7 @@ def test_a_small_run_prints_tables_and_writes_them(
     assert document["bank"]["joints"] == 22
     tables = document["tables"]
     names = {"batches", "scenes", "forms", "threads", "cold", "paced", "single"}
-    assert set(tables) == (names if CppTwin.missing else names | {"cpp"})
+    assert set(tables) == (names if cpp_twin.MISSING else names | {"libraries"})
     assert [(row["characters"], row["what"]) for row in tables["batches"]] == [
         (count, what) for count in (1, 20) for what in ("splice", "naive", "none", "copy", "NumPy")
     ]

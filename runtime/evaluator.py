@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from threading import Lock
 from typing import Any
 
@@ -77,6 +79,10 @@ class Evaluator:
         self._rig = handle_of(world_kernels.rig_arrays(bank.skeleton))
         self._one = Requests.empty(1)
         self._has_hybrids = any(clip.stretches for clip in bank.clips)
+
+    def __reduce__(self) -> tuple[Callable[..., Evaluator], tuple[Bank]]:
+        """Copies and pickles are made anew, because a handle is of this process and of these arrays only."""
+        return partial(type(self), threads=self._threads), (self.bank,)
 
     def poses(self, count: int) -> Poses:
         """Returns arrays for the poses of `count` characters; their contents are undefined."""

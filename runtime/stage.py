@@ -39,3 +39,7 @@ class Stage:
             mixing=mixing(bank.layout),
         )
         self._handle = handle_of(self.arrays)
+
+    def __reduce__(self) -> tuple[type[Stage], tuple[Evaluator]]:
+        """Copies and pickles are made anew, as those of the evaluator."""
+        return type(self), (self.evaluator,)

@@ -7,7 +7,6 @@ way that this joint goes over the ground.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -36,7 +35,7 @@ class Stance(NamedTuple):
 
 def without_feet(stage: Stage) -> Stage:
     """Returns a stage whose feet never stand, so that none drives a root."""
-    bare = copy.copy(stage)
+    bare = Stage(stage.evaluator)
     ground = stage.arrays.ground
     bare.arrays = stage.arrays._replace(ground=ground._replace(feet=np.zeros_like(ground.feet)))
     bare._handle = handle_of(bare.arrays)

@@ -1,4 +1,4 @@
-"""The flat arrays that kernels work on. They are few, because each array argument makes a call slower."""
+"""The flat arrays that kernels work on, in records that they read from one handle (`runtime.simd.handle`)."""
 
 from __future__ import annotations
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -43,6 +46,15 @@ def test_an_evaluator_keeps_the_arrays_of_a_bank_that_is_gone(copied: Path) -> N
     evaluator.evaluate(requests, found)
     assert found.rotations.tobytes() == expected.rotations.tobytes()
     assert found.root_positions.tobytes() == expected.root_positions.tobytes()
+
+
+@pytest.mark.parametrize("copied_by", [copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_a_copy_of_a_stage_has_arrays_of_its_own(bank: Bank, copied_by: Callable[[Stage], Stage]) -> None:
+    stage = Stage(Evaluator(bank))
+    expected, twin = played(stage), copied_by(stage)
+    del stage
+    overwrite_freed_memory()
+    assert played(twin) == expected
 
 
 def played(stage: Stage) -> bytes:

@@ -51,10 +51,13 @@ class Mirror:
         local = local_rotations(skeleton, pose)
         twins = twins_of(skeleton, roles, world_transforms(skeleton, np.zeros((1, 3)), local[None])[0][0])
         axes, turns = quaternion.to_matrices(pose), np.tile(IDENTITY, (skeleton.joint_count, 1))
-        for joint, twin in enumerate(twins.tolist()):
-            if twin >= joint:
-                found = _axes(skeleton, twins, joint, axes[joint].T @ np.diag(MIRROR) @ axes[twin])
-                turns[joint], turns[twin] = quaternion.from_matrices(np.diag(MIRROR) @ np.stack([found.T, found]))
+        joints = np.flatnonzero(twins >= np.arange(len(twins)))  # one of both sides, and those in the middle
+        found = [
+            _axes(skeleton, twins, joint, axes[joint].T @ np.diag(MIRROR) @ axes[twins[joint]])
+            for joint in joints.tolist()
+        ]
+        both = quaternion.from_matrices(np.diag(MIRROR) @ np.stack([[each.T, each] for each in found]))
+        turns[joints], turns[twins[joints]] = both[:, 0], both[:, 1]
         return cls(twins, turns)
 
     def above(self, parents: Integers) -> Floats:

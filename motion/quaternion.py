@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
 
+BLOCK = 256  # frames computed at once, so that what is between stays in a core's cache
 IDENTITY: Floats = np.array([0.0, 0.0, 0.0, 1.0])
 
 
@@ -34,14 +35,23 @@ def conjugate(q: ArrayLike) -> Floats:
 def rotate(q: ArrayLike, v: ArrayLike) -> Floats:
     """Rotates the vectors `v` by `q`. [..., 4], [..., 3] -> [..., 3]."""
     q, v = np.asarray(q, np.float64), np.asarray(v, np.float64)
+    turned = np.empty((*np.broadcast_shapes(q.shape[:-1], v.shape[:-1]), 3))
+    if q.ndim == v.ndim > 1 and len(q) == len(v):
+        for first in range(0, len(q), BLOCK):
+            some = slice(first, first + BLOCK)
+            _rotate(q[some], v[some], turned[some])
+    else:
+        _rotate(q, v, turned)
+    return turned
+
+
+def _rotate(q: Floats, v: Floats, turned: Floats) -> None:
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
     tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
-    turned = np.empty((*tx.shape, 3))  # written out, because np.cross takes several times as long
-    turned[..., 0] = vx + w * tx + y * tz - z * ty
+    turned[..., 0] = vx + w * tx + y * tz - z * ty  # written out, because np.cross takes several times as long
     turned[..., 1] = vy + w * ty + z * tx - x * tz
     turned[..., 2] = vz + w * tz + x * ty - y * tx
-    return turned
 
 
 def length(q: ArrayLike) -> Floats:

@@ -18,6 +18,6 @@ def mean_gait(clip: Clip, phase: Floats, roles: Roles) -> Floats:
     clouds = facing(joint_paths(clip, facing_joints(roles)))
     bins = (np.mod(phase, 1.0) * PHASE_BINS).astype(np.int64) % PHASE_BINS
     counts = np.bincount(bins, minlength=PHASE_BINS)
-    sums = np.zeros((PHASE_BINS, 3, 3))
-    np.add.at(sums, bins, clouds)
+    columns = [np.bincount(bins, column, PHASE_BINS) for column in clouds.reshape(-1, 9).T]  # faster than np.add.at
+    sums = np.stack(columns, axis=1).reshape(-1, 3, 3)
     return np.where(counts[:, None, None] > 0, sums / np.maximum(counts, 1)[:, None, None], np.nan)

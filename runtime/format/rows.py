@@ -26,6 +26,7 @@ ROOT, SIZE, CLOUD = 0, 3, 4  # first columns
 PELVIS, POSTURE_FRAME, TORSO_OFFSET, FIRST_JOINT = 0, 1, 2, 3  # lanes
 USAGE = 4  # floats of `upper` before the first plane, one for each part of an upper body
 LINE = 16  # floats in a cache line
+BLOCK = 256  # rows packed at once, so that they stay in a core's cache
 
 
 class TorsoRows(NamedTuple):
@@ -107,19 +108,25 @@ class Layout:
 
     def pack(self, roots: Floats, rotations: Floats, torso: TorsoRows) -> dict[str, Float32s]:
         """Returns rows [n, columns] of both tables for n frames: roots [n, 3] metres, rotations [n, J, 4], torsos."""
-        packed = {}
-        for name, half in self.halves.items():
-            rows = np.zeros((len(roots), half.columns), np.float32)
-            rows[:, ROOT : ROOT + 3] = roots
-            rows[:, SIZE] = 0.5 * np.sum(torso.clouds**2, axis=(1, 2))
-            self._clouds(rows)[:] = torso.clouds
-            lanes = half.lanes(rows)
-            lanes[:] = quaternion.IDENTITY
-            lanes[:, PELVIS], lanes[:, POSTURE_FRAME] = rotations[:, self.pelvis], torso.frames
-            lanes[:, TORSO_OFFSET] = torso.offsets
-            lanes[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)] = rotations[:, half.joints]
-            packed[name] = rows
+        packed = {name: np.empty((len(roots), half.columns), np.float32) for name, half in self.halves.items()}
+        for first in range(0, len(roots), BLOCK):
+            some = slice(first, first + BLOCK)
+            for name, half in self.halves.items():
+                part = TorsoRows(torso.clouds[some], torso.frames[some], torso.offsets[some])
+                self._fill(half, packed[name][some], roots[some], rotations[some], part)
         return packed
+
+    def _fill(self, half: Half, rows: Float32s, roots: Floats, rotations: Floats, torso: TorsoRows) -> None:
+        """Fills rows [n, columns] of a table; see `pack`."""
+        rows[:] = 0.0
+        rows[:, ROOT : ROOT + 3] = roots
+        rows[:, SIZE] = 0.5 * np.sum(torso.clouds**2, axis=(1, 2))
+        self._clouds(rows)[:] = torso.clouds
+        lanes = half.lanes(rows)
+        lanes[:] = quaternion.IDENTITY
+        lanes[:, PELVIS], lanes[:, POSTURE_FRAME] = rotations[:, self.pelvis], torso.frames
+        lanes[:, TORSO_OFFSET] = torso.offsets
+        lanes[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)] = rotations[:, half.joints]
 
     def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
         """Writes torso offsets [n, 4] into rows [n, columns] of a table."""

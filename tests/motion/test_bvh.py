@@ -15,6 +15,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
 from motionsplice.motion.formats import bvh
 from motionsplice.motion.formats.bvh.reader import _contents, _plain_contents
+from motionsplice.motion.formats.bvh.turns import fill_rotations
 from motionsplice.motion.formats.fold import fold
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.skeleton import Skeleton
@@ -329,3 +330,14 @@ def test_frames_straight_from_bytes_are_those_of_the_text(data: st.DataObject) -
 def test_a_plain_file_is_read_straight_from_bytes() -> None:
     for ending in ("\n", "\r\n"):
         assert _plain_contents(SMALL.replace("\n", ending).encode()) is not None
+
+
+@pytest.mark.parametrize("order", ["z", "zx", "zxy"])
+def test_the_kernel_composes_turns_as_quaternions_do(order: str) -> None:
+    random, joints = np.random.default_rng(2), np.array([3, 0])
+    values, columns = random.uniform(-360.0, 360.0, (300, 7)), random.permutation(7)[: 2 * len(order)].reshape(2, -1)
+    rotations = np.zeros((300, 4, 4))
+    fill_rotations(rotations, joints, order, values, columns)
+    halves = 0.5 * np.radians(values[:, columns])
+    np.testing.assert_array_equal(rotations[:, joints], quaternion.from_euler(order, np.sin(halves), np.cos(halves)))
+    np.testing.assert_array_equal(rotations[:, [1, 2]], 0.0)

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from motionsplice.motion import quaternion
 from motionsplice.motion.errors import FormatError, did_you_mean, listed
 from motionsplice.motion.formats.bvh.frames import Frames, Header, read_frames, read_header
 from motionsplice.motion.formats.bvh.hierarchy import Hierarchy, Joint, check_doubles, number_doubles, read_hierarchy
+from motionsplice.motion.formats.bvh.turns import fill_rotations
 from motionsplice.motion.formats.decimals import read_table
 from motionsplice.motion.formats.fold import Nodes, still
 from motionsplice.motion.formats.parsed import Parsed
@@ -23,8 +23,6 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.rates import CLOSE, meant_rate
 from motionsplice.motion.role_names import roles_by_name
 from motionsplice.motion.roles import ENDS
-
-BLOCK = 256  # frames converted to rotations at once, so that their angles stay in a core's cache
 
 # The last line of the header in nearly all files.
 FRAME_TIME = re.compile(rb"^[ \t]*frame[ _]?time[^\n]*\n", re.IGNORECASE | re.MULTILINE)
@@ -153,10 +151,9 @@ def _nodes(joints: list[Joint], root: int, values: Floats, size: int) -> Nodes:
                     translations[place][:, "XYZ".index(channel[0])] = values[:, column + number]
         column += len(channels)
     for order, turning in by_order.items():
-        at, columns = [place for place, _ in turning], [own for _, own in turning]
-        for first in range(0, len(values) if order else 0, BLOCK):
-            halves = np.radians(values[first : first + BLOCK, columns]) * 0.5
-            rotations[first : first + BLOCK, at] = quaternion.from_euler(order, np.sin(halves), np.cos(halves))
+        if order:
+            at, columns = np.array([place for place, _ in turning]), np.array([own for _, own in turning])
+            fill_rotations(rotations, at, order, values, columns)
     return Nodes(
         names=tuple(joint.name for joint in real),
         parents=np.array([places.get(joint.parent - root, -1) for joint in real]),

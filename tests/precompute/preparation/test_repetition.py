@@ -12,7 +12,7 @@ from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.body.joint_paths import upper_joints
 from motionsplice.precompute.body.posture import measure_torso
-from motionsplice.precompute.preparation.repetition import stride_to_stride
+from motionsplice.precompute.preparation.repetition import mean_distance, stride_to_stride
 from tests.conftest import CLIPS
 
 WALK = CLIPS["walk"]
@@ -48,3 +48,12 @@ def test_joints_are_seen_from_the_pelvis() -> None:
     positions = joint_positions(WALK)
     apart = np.linalg.norm(positions[:, upper] - positions[:, ROLES.pelvis, None], axis=2)
     np.testing.assert_allclose(np.linalg.norm(upper_joints(WALK, ROLES), axis=2), apart, atol=1e-12)
+
+
+def test_the_kernel_agrees_with_numpy() -> None:
+    random = np.random.default_rng(1)
+    points, turns = random.normal(size=(9, 4, 3)), quaternion.normalise(random.normal(size=(5, 4)))
+    frames, later = np.array([0, 2, 3, 5, 8]), np.array([1.25, 0.0, 7.5, 8.0, 2.9])
+    turned = quaternion.rotate(turns[:, None], quaternion.interpolated(points, later))
+    wanted = np.linalg.norm(points[frames] - turned, axis=2).mean()
+    assert mean_distance(points, frames, *quaternion.neighbours(9, later), turns) == pytest.approx(wanted, rel=1e-14)

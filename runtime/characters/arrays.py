@@ -76,7 +76,7 @@ class Mixing(NamedTuple):
     weights: Array  # [1 + actions + 1, parts]: of the locomotions, of each action, and what is left
     shares: Array  # [BLOCK, parts]: of each action in its pose
     turns: Array  # [BLOCK, 4 parts]: the action's pelvis, then its attachments relative to the pelvis
-    limbs_turn: Array  # [BLOCK]: whether a character's limbs must be turned
+    finish: Array  # [BLOCK]: how a character's pelvis and limbs are set, as `turning_kernels` numbers it
 
 
 def mixing(layout: Layout) -> Mixing:
@@ -91,5 +91,5 @@ def mixing(layout: Layout) -> Mixing:
         weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
         shares=np.zeros((BLOCK, col.PARTS)),
         turns=np.zeros((BLOCK, 4 * col.PARTS)),
-        limbs_turn=np.zeros(BLOCK, np.int64),
+        finish=np.zeros(BLOCK, np.int64),
     )

@@ -21,7 +21,7 @@ from motionsplice.runtime.characters.feet_kernels import (
     step_of,
 )
 from motionsplice.runtime.characters.lock_kernels import advance_lock, is_locking
-from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import (
     begin_waiting,
     drop_actions,
@@ -79,7 +79,11 @@ def advance(bank: BankArrays, ground: Ground, reach: float, s: Array, seconds: f
     reach: the farthest that the foot lock holds a foot from its pose, metres.
     """
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
+    for c in range(0, min(FARTHER * col.COLUMNS, len(s)), col.COLUMNS):
+        fetch_state(s, c)
     for c in range(0, len(s), col.COLUMNS):
+        if c + FARTHER * col.COLUMNS < len(s):
+            fetch_state(s, c + FARTHER * col.COLUMNS)
         s[c + col.EVENTS] = 0.0
         drives, locks = s[c + col.LOCOMOTIONS] > 1.0, is_locking(s, c)
         stand = (drives or locks) and seconds * s[c + col.SPEED] <= LONGEST

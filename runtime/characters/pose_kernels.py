@@ -14,7 +14,7 @@ from motionsplice.runtime.characters.arrays import Legs, Limbs, Mixing
 from motionsplice.runtime.characters.chains import Chains
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
-from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.characters.turning_kernels import LIMBS, MIXED, ONE_SPLICE, set_pelvis, turn_limbs, turn_pelvis
 from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action
@@ -28,13 +28,10 @@ from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
-from motionsplice.runtime.simd.prefetch import prefetch_at
 
 Rotation = tuple[Real, Real, Real, Real]
 
 AHEAD = 6  # characters by which rows are prefetched before they are sampled, so that waits and arithmetic overlap
-STATE_LINE = 8  # columns of a state in a cache line
-FARTHER = 12  # characters by which states are prefetched, so that rows to prefetch are known
 
 
 @kernel
@@ -101,18 +98,6 @@ def evaluate_characters(
 def lanes_of(s: Array, c: int) -> int:
     """Returns the number of lanes of a block that a character needs: one for each action, at least one."""
     return max(int(s[c + col.ACTIONS]), 1)
-
-
-@inlined
-def fetch_state(s: Array, c: int) -> None:
-    """Prefetches what each character has of its state: the row's first columns, its first slots, and its counts."""
-    for column in range(0, col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS, STATE_LINE):
-        prefetch_at(s, c + column)
-    for column in range(col.FIRST_ACTION, col.FIRST_ACTION + col.ACTION_COLUMNS, STATE_LINE):
-        prefetch_at(s, c + column)
-    prefetch_at(s, c + col.HANDS)
-    prefetch_at(s, c + col.LOCKED)
-    prefetch_at(s, c + col.AIMED)
 
 
 @inlined

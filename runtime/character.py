@@ -259,7 +259,8 @@ class Characters:
         if frames < 0:
             raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
         stage, state, seconds = self.stage, self.state.reshape(-1), frames / self.rate
-        return int(clock_kernels.advance(stage.evaluator.arrays, stage.ground, stage.legs.reach, state, seconds))
+        work = (stage.evaluator.arrays, stage.ground, stage.legs.reach, stage.clock, state)
+        return int(clock_kernels.advance(*work, seconds))
 
     def evaluate(self, out: Poses) -> None:
         """Writes the n characters' poses into `out`, which must have room for exactly n. Raises SettingsError."""

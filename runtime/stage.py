@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters.action_kernels import CLOCK_SIZE
 from motionsplice.runtime.characters.arrays import ground, mixing
 from motionsplice.runtime.characters.chains import chains_of
 from motionsplice.runtime.characters.legs import legs_of
@@ -26,6 +29,7 @@ class Stage:
         chains: Chains of joints that turn toward targets, with scratch memory.
         legs: Joints of the legs, for the foot lock.
         mixing: Scratch memory for mixing.
+        clock: Scratch memory for advancing.
     """
 
     def __init__(self, evaluator: Evaluator) -> None:
@@ -37,3 +41,4 @@ class Stage:
         self.chains = chains_of(bank)
         self.legs = legs_of(bank.skeleton, bank.roles)
         self.mixing = mixing(bank.layout)
+        self.clock = np.zeros(CLOCK_SIZE)

@@ -8,22 +8,28 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import UNKNOWN, hand_over, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_of
+from motionsplice.runtime.kernels.arrays import BLOCK, BankArrays
+from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_from, frame_near
 from motionsplice.runtime.kernels.phase import own_step
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 CATCH_UP = 0.3  # share of the locomotion's speed by which an action out of step is faster or slower
+# `clock`, scratch memory of a block of characters: the cycles that each one's gaits advanced; then of each spliced action
+# its slot, the phase that it reaches, and a frame near it
+SLOT, REACHED, NEAR, CLOCK_SIZE = (BLOCK + number * BLOCK * col.MOST_ACTIONS for number in range(4))
 MOST_PACE = 1.75  # times its captured speed: the most that an action plays at to be in step
 
 
 @inlined
-def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float) -> None:
-    """Advances all actions.
+def advance_actions(
+    bank: BankArrays, s: Array, c: int, seconds: float, passed: float, clock: Array, actions: int
+) -> int:
+    """Advances all actions of a character; returns the number of spliced actions in `clock`, of which there were some.
 
-    They follow the gaits in step, blended with their own clock by the share of locomotions without a gait.
+    They follow the gaits in step, blended with their own clock by the share of locomotions without a gait. Frames of
+    spliced actions are left to `set_frames`.
     """
-    count = int(s[c + col.ACTIONS])
+    count, ahead = int(s[c + col.ACTIONS]), seconds * s[c + col.SPEED]
     if count > 0:
         gaits, phase = 0.0, UNKNOWN
         for number in range(int(s[c + col.LOCOMOTIONS])):
@@ -33,18 +39,21 @@ def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: 
         for number in range(count):
             slot = action_slot(c, number)
             if s[slot + col.KIND] == SPLICE:
-                advance_splice(bank, s, slot, seconds * s[c + col.SPEED], passed, min(gaits, 1.0), phase)
+                reached = phase_reached(bank, s, slot, ahead, passed, min(gaits, 1.0), phase)
+                clock[SLOT + actions], clock[REACHED + actions] = slot, reached
+                clock[NEAR + actions] = frame_near(bank, int(s[slot + col.CLIP]), reached)
+                actions += 1
             elif s[slot + col.KIND] == NAIVE:
-                clip = int(s[slot + col.CLIP])
-                s[slot + col.FRAME] += seconds * s[c + col.SPEED] * bank.clips[clip, arrays.RATE]
-        end_actions(bank, s, c, count, seconds)
+                s[slot + col.FRAME] += ahead * bank.clips[int(s[slot + col.CLIP]), arrays.RATE]
+    return actions
 
 
 @inlined
-def advance_splice(
+def phase_reached(
     bank: BankArrays, s: Array, slot: int, ahead: float, passed: float, gaits: float, phase: float
-) -> None:
-    """Advances one spliced action; `passed` are the cycles that the gaits advanced, `gaits` their share.
+) -> float:
+    """Returns the phase that a spliced action reaches; `passed` are the cycles that the gaits advanced, `gaits` their
+    share.
 
     It plays at MOST_PACE at most, unless it is told to follow the legs at any pace: so it falls behind them where they
     hurry it, and catches up where they do not.
@@ -63,7 +72,16 @@ def advance_splice(
     end, loop = bank.clips[clip, arrays.LAST_PHASE], bank.clips[clip, arrays.LOOP]
     if s[slot + col.LOOP] > 0.0 and loop > 0.0 and reached > end:
         reached -= loop * np.ceil((reached - end) / loop)
-    s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, clip, reached)
+    return reached
+
+
+@inlined
+def set_frames(bank: BankArrays, s: Array, clock: Array, actions: int) -> None:
+    """Sets phases and frames of the first `actions` in `clock`."""
+    for action in range(actions):
+        slot, reached = int(clock[SLOT + action]), clock[REACHED + action]
+        frame = frame_from(bank, int(s[slot + col.CLIP]), reached, clock[NEAR + action])
+        s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame
 
 
 @kernel

@@ -31,14 +31,14 @@ class Limbs(NamedTuple):
     """The parts of an upper body: trunk, arms, head. Each limb hangs on the trunk by its attachment joint.
 
     Attributes:
-        part_of_lane: [width], the part of the joint in each lane of the upper half.
+        part_lanes: [parts, width] float32, 1 in the lanes of the upper half whose joints belong to a part, else 0.
         attachments: [parts], the lane of each limb's attachment; -1 if the rig has no such limb.
         lengths: [parts], number of joints in each limb's chain: from the pelvis's child to the attachment.
         chains: [parts, longest], the lanes of these joints.
         columns: [parts, longest], the first columns of these joints in a pose.
     """
 
-    part_of_lane: Array
+    part_lanes: Array
     attachments: Array
     lengths: Array
     chains: Array

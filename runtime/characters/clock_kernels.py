@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.action_kernels import advance_actions
+from motionsplice.runtime.characters.action_kernels import advance_actions, end_actions, set_frames
 from motionsplice.runtime.characters.aim_kernels import advance_aims
 from motionsplice.runtime.characters.arrays import Ground
 from motionsplice.runtime.characters.feet_kernels import (
@@ -17,11 +17,12 @@ from motionsplice.runtime.characters.feet_kernels import (
     Sums,
     add_step,
     drive_root,
-    mixed_place,
+    feet_at,
+    mixed_places,
     step_of,
 )
 from motionsplice.runtime.characters.lock_kernels import advance_lock, is_locking
-from motionsplice.runtime.characters.slots import FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import (
     begin_waiting,
     drop_actions,
@@ -29,16 +30,20 @@ from motionsplice.runtime.characters.transition_kernels import (
     feet_of,
     in_turned_frame,
     keep_path,
+    keep_place,
+    keep_turn,
     leading,
     path_at,
     share_locomotions,
 )
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import frame_after_last, frame_of
-from motionsplice.runtime.kernels.phase import own_step, phase_of
+from motionsplice.runtime.kernels.arrays import BLOCK, BankArrays
+from motionsplice.runtime.kernels.lookup import SPLICE, cell_of, frame_after_last, frame_of
+from motionsplice.runtime.kernels.phase import own_step, phase_of, row_of
+from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
+from motionsplice.runtime.simd.prefetch import prefetch, prefetch_at
 
 SMOOTHING = 0.05  # seconds: weights follow their goals through two low-pass filters with this time constant
 AGAIN = 0.3  # seconds: fade of a clip into its own beginning, if it has no loop
@@ -73,35 +78,85 @@ def recompute_slot(bank: BankArrays, s: Array, slot: int) -> None:
 
 
 @kernel
-def advance(bank: BankArrays, ground: Ground, reach: float, s: Array, seconds: float) -> int:
+def advance(bank: BankArrays, ground: Ground, reach: float, clock: Array, s: Array, seconds: float) -> int:
     """Advances all characters; returns the bits of all events that happened to any of them.
 
-    reach: the farthest that the foot lock holds a foot from its pose, metres.
+    Goes by blocks: the waits of many actions for their frames overlap. reach: the farthest that the foot lock holds a
+    foot from its pose, metres. clock: scratch memory (`action_kernels`).
     """
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
-    for c in range(0, min(FARTHER * col.COLUMNS, len(s)), col.COLUMNS):
-        fetch_state(s, c)
-    for c in range(0, len(s), col.COLUMNS):
-        if c + FARTHER * col.COLUMNS < len(s):
-            fetch_state(s, c + FARTHER * col.COLUMNS)
-        s[c + col.EVENTS] = 0.0
-        drives, locks = s[c + col.LOCOMOTIONS] > 1.0, is_locking(s, c)
-        stand = (drives or locks) and seconds * s[c + col.SPEED] <= LONGEST
-        left = mixed_place(bank, ground, s, c, 0) if stand else NOWHERE
-        right = mixed_place(bank, ground, s, c, 1) if stand else NOWHERE
-        advance_fades(s, c, seconds, follow)
-        passed, lefts, rights = advance_locomotions(bank, ground, s, c, seconds, stand)
-        if drives and stand:
-            drive_root(s, c, left, right, lefts, rights, seconds)
-        step_forward(s, c)
-        if locks:
-            advance_lock(s, c, left, right, lefts, rights, seconds, reach)
-        advance_actions(bank, s, c, seconds, passed)
-        downs = step(bank, ground, s, c, passed)
-        if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
-            begin_waiting(bank, ground, s, c, passed, downs)
-        happened |= int(s[c + col.EVENTS])
+    count = len(s) // col.COLUMNS
+    for character in range(min(FARTHER, count)):
+        fetch_state(s, character * col.COLUMNS)
+    for character in range(min(AHEAD, count)):
+        fetch_tables(bank, ground, s, character * col.COLUMNS)
+    for first in range(0, count, BLOCK):
+        stop, actions = min(first + BLOCK, count), 0
+        for character in range(first, stop):
+            c = character * col.COLUMNS
+            if character + FARTHER < count:
+                fetch_state(s, c + FARTHER * col.COLUMNS)
+            if character + AHEAD < count:
+                fetch_tables(bank, ground, s, c + AHEAD * col.COLUMNS)
+            s[c + col.EVENTS] = 0.0
+            passed = move(bank, ground, reach, s, c, seconds, follow)
+            clock[character - first] = passed
+            actions = advance_actions(bank, s, c, seconds, passed, clock, actions)
+        set_frames(bank, s, clock, actions)
+        for character in range(first, stop):
+            c, passed = character * col.COLUMNS, clock[character - first]
+            if s[c + col.ACTIONS] > 0.0:
+                end_actions(bank, s, c, int(s[c + col.ACTIONS]), seconds)
+            downs = step(bank, ground, s, c, passed)
+            if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
+                begin_waiting(bank, ground, s, c, passed, downs)
+            happened |= int(s[c + col.EVENTS])
     return happened
+
+
+@inlined
+def move(bank: BankArrays, ground: Ground, reach: float, s: Array, c: int, seconds: float, follow: float) -> float:
+    """Advances a character's fades, locomotions, place and foot lock; returns the cycles that the gaits advanced."""
+    drives, locks = s[c + col.LOCOMOTIONS] > 1.0, is_locking(s, c)
+    stand = (drives or locks) and seconds * s[c + col.SPEED] <= LONGEST
+    left, right = mixed_places(bank, ground, s, c) if stand else (NOWHERE, NOWHERE)
+    advance_fades(s, c, seconds, follow)
+    passed, lefts, rights = advance_locomotions(bank, ground, s, c, seconds, stand)
+    if drives and stand:
+        drive_root(s, c, left, right, lefts, rights, seconds)
+    step_forward(s, c)
+    if locks:
+        advance_lock(s, c, left, right, lefts, rights, seconds, reach)
+    return passed
+
+
+@inlined
+def fetch_tables(bank: BankArrays, ground: Ground, s: Array, c: int) -> None:
+    """Prefetches what a character is going to read of the bank's tables of phases, frames, paths and feet."""
+    count = int(s[c + col.LOCOMOTIONS])
+    for number in range(count):
+        slot = locomotion_slot(c, number)
+        row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+        prefetch_at(bank.phases, row + ONE)
+        prefetch(ground.paths, row, 0)
+        prefetch(ground.paths, row + ONE + ONE, 0)
+        prefetch_at(ground.contacts, row)
+        if count > 1:
+            prefetch(ground.feet, row, 0)
+            fetch_frames(bank, s, slot)
+    for number in range(int(s[c + col.ACTIONS])):
+        slot = action_slot(c, number)
+        if s[slot + col.KIND] == SPLICE:
+            row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+            prefetch_at(bank.phases, row + ONE)
+            fetch_frames(bank, s, slot)
+
+
+@inlined
+def fetch_frames(bank: BankArrays, s: Array, slot: int) -> None:
+    """Prefetches the cells of frame_of_phase at a slot's phase."""
+    cell, _ = cell_of(bank, int(s[slot + col.CLIP]), s[slot + col.PHASE])
+    prefetch_at(bank.frames, cell + ONE)
 
 
 @inlined
@@ -177,9 +232,9 @@ def advance_locomotions(
         share = s[slot + col.SHARE]
         x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
         if stand:
-            own = step_of(dx, dz, dh)
-            lefts = add_step(bank, ground, s, slot, before, own, 0, lefts)
-            rights = add_step(bank, ground, s, slot, before, own, 1, rights)
+            own, was, now = step_of(dx, dz, dh), feet_at(bank, ground, clip, before), feet_at(bank, ground, clip, after)
+            lefts = add_step(share, was[0], now[0], own, lefts)
+            rights = add_step(share, was[1], now[1], own, rights)
     s[c + col.DELTA], s[c + col.DELTA + 1], s[c + col.DELTA + 2], s[c + col.DELTA + 3] = x, y, z, turn
     return passed, lefts, rights
 
@@ -266,7 +321,10 @@ def travelled(
             dx, dz = in_turned_frame(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
             x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
         sin, cos = math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn))
-    keep_path(bank, ground, s, slot)
+    heading = s[slot + col.PATH + 3]
+    keep_place(bank, ground, s, slot)
+    if s[slot + col.PATH + 3] != heading:
+        keep_turn(s, slot)
     dx, dz = in_turned_frame(sin, cos, s[slot + col.PATH] - x0, s[slot + col.PATH + 2] - z0)
     return x + dx, y + s[slot + col.PATH + 1] - y0, z + dz, turn + s[slot + col.PATH + 3] - h0
 

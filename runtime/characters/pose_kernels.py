@@ -14,10 +14,10 @@ from motionsplice.runtime.characters.arrays import Legs, Limbs, Mixing
 from motionsplice.runtime.characters.chains import Chains
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
-from motionsplice.runtime.characters.slots import FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.characters.turning_kernels import LIMBS, MIXED, ONE_SPLICE, set_pelvis, turn_limbs, turn_pelvis
-from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action
+from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action, shows_own
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays, Scratch
@@ -30,9 +30,6 @@ from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 
 Rotation = tuple[Real, Real, Real, Real]
-
-AHEAD = 6  # characters by which rows are prefetched before they are sampled, so that waits and arithmetic overlap
-
 
 @kernel
 def evaluate_characters(
@@ -103,12 +100,13 @@ def lanes_of(s: Array, c: int) -> int:
 @inlined
 def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
     """Prefetches the rows of all slots of a character."""
+    own = shows_own(bank, s, c)
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
         clip = int(s[slot + col.CLIP])
         row, _ = row_of(bank, clip, s[slot + col.FRAME])
         fetch_ahead(bank.lower, row)
-        if s[c + col.ACTIONS] == 0.0:
+        if own:
             fetch_ahead(bank.upper, row)
             fetch_worn(bank, s, c, clip, row)
     for number in range(int(s[c + col.ACTIONS])):

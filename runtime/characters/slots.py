@@ -9,7 +9,9 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.simd.compiled import Array, inlined
 from motionsplice.runtime.simd.prefetch import prefetch_at
 
-FARTHER = 12  # characters by which rows of the state are prefetched
+# characters by which what they read of the bank is prefetched, so that waits and arithmetic overlap, and by which their
+# rows are, so that it is known what they are going to read
+AHEAD, FARTHER = 6, 12
 
 
 @inlined

@@ -71,9 +71,12 @@ def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
 
 
 @kernel
-def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
-    """Stores the rotation of each limb's attachment relative to the pelvis, from an action's own upper half."""
+def keep_limbs(limbs: Limbs, mask: int, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
+    """Stores the rotation of the attachment of each limb in a mask, relative to the pelvis, from an action's own upper
+    half."""
     for part in range(1, col.PARTS):
+        if not mask >> part & 1:
+            continue
         x, y, z, w = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(1.0)
         for number in range(limbs.lengths[part]):
             at = above + np.uint64(4 * limbs.chains[part, number])

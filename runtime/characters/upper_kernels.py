@@ -24,6 +24,8 @@ from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RELATIVE, RUNN
 from motionsplice.runtime.kernels.rotations import sample
 from motionsplice.runtime.kernels.standing import lay_on
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+from motionsplice.runtime.simd.lanes import load, spread, store
+from motionsplice.runtime.simd.width import LANES
 
 
 @inlined
@@ -77,6 +79,22 @@ def is_plain(s: Array, c: int) -> bool:
         and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
         and s[slot + col.WEIGHT] == 1.0
     )
+
+
+@inlined
+def shows_own(bank: BankArrays, s: Array, c: int) -> bool:
+    """Whether the locomotions' own upper halves are likely to be sampled: no action covers all of them."""
+    covered = False
+    for number in range(int(s[c + col.ACTIONS])):
+        slot = action_slot(c, number)
+        if s[slot + col.KIND] == col.OWN or is_added(bank, s, slot):
+            return True
+        covered |= (
+            s[slot + col.MASK] == col.UPPER_BODY
+            and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
+            and s[slot + col.WEIGHT] == 1.0
+        )
+    return not covered
 
 
 @inlined
@@ -214,7 +232,7 @@ def mix_actions(
             sample_action(bank, s, c, number, k + number, lanes, block, mixing)
             apart = is_apart(s, slot, k + number, mixing)
             if apart:
-                keep_limbs(bank, limbs, lanes, above, k + number, mixing)
+                keep_limbs(limbs, int(s[slot + col.MASK]), lanes, above, k + number, mixing)
                 mixing.finish[k] = LIMBS
             set_part_weights(limbs, width, mixing, number + 1, apart)
             add_lanes(lanes, above, width, mixing, new)
@@ -256,8 +274,12 @@ def set_part_weights(limbs: Limbs, width: Index, mixing: Mixing, source: int, ap
     if whole:
         set_lane_weights(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
         return
-    for lane in range(width):
-        mixing.lane_weights[0, lane] = np.float32(mixing.weights[begin + limbs.part_of_lane[lane]])
+    parts, weights = limbs.part_lanes, mixing.weights[begin : begin + col.PARTS]
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        weight = spread(np.float32(weights[0])) * load(parts, 0, lane)
+        for part in range(1, col.PARTS):
+            weight = weight + spread(np.float32(weights[part])) * load(parts, part, lane)
+        store(mixing.lane_weights, 0, lane, weight)
     if apart:
         for part in range(1, col.PARTS):
             if limbs.lengths[part] > 0:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.characters.action_kernels import CLOCK_SIZE
-from motionsplice.runtime.characters.arrays import ground, mixing
+from motionsplice.runtime.characters.arrays import CLOCK_SIZE, ground, mixing
 from motionsplice.runtime.characters.chains import chains_of
 from motionsplice.runtime.characters.legs import legs_of
 from motionsplice.runtime.characters.limbs import limbs_of

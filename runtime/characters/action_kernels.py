@@ -5,26 +5,22 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import NEAR, REACHED, SLOT
 from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import UNKNOWN, hand_over, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, BankArrays
+from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_from, frame_near
 from motionsplice.runtime.kernels.phase import own_step
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
 CATCH_UP = 0.3  # share of the locomotion's speed by which an action out of step is faster or slower
-# `clock`, scratch memory of a block of characters: the cycles that each one's gaits advanced; then of each spliced action
-# its slot, the phase that it reaches, and a frame near it
-SLOT, REACHED, NEAR, CLOCK_SIZE = (BLOCK + number * BLOCK * col.MOST_ACTIONS for number in range(4))
 MOST_PACE = 1.75  # times its captured speed: the most that an action plays at to be in step
 
 
 @inlined
-def advance_actions(
-    bank: BankArrays, s: Array, c: int, seconds: float, passed: float, clock: Array, actions: int
-) -> int:
-    """Advances all actions of a character; returns the number of spliced actions in `clock`, of which there were some.
+def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float, clock: Array, slots: int) -> int:
+    """Advances all actions of a character. Puts spliced ones into the clock; returns how many slots it then has.
 
     They follow the gaits in step, blended with their own clock by the share of locomotions without a gait. Frames of
     spliced actions are left to `set_frames`.
@@ -40,12 +36,12 @@ def advance_actions(
             slot = action_slot(c, number)
             if s[slot + col.KIND] == SPLICE:
                 reached = phase_reached(bank, s, slot, ahead, passed, min(gaits, 1.0), phase)
-                clock[SLOT + actions], clock[REACHED + actions] = slot, reached
-                clock[NEAR + actions] = frame_near(bank, int(s[slot + col.CLIP]), reached)
-                actions += 1
+                clock[SLOT + slots], clock[REACHED + slots] = slot, reached
+                clock[NEAR + slots] = frame_near(bank, int(s[slot + col.CLIP]), reached)
+                slots += 1
             elif s[slot + col.KIND] == NAIVE:
                 s[slot + col.FRAME] += ahead * bank.clips[int(s[slot + col.CLIP]), arrays.RATE]
-    return actions
+    return slots
 
 
 @inlined
@@ -76,11 +72,11 @@ def phase_reached(
 
 
 @inlined
-def set_frames(bank: BankArrays, s: Array, clock: Array, actions: int) -> None:
-    """Sets phases and frames of the first `actions` in `clock`."""
-    for action in range(actions):
-        slot, reached = int(clock[SLOT + action]), clock[REACHED + action]
-        frame = frame_from(bank, int(s[slot + col.CLIP]), reached, clock[NEAR + action])
+def set_frames(bank: BankArrays, s: Array, clock: Array, first: int, stop: int) -> None:
+    """Sets phases and frames of slots in the clock."""
+    for number in range(first, stop):
+        slot, reached = int(clock[SLOT + number]), clock[REACHED + number]
+        frame = frame_from(bank, int(s[slot + col.CLIP]), reached, clock[NEAR + number])
         s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame
 
 

@@ -13,6 +13,16 @@ from motionsplice.runtime.kernels.arrays import BLOCK, MEMORY_COLUMNS, constant
 from motionsplice.runtime.requests import REQUEST
 from motionsplice.runtime.simd.compiled import Array
 
+# rows of the clock, scratch memory for advancing a block of characters. Of each character: the cycles that its gaits
+# advance; whether its feet are looked up, and whether they drive the root; the places of both feet, x and z
+PASSED, STANDS, DRIVES, LEFT_X, LEFT_Z, RIGHT_X, RIGHT_Z = (row * BLOCK for row in range(7))
+# of each slot whose frame follows from its phase, locomotions before actions: the slot, its new phase, a frame near it;
+# of locomotions the frame before, and the loops that they go back
+FIRST_IN_STEP = BLOCK * col.MOST_LOCOMOTIONS  # number of the first action
+SLOT, REACHED, NEAR, BEFORE, ROUNDS, CLOCK_SIZE = (
+    7 * BLOCK + row * (FIRST_IN_STEP + BLOCK * col.MOST_ACTIONS) for row in range(6)
+)
+
 
 class Ground(NamedTuple):
     """The tables `paths` [rows, 4], `contacts` [rows] and `feet` [rows, 6] of a bank."""

@@ -9,7 +9,22 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action_kernels import advance_actions, end_actions, set_frames
 from motionsplice.runtime.characters.aim_kernels import advance_aims
-from motionsplice.runtime.characters.arrays import Ground
+from motionsplice.runtime.characters.arrays import (
+    BEFORE,
+    DRIVES,
+    FIRST_IN_STEP,
+    LEFT_X,
+    LEFT_Z,
+    NEAR,
+    PASSED,
+    REACHED,
+    RIGHT_X,
+    RIGHT_Z,
+    ROUNDS,
+    SLOT,
+    STANDS,
+    Ground,
+)
 from motionsplice.runtime.characters.feet_kernels import (
     LONGEST,
     NOTHING,
@@ -39,7 +54,7 @@ from motionsplice.runtime.characters.transition_kernels import (
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, BankArrays
-from motionsplice.runtime.kernels.lookup import SPLICE, cell_of, frame_after_last, frame_of
+from motionsplice.runtime.kernels.lookup import SPLICE, cell_of, frame_after_last, frame_near
 from motionsplice.runtime.kernels.phase import own_step, phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
@@ -81,8 +96,8 @@ def recompute_slot(bank: BankArrays, s: Array, slot: int) -> None:
 def advance(bank: BankArrays, ground: Ground, reach: float, clock: Array, s: Array, seconds: float) -> int:
     """Advances all characters; returns the bits of all events that happened to any of them.
 
-    Goes by blocks: the waits of many actions for their frames overlap. reach: the farthest that the foot lock holds a
-    foot from its pose, metres. clock: scratch memory (`action_kernels`).
+    Goes step by step through a block of characters, so that their waits for frames overlap. reach: the farthest that
+    the foot lock holds a foot from its pose, metres. clock: scratch memory.
     """
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
     count = len(s) // col.COLUMNS
@@ -91,7 +106,7 @@ def advance(bank: BankArrays, ground: Ground, reach: float, clock: Array, s: Arr
     for character in range(min(AHEAD, count)):
         fetch_tables(bank, ground, s, character * col.COLUMNS)
     for first in range(0, count, BLOCK):
-        stop, actions = min(first + BLOCK, count), 0
+        stop, slots = min(first + BLOCK, count), 0
         for character in range(first, stop):
             c = character * col.COLUMNS
             if character + FARTHER < count:
@@ -99,12 +114,16 @@ def advance(bank: BankArrays, ground: Ground, reach: float, clock: Array, s: Arr
             if character + AHEAD < count:
                 fetch_tables(bank, ground, s, c + AHEAD * col.COLUMNS)
             s[c + col.EVENTS] = 0.0
-            passed = move(bank, ground, reach, s, c, seconds, follow)
-            clock[character - first] = passed
-            actions = advance_actions(bank, s, c, seconds, passed, clock, actions)
-        set_frames(bank, s, clock, actions)
+            slots = begin_step(bank, ground, s, c, character - first, seconds, follow, clock, slots)
+        set_frames(bank, s, clock, 0, slots)
+        slots, actions = 0, FIRST_IN_STEP
         for character in range(first, stop):
-            c, passed = character * col.COLUMNS, clock[character - first]
+            c, k = character * col.COLUMNS, character - first
+            slots = move(bank, ground, reach, s, c, k, seconds, clock, slots)
+            actions = advance_actions(bank, s, c, seconds, clock[PASSED + k], clock, actions)
+        set_frames(bank, s, clock, FIRST_IN_STEP, actions)
+        for character in range(first, stop):
+            c, passed = character * col.COLUMNS, clock[PASSED + character - first]
             if s[c + col.ACTIONS] > 0.0:
                 end_actions(bank, s, c, int(s[c + col.ACTIONS]), seconds)
             downs = step(bank, ground, s, c, passed)
@@ -115,19 +134,67 @@ def advance(bank: BankArrays, ground: Ground, reach: float, clock: Array, s: Arr
 
 
 @inlined
-def move(bank: BankArrays, ground: Ground, reach: float, s: Array, c: int, seconds: float, follow: float) -> float:
-    """Advances a character's fades, locomotions, place and foot lock; returns the cycles that the gaits advanced."""
-    drives, locks = s[c + col.LOCOMOTIONS] > 1.0, is_locking(s, c)
-    stand = (drives or locks) and seconds * s[c + col.SPEED] <= LONGEST
+def begin_step(
+    bank: BankArrays,
+    ground: Ground,
+    s: Array,
+    c: int,
+    k: int,
+    seconds: float,
+    follow: float,
+    clock: Array,
+    slots: int,
+) -> int:
+    """Advances a character's fades, and finds the places of its feet and the cycles that its gaits advance together.
+
+    Puts all gaits of a mix into the clock, and returns how many slots it then has.
+    """
+    drives = s[c + col.LOCOMOTIONS] > 1.0
+    stand = (drives or is_locking(s, c)) and seconds * s[c + col.SPEED] <= LONGEST
     left, right = mixed_places(bank, ground, s, c) if stand else (NOWHERE, NOWHERE)
+    clock[STANDS + k], clock[DRIVES + k] = stand, stand and drives
+    clock[LEFT_X + k], clock[LEFT_Z + k], clock[RIGHT_X + k], clock[RIGHT_Z + k] = left[0], left[1], right[0], right[1]
     advance_fades(s, c, seconds, follow)
-    passed, lefts, rights = advance_locomotions(bank, ground, s, c, seconds, stand)
-    if drives and stand:
+    count, passed = int(s[c + col.LOCOMOTIONS]), 0.0
+    if count > 1:
+        passed = common_step(bank, s, c, count, seconds * s[c + col.SPEED])
+        for number in range(count):
+            slot = locomotion_slot(c, number)
+            clip = int(s[slot + col.CLIP])
+            if bank.clips[clip, arrays.GAIT] > 0.0:
+                loop, _ = end_of(bank, s, slot)
+                reached, end = s[slot + col.PHASE] + passed, bank.clips[clip, arrays.LAST_PHASE]
+                rounds = np.ceil((reached - end) / loop) if loop > 0.0 and reached > end else 0.0
+                reached -= rounds * loop
+                clock[SLOT + slots], clock[REACHED + slots] = slot, reached
+                clock[NEAR + slots] = frame_near(bank, clip, reached)
+                clock[BEFORE + slots], clock[ROUNDS + slots] = s[slot + col.FRAME], rounds
+                slots += 1
+    clock[PASSED + k] = passed
+    return slots
+
+
+@inlined
+def move(
+    bank: BankArrays,
+    ground: Ground,
+    reach: float,
+    s: Array,
+    c: int,
+    k: int,
+    seconds: float,
+    clock: Array,
+    slots: int,
+) -> int:
+    """Advances a character's locomotions, place and foot lock; returns the number of the next slot in the clock."""
+    left, right = (clock[LEFT_X + k], clock[LEFT_Z + k]), (clock[RIGHT_X + k], clock[RIGHT_Z + k])
+    slots, lefts, rights = advance_locomotions(bank, ground, s, c, k, seconds, clock, slots)
+    if clock[DRIVES + k] > 0.0:
         drive_root(s, c, left, right, lefts, rights, seconds)
     step_forward(s, c)
-    if locks:
+    if is_locking(s, c):
         advance_lock(s, c, left, right, lefts, rights, seconds, reach)
-    return passed
+    return slots
 
 
 @inlined
@@ -193,39 +260,35 @@ def advance_fade(s: Array, slot: int, seconds: float, follow: float) -> None:
 
 @inlined
 def advance_locomotions(
-    bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float, stand: bool
-) -> tuple[float, Sums, Sums]:
+    bank: BankArrays, ground: Ground, s: Array, c: int, k: int, seconds: float, clock: Array, slots: int
+) -> tuple[int, Sums, Sums]:
     """Advances phases and frames, and sets the root motion that the clips mix to.
 
-    Returns the cycles that the gaits advanced, 0 without a gait; and if feet may `stand`, the sums of the left and the
-    right foot.
+    Frames of gaits in a mix are those in the clock. A gait alone sets the cycles that it advances there. Returns the
+    number of the next slot in the clock; and if feet may stand, the sums of the left and the right foot.
     """
-    count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
-    passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
+    count, ahead, stand = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED], clock[STANDS + k] > 0.0
     x = y = z = turn = 0.0
     lefts, rights = NOTHING, NOTHING
     for number in range(count):
         slot = locomotion_slot(c, number)
-        clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
-        rate, phase = bank.clips[clip, arrays.RATE], s[slot + col.PHASE]
+        clip, rate = int(s[slot + col.CLIP]), bank.clips[int(s[slot + col.CLIP]), arrays.RATE]
         loop, last = end_of(bank, s, slot)
         if count > 1 and bank.clips[clip, arrays.GAIT] > 0.0:
-            reached = phase + passed
-            end = bank.clips[clip, arrays.LAST_PHASE]
-            rounds = np.ceil((reached - end) / loop) if loop > 0.0 and reached > end else 0.0
-            reached -= rounds * loop
-            after = min(frame_of(bank, clip, reached), last)
+            before, rounds, after = clock[BEFORE + slots], clock[ROUNDS + slots], min(s[slot + col.FRAME], last)
+            slots += 1
         else:
-            after, rounds = before + ahead * rate, 0.0
+            before, phase, rounds = s[slot + col.FRAME], s[slot + col.PHASE], 0.0
+            after = before + ahead * rate
             if after > last and loop > 0.0:
                 lasting = last - frame_after_last(bank, clip)
                 rounds = np.ceil((after - last) / lasting)
                 after -= rounds * lasting
             after = min(after, last)
-            reached = phase_of(bank, clip, after)
+            s[slot + col.PHASE] = phase_of(bank, clip, after)
             if count == 1 and bank.clips[clip, arrays.GAIT] > 0.0:
-                passed = reached - phase + rounds * loop
-        s[slot + col.PHASE], s[slot + col.FRAME] = reached, after
+                clock[PASSED + k] = s[slot + col.PHASE] - phase + rounds * loop
+        s[slot + col.FRAME] = after
         if loop == 0.0:
             end_locomotion(s, c, number, before, after, last, rate)
         dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
@@ -236,7 +299,7 @@ def advance_locomotions(
             lefts = add_step(share, was[0], now[0], own, lefts)
             rights = add_step(share, was[1], now[1], own, rights)
     s[c + col.DELTA], s[c + col.DELTA + 1], s[c + col.DELTA + 2], s[c + col.DELTA + 3] = x, y, z, turn
-    return passed, lefts, rights
+    return slots, lefts, rights
 
 
 @inlined

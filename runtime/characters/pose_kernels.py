@@ -16,7 +16,14 @@ from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
-from motionsplice.runtime.characters.turning_kernels import LIMBS, MIXED, ONE_SPLICE, set_pelvis, turn_limbs, turn_pelvis
+from motionsplice.runtime.characters.turning_kernels import (
+    LIMBS,
+    MIXED,
+    ONE_SPLICE,
+    set_pelvis,
+    turn_limbs,
+    turn_pelvis,
+)
 from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action, shows_own
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
@@ -30,6 +37,7 @@ from motionsplice.runtime.kernels.rotations import ONE, sample
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 
 Rotation = tuple[Real, Real, Real, Real]
+
 
 @kernel
 def evaluate_characters(
@@ -149,7 +157,8 @@ def pose_lower(
     x, y, z = root_from_path(bank, s, slot, row, t32, mirrored)
     copy_lower(rig, lanes, rotations, character)
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
-    root = turned_about_y(rotation_in(lanes, np.uint64(4 * FIRST_JOINT)), -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
+    root = rotation_in(lanes, np.uint64(4 * FIRST_JOINT))
+    root = turned_about_y(root, -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
     place_root(s, c, x, y, z, root, character, roots, rotations, rig[arrays.COLUMNS])
 
 

@@ -30,8 +30,8 @@ SPEED, IN_PLACE, LOCOMOTIONS, ACTIONS = 8, 9, 10, 11
 # bits of standing feet, bits of events, clips of the latest ACTION_BEGAN and ACTION_ENDED
 STANDING, EVENTS, BEGAN, ENDED = range(12, 16)
 SIN, COS = 16, 17  # sine and cosine of half the heading
-# what may be waiting, worn, locked or aimed: size of the waiting group, when the waiting action begins; number of hands,
-# whether hands wait; whether the foot lock is on, how far it is faded in; number of parts that are turned
+# what few characters have: size of the waiting group, when the waiting action begins; number of hands, whether hands
+# wait; whether the foot lock is on, how far it is faded in; number of parts that are turned
 NEXT_COUNT, WHEN, HANDS, HANDS_WAIT, LOCK, LOCKED, AIMED = range(18, 25)
 
 # a locomotion slot; the slots begin at FIRST_LOCOMOTION

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.arrays import NEAR, REACHED, SLOT
+from motionsplice.runtime.characters.arrays import REACHED, SLOT
 from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import UNKNOWN, hand_over, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_from, frame_near
+from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_of
 from motionsplice.runtime.kernels.phase import own_step
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
@@ -37,7 +37,6 @@ def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: 
             if s[slot + col.KIND] == SPLICE:
                 reached = phase_reached(bank, s, slot, ahead, passed, min(gaits, 1.0), phase)
                 clock[SLOT + slots], clock[REACHED + slots] = slot, reached
-                clock[NEAR + slots] = frame_near(bank, int(s[slot + col.CLIP]), reached)
                 slots += 1
             elif s[slot + col.KIND] == NAIVE:
                 s[slot + col.FRAME] += ahead * bank.clips[int(s[slot + col.CLIP]), arrays.RATE]
@@ -76,8 +75,7 @@ def set_frames(bank: BankArrays, s: Array, clock: Array, first: int, stop: int) 
     """Sets phases and frames of slots in the clock."""
     for number in range(first, stop):
         slot, reached = int(clock[SLOT + number]), clock[REACHED + number]
-        frame = frame_from(bank, int(s[slot + col.CLIP]), reached, clock[NEAR + number])
-        s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame
+        s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, int(s[slot + col.CLIP]), reached)
 
 
 @kernel

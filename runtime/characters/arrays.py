@@ -16,11 +16,11 @@ from motionsplice.runtime.simd.compiled import Array
 # rows of the clock, scratch memory for advancing a block of characters. Of each character: the cycles that its gaits
 # advance; whether its feet are looked up, and whether they drive the root; the places of both feet, x and z
 PASSED, STANDS, DRIVES, LEFT_X, LEFT_Z, RIGHT_X, RIGHT_Z = (row * BLOCK for row in range(7))
-# of each slot whose frame follows from its phase, locomotions before actions: the slot, its new phase, a frame near it;
-# of locomotions the frame before, and the loops that they go back
+# of each slot whose frame follows from its phase, locomotions before actions: the slot, its new phase; of a locomotion
+# the frame before, and the loops that it goes back
 FIRST_IN_STEP = BLOCK * col.MOST_LOCOMOTIONS  # number of the first action
-SLOT, REACHED, NEAR, BEFORE, ROUNDS, CLOCK_SIZE = (
-    7 * BLOCK + row * (FIRST_IN_STEP + BLOCK * col.MOST_ACTIONS) for row in range(6)
+SLOT, REACHED, BEFORE, ROUNDS, CLOCK_SIZE = (
+    7 * BLOCK + row * (FIRST_IN_STEP + BLOCK * col.MOST_ACTIONS) for row in range(5)
 )
 
 

@@ -15,7 +15,6 @@ from motionsplice.runtime.characters.arrays import (
     FIRST_IN_STEP,
     LEFT_X,
     LEFT_Z,
-    NEAR,
     PASSED,
     REACHED,
     RIGHT_X,
@@ -54,7 +53,7 @@ from motionsplice.runtime.characters.transition_kernels import (
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, BankArrays
-from motionsplice.runtime.kernels.lookup import SPLICE, cell_of, frame_after_last, frame_near
+from motionsplice.runtime.kernels.lookup import SPLICE, cell_of, frame_after_last
 from motionsplice.runtime.kernels.phase import own_step, phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
@@ -167,7 +166,6 @@ def begin_step(
                 rounds = np.ceil((reached - end) / loop) if loop > 0.0 and reached > end else 0.0
                 reached -= rounds * loop
                 clock[SLOT + slots], clock[REACHED + slots] = slot, reached
-                clock[NEAR + slots] = frame_near(bank, clip, reached)
                 clock[BEFORE + slots], clock[ROUNDS + slots] = s[slot + col.FRAME], rounds
                 slots += 1
     clock[PASSED + k] = passed

@@ -150,13 +150,8 @@ def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
 @inlined
 def frame_of(bank: BankArrays, clip: int, phase: float) -> float:
     """Returns a clip's real-valued frame at a phase, clamped to its ends."""
-    return frame_from(bank, clip, phase, frame_near(bank, clip, phase))
-
-
-@inlined
-def frame_from(bank: BankArrays, clip: int, phase: float, near: float) -> float:
-    """Returns the frame of `frame_of` from a frame near it."""
-    return min(max(frame_at(bank, clip, phase, near), 0.0), bank.clips[clip, arrays.ROW_COUNT] - 1.0)
+    last = bank.clips[clip, arrays.ROW_COUNT] - 1.0
+    return min(max(frame_at(bank, clip, phase, frame_near(bank, clip, phase)), 0.0), last)
 
 
 @inlined

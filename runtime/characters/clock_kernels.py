@@ -10,32 +10,24 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action_kernels import advance_actions, end_actions, set_frames
 from motionsplice.runtime.characters.aim_kernels import advance_aims
 from motionsplice.runtime.characters.arrays import (
-    BEFORE,
     DRIVES,
     FIRST_IN_STEP,
     LEFT_X,
     LEFT_Z,
     PASSED,
-    REACHED,
     RIGHT_X,
     RIGHT_Z,
-    ROUNDS,
-    SLOT,
     STANDS,
     Ground,
 )
 from motionsplice.runtime.characters.feet_kernels import (
     LONGEST,
-    NOTHING,
     NOWHERE,
-    Sums,
-    add_step,
     drive_root,
-    feet_at,
     mixed_places,
-    step_of,
 )
 from motionsplice.runtime.characters.lock_kernels import advance_lock, is_locking
+from motionsplice.runtime.characters.locomotion_kernels import advance_locomotions, begin_in_step
 from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import (
     begin_waiting,
@@ -44,23 +36,19 @@ from motionsplice.runtime.characters.transition_kernels import (
     feet_of,
     in_turned_frame,
     keep_path,
-    keep_place,
-    keep_turn,
     leading,
-    path_at,
     share_locomotions,
 )
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, BankArrays
-from motionsplice.runtime.kernels.lookup import SPLICE, cell_of, frame_after_last
-from motionsplice.runtime.kernels.phase import own_step, phase_of, row_of
+from motionsplice.runtime.kernels.lookup import SPLICE, cell_of
+from motionsplice.runtime.kernels.phase import phase_of, row_of
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 from motionsplice.runtime.simd.prefetch import prefetch, prefetch_at
 
 SMOOTHING = 0.05  # seconds: weights follow their goals through two low-pass filters with this time constant
-AGAIN = 0.3  # seconds: fade of a clip into its own beginning, if it has no loop
 
 
 @kernel
@@ -154,22 +142,7 @@ def begin_step(
     clock[STANDS + k], clock[DRIVES + k] = stand, stand and drives
     clock[LEFT_X + k], clock[LEFT_Z + k], clock[RIGHT_X + k], clock[RIGHT_Z + k] = left[0], left[1], right[0], right[1]
     advance_fades(s, c, seconds, follow)
-    count, passed = int(s[c + col.LOCOMOTIONS]), 0.0
-    if count > 1:
-        passed = common_step(bank, s, c, count, seconds * s[c + col.SPEED])
-        for number in range(count):
-            slot = locomotion_slot(c, number)
-            clip = int(s[slot + col.CLIP])
-            if bank.clips[clip, arrays.GAIT] > 0.0:
-                loop, _ = end_of(bank, s, slot)
-                reached, end = s[slot + col.PHASE] + passed, bank.clips[clip, arrays.LAST_PHASE]
-                rounds = np.ceil((reached - end) / loop) if loop > 0.0 and reached > end else 0.0
-                reached -= rounds * loop
-                clock[SLOT + slots], clock[REACHED + slots] = slot, reached
-                clock[BEFORE + slots], clock[ROUNDS + slots] = s[slot + col.FRAME], rounds
-                slots += 1
-    clock[PASSED + k] = passed
-    return slots
+    return begin_in_step(bank, s, c, k, seconds * s[c + col.SPEED], clock, slots)
 
 
 @inlined
@@ -257,50 +230,6 @@ def advance_fade(s: Array, slot: int, seconds: float, follow: float) -> None:
 
 
 @inlined
-def advance_locomotions(
-    bank: BankArrays, ground: Ground, s: Array, c: int, k: int, seconds: float, clock: Array, slots: int
-) -> tuple[int, Sums, Sums]:
-    """Advances phases and frames, and sets the root motion that the clips mix to.
-
-    Frames of gaits in a mix are those in the clock. A gait alone sets the cycles that it advances there. Returns the
-    number of the next slot in the clock; and if feet may stand, the sums of the left and the right foot.
-    """
-    count, ahead, stand = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED], clock[STANDS + k] > 0.0
-    x = y = z = turn = 0.0
-    lefts, rights = NOTHING, NOTHING
-    for number in range(count):
-        slot = locomotion_slot(c, number)
-        clip, rate = int(s[slot + col.CLIP]), bank.clips[int(s[slot + col.CLIP]), arrays.RATE]
-        loop, last = end_of(bank, s, slot)
-        if count > 1 and bank.clips[clip, arrays.GAIT] > 0.0:
-            before, rounds, after = clock[BEFORE + slots], clock[ROUNDS + slots], min(s[slot + col.FRAME], last)
-            slots += 1
-        else:
-            before, phase, rounds = s[slot + col.FRAME], s[slot + col.PHASE], 0.0
-            after = before + ahead * rate
-            if after > last and loop > 0.0:
-                lasting = last - frame_after_last(bank, clip)
-                rounds = np.ceil((after - last) / lasting)
-                after -= rounds * lasting
-            after = min(after, last)
-            s[slot + col.PHASE] = phase_of(bank, clip, after)
-            if count == 1 and bank.clips[clip, arrays.GAIT] > 0.0:
-                clock[PASSED + k] = s[slot + col.PHASE] - phase + rounds * loop
-        s[slot + col.FRAME] = after
-        if loop == 0.0:
-            end_locomotion(s, c, number, before, after, last, rate)
-        dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
-        share = s[slot + col.SHARE]
-        x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
-        if stand:
-            own, was, now = step_of(dx, dz, dh), feet_at(bank, ground, clip, before), feet_at(bank, ground, clip, after)
-            lefts = add_step(share, was[0], now[0], own, lefts)
-            rights = add_step(share, was[1], now[1], own, rights)
-    s[c + col.DELTA], s[c + col.DELTA + 1], s[c + col.DELTA + 2], s[c + col.DELTA + 3] = x, y, z, turn
-    return slots, lefts, rights
-
-
-@inlined
 def step_forward(s: Array, c: int) -> None:
     """Moves a character by its root motion."""
     x, z = in_turned_frame(-s[c + col.SIN], s[c + col.COS], s[c + col.DELTA], s[c + col.DELTA + 2])
@@ -310,84 +239,6 @@ def step_forward(s: Array, c: int) -> None:
     if s[c + col.DELTA + 3] != 0.0:
         s[c + col.HEADING] += s[c + col.DELTA + 3]
         s[c + col.SIN], s[c + col.COS] = math.sin(0.5 * s[c + col.HEADING]), math.cos(0.5 * s[c + col.HEADING])
-
-
-@inlined
-def end_of(bank: BankArrays, s: Array, slot: int) -> tuple[float, float]:
-    """Returns the strides by which a slot's clip jumps back at its end, 0 if it is held, and its last frame."""
-    clip = int(s[slot + col.CLIP])
-    if s[slot + col.LOOP] == 0.0 or bank.clips[clip, arrays.LOOP] == 0.0:
-        return 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
-    return bank.clips[clip, arrays.LOOP], bank.clips[clip, arrays.ROW_COUNT] - 1.0
-
-
-@inlined
-def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
-    """Returns the cycles that all gaits advance together, so that on average they play as fast as captured.
-
-    Clips that are held at their end do not count. The seconds per cycle are averaged, not the cycles per second, as in
-    Kovar and Gleicher's registration curves (2003, section 4): so a clip whose phase hardly moves for a moment is not
-    rushed through this moment by the others.
-    """
-    gaits = times = 0.0
-    for number in range(count):
-        slot = locomotion_slot(c, number)
-        clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
-        loop, last = end_of(bank, s, slot)
-        if bank.clips[clip, arrays.GAIT] > 0.0 and (loop > 0.0 or frame < last):
-            gaits += s[slot + col.SHARE]
-            times += s[slot + col.SHARE] / own_step(bank, clip, frame, s[slot + col.PHASE], ahead)
-    return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
-
-
-@kernel
-def end_locomotion(s: Array, c: int, number: int, before: float, after: float, last: float, rate: float) -> None:
-    """Handles the end of a clip without a seam: holds the last frame, or crossfades the group into its start."""
-    slot = locomotion_slot(c, number)
-    if s[slot + col.LOOP] == 0.0:
-        if before < last and after >= last:
-            s[c + col.EVENTS] = int(s[c + col.EVENTS]) | col.LOCOMOTION_ENDED
-        return
-    head = number
-    while s[locomotion_slot(c, head) + col.HEAD] == 0.0:
-        head -= 1
-    size = int(s[locomotion_slot(c, head) + col.HEAD])
-    newest = head + size == int(s[c + col.LOCOMOTIONS])
-    if newest and s[c + col.NEXT_COUNT] == 0.0 and last - after <= AGAIN * rate * s[c + col.SPEED]:
-        for one in range(size):
-            s[c + col.NEXT_CLIPS + one] = s[locomotion_slot(c, head + one) + col.CLIP]
-            s[c + col.NEXT_WEIGHTS + one] = s[locomotion_slot(c, head + one) + col.GOAL]
-        s[c + col.NEXT_COUNT], s[c + col.NEXT_TIME], s[c + col.NEXT_LOOP] = size, 0.0, 1.0
-        s[c + col.NEXT_LASTING], s[c + col.NEXT_CURVE] = AGAIN, col.SMOOTH
-
-
-@inlined
-def travelled(
-    bank: BankArrays, ground: Ground, s: Array, slot: int, rounds: float
-) -> tuple[float, float, float, float]:
-    """Returns the root motion x, y, z and turn from the path kept in a slot to its new frame, `rounds` loops later.
-
-    It is relative to the old place and heading. Keeps the new path in the slot.
-    """
-    x0, y0, z0, h0 = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2], s[slot + col.PATH + 3]
-    sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
-    x = y = z = turn = 0.0
-    if rounds > 0.0:
-        clip = int(s[slot + col.CLIP])
-        x1, y1, z1, h1 = path_at(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
-        x, z = in_turned_frame(sin, cos, x1 - x0, z1 - z0)
-        y, turn = y1 - y0, h1 - h0
-        x0, y0, z0, h0 = path_at(bank, ground, clip, frame_after_last(bank, clip))
-        for _ in range(int(rounds) - 1):
-            dx, dz = in_turned_frame(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
-            x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
-        sin, cos = math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn))
-    heading = s[slot + col.PATH + 3]
-    keep_place(bank, ground, s, slot)
-    if s[slot + col.PATH + 3] != heading:
-        keep_turn(s, slot)
-    dx, dz = in_turned_frame(sin, cos, s[slot + col.PATH] - x0, s[slot + col.PATH + 2] - z0)
-    return x + dx, y + s[slot + col.PATH + 1] - y0, z + dz, turn + s[slot + col.PATH + 3] - h0
 
 
 @inlined

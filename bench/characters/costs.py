@@ -35,6 +35,10 @@ def costs(stage: Stage) -> Findings:
     locked = crowd(stage, count, 0, ())
     locked.lock_feet(slice(None))
     work["steady character, feet locked"] = frame_work(locked)
+    walking = crowd(stage, count, 0, ())
+    walking.stop(slice(None), blend=0.0)
+    walking.advance()
+    work["no action"] = frame_work(walking)
     transitions = {"fading locomotions": ("play",), "fading actions": ("act",), "fading both": ("play", "act")}
     for name, fading in {"steady character": (), **transitions}.items():
         work[name] = frame_work(crowd(stage, count, count if fading else 0, fading))
@@ -56,7 +60,7 @@ def costs(stage: Stage) -> Findings:
         most = 2.2 if name != "fading both" else None
         for other, wanted in (("evaluator", most), ("evaluator, sequential times", None), ("steady character", None)):
             findings.add(f"{name} / {other}", paired_ratio(seconds[name], seconds[other]), most=wanted)
-    for name, wanted in (("weight 0.5", None), ("right arm", 2.0)):
+    for name, wanted in (("no action", None), ("weight 0.5", None), ("right arm", 2.0)):
         findings.add(f"{name} / evaluator", paired_ratio(seconds[name], seconds["evaluator"]), most=wanted)
         findings.add(f"{name} / steady character", paired_ratio(seconds[name], seconds["steady character"]))
     many = {part: frame_work(crowd(stage, 10_000, part, ("play", "act"))) for part in (0, 100)}

@@ -180,8 +180,8 @@ class Characters:
         Raises:
             TimeRangeError: `time` is NaN or outside a clip.
         """
-        group = waiting_group(self.stage.bank, locomotion, time, blend, curve, loop)
-        self.state[rows, col.NEXT_COUNT : col.HANDS] = group
+        count, group = waiting_group(self.stage.bank, locomotion, time, blend, curve, loop)
+        self.state[rows, col.NEXT_COUNT], self.state[rows, col.NEXT_TIME : col.FIRST_HANDS] = count, group
         self._begin(rows)
 
     def mix(self, rows: Rows, weights: Mapping[str, float]) -> None:
@@ -226,7 +226,7 @@ class Characters:
             curve: Shape of the blend, as in `play`.
             weight: Weight of these hands over the clips' own, 0 to 1.
         """
-        self.state[rows, col.NEXT_HANDS : col.HANDS_WAIT] = waiting_hands(self.stage.bank, hands, blend, curve, weight)
+        self.state[rows, col.NEXT_HANDS : col.HOLDS] = waiting_hands(self.stage.bank, hands, blend, curve, weight)
         self.state[rows, col.HANDS_WAIT] = 1.0
         self._begin(rows)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.characters.arrays import StageArrays, ground, mixing
+from motionsplice.runtime.characters.arrays import CLOCK_SIZE, StageArrays, ground, mixing
 from motionsplice.runtime.characters.chains import chains_of
 from motionsplice.runtime.characters.legs import legs_of
 from motionsplice.runtime.characters.limbs import limbs_of
@@ -37,6 +39,7 @@ class Stage:
             legs=legs_of(bank.skeleton, bank.roles),
             scratch=evaluator.scratch,
             mixing=mixing(bank.layout),
+            clock=np.zeros(CLOCK_SIZE),
         )
         self._handle = handle_of(self.arrays)
 

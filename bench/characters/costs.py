@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -34,14 +35,23 @@ def costs(stage: Stage) -> Findings:
     locked = crowd(stage, count, 0, ())
     locked.lock_feet(slice(None))
     work["steady character, feet locked"] = frame_work(locked)
+    walking = crowd(stage, count, 0, ())
+    walking.stop(slice(None), blend=0.0)
+    walking.advance()
+    work["no action"] = frame_work(walking)
     transitions = {"fading locomotions": ("play",), "fading actions": ("act",), "fading both": ("play", "act")}
     for name, fading in {"steady character": (), **transitions}.items():
         work[name] = frame_work(crowd(stage, count, count if fading else 0, fading))
+    parts: dict[str, dict[str, Any]] = {"weight 0.5": {"weight": 0.5}, "right arm": {"mask": "right_arm"}}
+    for name, settings in parts.items():
+        work[name] = frame_work(crowd(stage, count, 0, (), **settings))
     seconds = interleaved(work, 100)
     findings = Findings(f"{count} characters of a generated bank: nanoseconds")
     for name, times in seconds.items():
         findings.add(name, 1e9 * float(np.median(times)) / count, "{:.0f}")
-    findings.add("steady character / evaluator", paired_ratio(seconds["steady character"], seconds["evaluator"]))
+    findings.add(
+        "steady character / evaluator", paired_ratio(seconds["steady character"], seconds["evaluator"]), most=1.3
+    )
     findings.add(
         "feet locked / steady character",
         paired_ratio(seconds["steady character, feet locked"], seconds["steady character"]),
@@ -50,6 +60,9 @@ def costs(stage: Stage) -> Findings:
         most = 2.2 if name != "fading both" else None
         for other, wanted in (("evaluator", most), ("evaluator, sequential times", None), ("steady character", None)):
             findings.add(f"{name} / {other}", paired_ratio(seconds[name], seconds[other]), most=wanted)
+    for name, wanted in (("no action", None), ("weight 0.5", None), ("right arm", 2.0)):
+        findings.add(f"{name} / evaluator", paired_ratio(seconds[name], seconds["evaluator"]), most=wanted)
+        findings.add(f"{name} / steady character", paired_ratio(seconds[name], seconds["steady character"]))
     many = {part: frame_work(crowd(stage, 10_000, part, ("play", "act"))) for part in (0, 100)}
     seconds = interleaved({str(part): run for part, run in many.items()}, 40)
     findings.add("10,000 characters: 1 % in transition / none", paired_ratio(seconds["100"], seconds["0"]), most=1.15)
@@ -76,8 +89,11 @@ def frame_work(characters: Characters) -> Work:
     return frame
 
 
-def crowd(stage: Stage, count: int, fading: int, do: tuple[str, ...]) -> Characters:
-    """Characters that play random pairs. The first `fading` of them stay in the middle of transitions."""
+def crowd(stage: Stage, count: int, fading: int, do: tuple[str, ...], **settings: Any) -> Characters:
+    """Characters that play random pairs, with `settings` of the action.
+
+    The first `fading` of them stay in the middle of transitions.
+    """
     draw, characters = np.random.default_rng(0), Characters(stage, RATE)
     names = [clip.name for clip in stage.bank.clips]
     for name in names:
@@ -85,7 +101,7 @@ def crowd(stage: Stage, count: int, fading: int, do: tuple[str, ...]) -> Charact
     duration = stage.bank.clips[0].duration
     for row in range(len(characters)):
         characters.play([row], str(draw.choice(names)), time=draw.random() * duration, blend=0.0)
-        characters.act([row], Action(str(draw.choice(names)), blend=0.0))
+        characters.act([row], Action(str(draw.choice(names)), blend=0.0, **settings))
     for row in range(fading):
         if "play" in do:
             characters.play([row], str(draw.choice(names)), blend=FOREVER)

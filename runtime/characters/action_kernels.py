@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.arrays import REACHED, SLOT
 from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import UNKNOWN, hand_over, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
@@ -18,12 +19,13 @@ MOST_PACE = 1.75  # times its captured speed: the most that an action plays at t
 
 
 @inlined
-def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float) -> None:
-    """Advances all actions.
+def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: float, clock: Array, slots: int) -> int:
+    """Advances all actions of a character. Puts spliced ones into the clock; returns how many slots it then has.
 
-    They follow the gaits in step, blended with their own clock by the share of locomotions without a gait.
+    They follow the gaits in step, blended with their own clock by the share of locomotions without a gait. Frames of
+    spliced actions are left to `set_frames`.
     """
-    count = int(s[c + col.ACTIONS])
+    count, ahead = int(s[c + col.ACTIONS]), seconds * s[c + col.SPEED]
     if count > 0:
         gaits, phase = 0.0, UNKNOWN
         for number in range(int(s[c + col.LOCOMOTIONS])):
@@ -33,18 +35,20 @@ def advance_actions(bank: BankArrays, s: Array, c: int, seconds: float, passed: 
         for number in range(count):
             slot = action_slot(c, number)
             if s[slot + col.KIND] == SPLICE:
-                advance_splice(bank, s, slot, seconds * s[c + col.SPEED], passed, min(gaits, 1.0), phase)
+                reached = phase_reached(bank, s, slot, ahead, passed, min(gaits, 1.0), phase)
+                clock[SLOT + slots], clock[REACHED + slots] = slot, reached
+                slots += 1
             elif s[slot + col.KIND] == NAIVE:
-                clip = int(s[slot + col.CLIP])
-                s[slot + col.FRAME] += seconds * s[c + col.SPEED] * bank.clips[clip, arrays.RATE]
-        end_actions(bank, s, c, count, seconds)
+                s[slot + col.FRAME] += ahead * bank.clips[int(s[slot + col.CLIP]), arrays.RATE]
+    return slots
 
 
 @inlined
-def advance_splice(
+def phase_reached(
     bank: BankArrays, s: Array, slot: int, ahead: float, passed: float, gaits: float, phase: float
-) -> None:
-    """Advances one spliced action; `passed` are the cycles that the gaits advanced, `gaits` their share.
+) -> float:
+    """Returns the phase that a spliced action reaches; `passed` are the cycles that the gaits advanced, `gaits` their
+    share.
 
     It plays at MOST_PACE at most, unless it is told to follow the legs at any pace: so it falls behind them where they
     hurry it, and catches up where they do not.
@@ -63,7 +67,15 @@ def advance_splice(
     end, loop = bank.clips[clip, arrays.LAST_PHASE], bank.clips[clip, arrays.LOOP]
     if s[slot + col.LOOP] > 0.0 and loop > 0.0 and reached > end:
         reached -= loop * np.ceil((reached - end) / loop)
-    s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, clip, reached)
+    return reached
+
+
+@inlined
+def set_frames(bank: BankArrays, s: Array, clock: Array, first: int, stop: int) -> None:
+    """Sets phases and frames of slots in the clock."""
+    for number in range(first, stop):
+        slot, reached = int(clock[SLOT + number]), clock[REACHED + number]
+        s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, int(s[slot + col.CLIP]), reached)
 
 
 @kernel

@@ -14,6 +14,16 @@ from motionsplice.runtime.kernels.arrays import BLOCK, MEMORY_COLUMNS, BankArray
 from motionsplice.runtime.requests import REQUEST
 from motionsplice.runtime.simd.compiled import Array
 
+# rows of the clock, scratch memory for advancing a block of characters. Of each character: the cycles that its gaits
+# advance; whether its feet are looked up, and whether they drive the root; the places of both feet, x and z
+PASSED, STANDS, DRIVES, LEFT_X, LEFT_Z, RIGHT_X, RIGHT_Z = (row * BLOCK for row in range(7))
+# of each slot whose frame follows from its phase, locomotions before actions: the slot, its new phase; of a locomotion
+# the frame before, and the loops that it goes back
+FIRST_IN_STEP = BLOCK * col.MOST_LOCOMOTIONS  # number of the first action
+SLOT, REACHED, BEFORE, ROUNDS, CLOCK_SIZE = (
+    7 * BLOCK + row * (FIRST_IN_STEP + BLOCK * col.MOST_ACTIONS) for row in range(5)
+)
+
 
 class Ground(NamedTuple):
     """The tables `paths` [rows, 4], `contacts` [rows] and `feet` [rows, 6] of a bank."""
@@ -32,14 +42,14 @@ class Limbs(NamedTuple):
     """The parts of an upper body: trunk, arms, head. Each limb hangs on the trunk by its attachment joint.
 
     Attributes:
-        part_of_lane: [width], the part of the joint in each lane of the upper half.
+        part_lanes: [parts, width] float32, 1 in the lanes of the upper half whose joints belong to a part, else 0.
         attachments: [parts], the lane of each limb's attachment; -1 if the rig has no such limb.
         lengths: [parts], number of joints in each limb's chain: from the pelvis's child to the attachment.
         chains: [parts, longest], the lanes of these joints.
         columns: [parts, longest], the first columns of these joints in a pose.
     """
 
-    part_of_lane: Annotated[Array, np.int64, 1]
+    part_lanes: Annotated[Array, np.float32, 2]
     attachments: Annotated[Array, np.int64, 1]
     lengths: Annotated[Array, np.int64, 1]
     chains: Annotated[Array, np.int64, 2]
@@ -79,7 +89,8 @@ class Mixing(NamedTuple):
     shares: Annotated[Array, np.float64, 2]  # [BLOCK, parts]: of each action in its pose
     # [BLOCK, 4 parts]: the action's pelvis, then its attachments relative to the pelvis
     turns: Annotated[Array, np.float64, 2]
-    limbs_turn: Annotated[Array, np.int64, 1]  # [BLOCK]: whether a character's limbs must be turned
+    # [BLOCK]: how a character's pelvis and limbs are set, as `turning_kernels` numbers it
+    finish: Annotated[Array, np.int64, 1]
 
 
 class StageArrays(NamedTuple):
@@ -93,6 +104,7 @@ class StageArrays(NamedTuple):
         legs: Joints of the legs, for the foot lock.
         scratch: Scratch memory of the evaluator.
         mixing: Scratch memory for mixing.
+        clock: Scratch memory for advancing.
     """
 
     bank: BankArrays
@@ -102,6 +114,7 @@ class StageArrays(NamedTuple):
     legs: Legs
     scratch: Scratch
     mixing: Mixing
+    clock: Annotated[Array, np.float64, 1]
 
 
 def mixing(layout: Layout) -> Mixing:
@@ -116,5 +129,5 @@ def mixing(layout: Layout) -> Mixing:
         weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
         shares=np.zeros((BLOCK, col.PARTS)),
         turns=np.zeros((BLOCK, 4 * col.PARTS)),
-        limbs_turn=np.zeros(BLOCK, np.int64),
+        finish=np.zeros(BLOCK, np.int64),
     )

@@ -7,21 +7,29 @@ import math
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.action_kernels import advance_actions
+from motionsplice.runtime.characters.action_kernels import advance_actions, end_actions, set_frames
 from motionsplice.runtime.characters.aim_kernels import advance_aims
-from motionsplice.runtime.characters.arrays import Ground, StageArrays
+from motionsplice.runtime.characters.arrays import (
+    DRIVES,
+    FIRST_IN_STEP,
+    LEFT_X,
+    LEFT_Z,
+    PASSED,
+    RIGHT_X,
+    RIGHT_Z,
+    STANDS,
+    Ground,
+    StageArrays,
+)
 from motionsplice.runtime.characters.feet_kernels import (
     LONGEST,
-    NOTHING,
     NOWHERE,
-    Sums,
-    add_step,
     drive_root,
-    mixed_place,
-    step_of,
+    mixed_places,
 )
 from motionsplice.runtime.characters.lock_kernels import advance_lock, is_locking
-from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.locomotion_kernels import advance_locomotions, begin_in_step
+from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import (
     begin_waiting,
     drop_actions,
@@ -30,19 +38,19 @@ from motionsplice.runtime.characters.transition_kernels import (
     in_turned_frame,
     keep_path,
     leading,
-    path_at,
     share_locomotions,
 )
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BankArrays
-from motionsplice.runtime.kernels.lookup import frame_after_last, frame_of
-from motionsplice.runtime.kernels.phase import own_step, phase_of
+from motionsplice.runtime.kernels.arrays import BLOCK, BankArrays
+from motionsplice.runtime.kernels.lookup import SPLICE, cell_of
+from motionsplice.runtime.kernels.phase import phase_of, row_of
+from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
+from motionsplice.runtime.simd.prefetch import prefetch, prefetch_at
 
 SMOOTHING = 0.05  # seconds: weights follow their goals through two low-pass filters with this time constant
-AGAIN = 0.3  # seconds: fade of a clip into its own beginning, if it has no loop
 
 
 @kernel
@@ -78,29 +86,122 @@ def recompute_slot(bank: BankArrays, s: Array, slot: int) -> None:
 
 @kernel
 def advance(handle: Handle, s: Array, seconds: float) -> int:
-    """Advances all characters; returns the bits of all events that happened to any of them."""
+    """Advances all characters; returns the bits of all events that happened to any of them.
+
+    Goes step by step through a block of characters, so that their waits for frames overlap. handle is that of
+    StageArrays.
+    """
     stage = record_at(handle, StageArrays)
-    bank, ground, reach = stage.bank, stage.ground, stage.legs.reach
+    bank, ground, reach, clock = stage.bank, stage.ground, stage.legs.reach, stage.clock
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
-    for c in range(0, len(s), col.COLUMNS):
-        s[c + col.EVENTS] = 0.0
-        drives, locks = s[c + col.LOCOMOTIONS] > 1.0, is_locking(s, c)
-        stand = (drives or locks) and seconds * s[c + col.SPEED] <= LONGEST
-        left = mixed_place(bank, ground, s, c, 0) if stand else NOWHERE
-        right = mixed_place(bank, ground, s, c, 1) if stand else NOWHERE
-        advance_fades(s, c, seconds, follow)
-        passed, lefts, rights = advance_locomotions(bank, ground, s, c, seconds, stand)
-        if drives and stand:
-            drive_root(s, c, left, right, lefts, rights, seconds)
-        step_forward(s, c)
-        if locks:
-            advance_lock(s, c, left, right, lefts, rights, seconds, reach)
-        advance_actions(bank, s, c, seconds, passed)
-        downs = step(bank, ground, s, c, passed)
-        if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
-            begin_waiting(bank, ground, s, c, passed, downs)
-        happened |= int(s[c + col.EVENTS])
+    count = len(s) // col.COLUMNS
+    for character in range(min(FARTHER, count)):
+        fetch_state(s, character * col.COLUMNS)
+    for character in range(min(AHEAD, count)):
+        fetch_tables(bank, ground, s, character * col.COLUMNS)
+    for first in range(0, count, BLOCK):
+        stop, slots = min(first + BLOCK, count), 0
+        for character in range(first, stop):
+            c = character * col.COLUMNS
+            if character + FARTHER < count:
+                fetch_state(s, c + FARTHER * col.COLUMNS)
+            if character + AHEAD < count:
+                fetch_tables(bank, ground, s, c + AHEAD * col.COLUMNS)
+            s[c + col.EVENTS] = 0.0
+            slots = begin_step(bank, ground, s, c, character - first, seconds, follow, clock, slots)
+        set_frames(bank, s, clock, 0, slots)
+        slots, actions = 0, FIRST_IN_STEP
+        for character in range(first, stop):
+            c, k = character * col.COLUMNS, character - first
+            slots = move(bank, ground, reach, s, c, k, seconds, clock, slots)
+            actions = advance_actions(bank, s, c, seconds, clock[PASSED + k], clock, actions)
+        set_frames(bank, s, clock, FIRST_IN_STEP, actions)
+        for character in range(first, stop):
+            c, passed = character * col.COLUMNS, clock[PASSED + character - first]
+            if s[c + col.ACTIONS] > 0.0:
+                end_actions(bank, s, c, int(s[c + col.ACTIONS]), seconds)
+            downs = step(bank, ground, s, c, passed)
+            if s[c + col.NEXT_COUNT] > 0.0 or s[c + col.WHEN] > col.NEVER or s[c + col.HANDS_WAIT] > 0.0:
+                begin_waiting(bank, ground, s, c, passed, downs)
+            happened |= int(s[c + col.EVENTS])
     return happened
+
+
+@inlined
+def begin_step(
+    bank: BankArrays,
+    ground: Ground,
+    s: Array,
+    c: int,
+    k: int,
+    seconds: float,
+    follow: float,
+    clock: Array,
+    slots: int,
+) -> int:
+    """Advances a character's fades, and finds the places of its feet and the cycles that its gaits advance together.
+
+    Puts all gaits of a mix into the clock, and returns how many slots it then has.
+    """
+    drives = s[c + col.LOCOMOTIONS] > 1.0
+    stand = (drives or is_locking(s, c)) and seconds * s[c + col.SPEED] <= LONGEST
+    left, right = mixed_places(bank, ground, s, c) if stand else (NOWHERE, NOWHERE)
+    clock[STANDS + k], clock[DRIVES + k] = stand, stand and drives
+    clock[LEFT_X + k], clock[LEFT_Z + k], clock[RIGHT_X + k], clock[RIGHT_Z + k] = left[0], left[1], right[0], right[1]
+    advance_fades(s, c, seconds, follow)
+    return begin_in_step(bank, s, c, k, seconds * s[c + col.SPEED], clock, slots)
+
+
+@inlined
+def move(
+    bank: BankArrays,
+    ground: Ground,
+    reach: float,
+    s: Array,
+    c: int,
+    k: int,
+    seconds: float,
+    clock: Array,
+    slots: int,
+) -> int:
+    """Advances a character's locomotions, place and foot lock; returns the number of the next slot in the clock."""
+    left, right = (clock[LEFT_X + k], clock[LEFT_Z + k]), (clock[RIGHT_X + k], clock[RIGHT_Z + k])
+    slots, lefts, rights = advance_locomotions(bank, ground, s, c, k, seconds, clock, slots)
+    if clock[DRIVES + k] > 0.0:
+        drive_root(s, c, left, right, lefts, rights, seconds)
+    step_forward(s, c)
+    if is_locking(s, c):
+        advance_lock(s, c, left, right, lefts, rights, seconds, reach)
+    return slots
+
+
+@inlined
+def fetch_tables(bank: BankArrays, ground: Ground, s: Array, c: int) -> None:
+    """Prefetches what a character is going to read of the bank's tables of phases, frames, paths and feet."""
+    count = int(s[c + col.LOCOMOTIONS])
+    for number in range(count):
+        slot = locomotion_slot(c, number)
+        row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+        prefetch_at(bank.phases, row + ONE)
+        prefetch(ground.paths, row, 0)
+        prefetch(ground.paths, row + ONE + ONE, 0)
+        prefetch_at(ground.contacts, row)
+        if count > 1:
+            prefetch(ground.feet, row, 0)
+            fetch_frames(bank, s, slot)
+    for number in range(int(s[c + col.ACTIONS])):
+        slot = action_slot(c, number)
+        if s[slot + col.KIND] == SPLICE:
+            row, _ = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+            prefetch_at(bank.phases, row + ONE)
+            fetch_frames(bank, s, slot)
+
+
+@inlined
+def fetch_frames(bank: BankArrays, s: Array, slot: int) -> None:
+    """Prefetches the cells of frame_of_phase at a slot's phase."""
+    cell, _ = cell_of(bank, int(s[slot + col.CLIP]), s[slot + col.PHASE])
+    prefetch_at(bank.frames, cell + ONE)
 
 
 @inlined
@@ -136,54 +237,6 @@ def advance_fade(s: Array, slot: int, seconds: float, follow: float) -> None:
 
 
 @inlined
-def advance_locomotions(
-    bank: BankArrays, ground: Ground, s: Array, c: int, seconds: float, stand: bool
-) -> tuple[float, Sums, Sums]:
-    """Advances phases and frames, and sets the root motion that the clips mix to.
-
-    Returns the cycles that the gaits advanced, 0 without a gait; and if feet may `stand`, the sums of the left and the
-    right foot.
-    """
-    count, ahead = int(s[c + col.LOCOMOTIONS]), seconds * s[c + col.SPEED]
-    passed = common_step(bank, s, c, count, ahead) if count > 1 else 0.0
-    x = y = z = turn = 0.0
-    lefts, rights = NOTHING, NOTHING
-    for number in range(count):
-        slot = locomotion_slot(c, number)
-        clip, before = int(s[slot + col.CLIP]), s[slot + col.FRAME]
-        rate, phase = bank.clips[clip, arrays.RATE], s[slot + col.PHASE]
-        loop, last = end_of(bank, s, slot)
-        if count > 1 and bank.clips[clip, arrays.GAIT] > 0.0:
-            reached = phase + passed
-            end = bank.clips[clip, arrays.LAST_PHASE]
-            rounds = np.ceil((reached - end) / loop) if loop > 0.0 and reached > end else 0.0
-            reached -= rounds * loop
-            after = min(frame_of(bank, clip, reached), last)
-        else:
-            after, rounds = before + ahead * rate, 0.0
-            if after > last and loop > 0.0:
-                lasting = last - frame_after_last(bank, clip)
-                rounds = np.ceil((after - last) / lasting)
-                after -= rounds * lasting
-            after = min(after, last)
-            reached = phase_of(bank, clip, after)
-            if count == 1 and bank.clips[clip, arrays.GAIT] > 0.0:
-                passed = reached - phase + rounds * loop
-        s[slot + col.PHASE], s[slot + col.FRAME] = reached, after
-        if loop == 0.0:
-            end_locomotion(s, c, number, before, after, last, rate)
-        dx, dy, dz, dh = travelled(bank, ground, s, slot, rounds)
-        share = s[slot + col.SHARE]
-        x, y, z, turn = x + share * dx, y + share * dy, z + share * dz, turn + share * dh
-        if stand:
-            own = step_of(dx, dz, dh)
-            lefts = add_step(bank, ground, s, slot, before, own, 0, lefts)
-            rights = add_step(bank, ground, s, slot, before, own, 1, rights)
-    s[c + col.DELTA], s[c + col.DELTA + 1], s[c + col.DELTA + 2], s[c + col.DELTA + 3] = x, y, z, turn
-    return passed, lefts, rights
-
-
-@inlined
 def step_forward(s: Array, c: int) -> None:
     """Moves a character by its root motion."""
     x, z = in_turned_frame(-s[c + col.SIN], s[c + col.COS], s[c + col.DELTA], s[c + col.DELTA + 2])
@@ -193,81 +246,6 @@ def step_forward(s: Array, c: int) -> None:
     if s[c + col.DELTA + 3] != 0.0:
         s[c + col.HEADING] += s[c + col.DELTA + 3]
         s[c + col.SIN], s[c + col.COS] = math.sin(0.5 * s[c + col.HEADING]), math.cos(0.5 * s[c + col.HEADING])
-
-
-@inlined
-def end_of(bank: BankArrays, s: Array, slot: int) -> tuple[float, float]:
-    """Returns the strides by which a slot's clip jumps back at its end, 0 if it is held, and its last frame."""
-    clip = int(s[slot + col.CLIP])
-    if s[slot + col.LOOP] == 0.0 or bank.clips[clip, arrays.LOOP] == 0.0:
-        return 0.0, bank.clips[clip, arrays.FRAME_COUNT] - 1.0
-    return bank.clips[clip, arrays.LOOP], bank.clips[clip, arrays.ROW_COUNT] - 1.0
-
-
-@inlined
-def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) -> float:
-    """Returns the cycles that all gaits advance together, so that on average they play as fast as captured.
-
-    Clips that are held at their end do not count. The seconds per cycle are averaged, not the cycles per second, as in
-    Kovar and Gleicher's registration curves (2003, section 4): so a clip whose phase hardly moves for a moment is not
-    rushed through this moment by the others.
-    """
-    gaits = times = 0.0
-    for number in range(count):
-        slot = locomotion_slot(c, number)
-        clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
-        loop, last = end_of(bank, s, slot)
-        if bank.clips[clip, arrays.GAIT] > 0.0 and (loop > 0.0 or frame < last):
-            gaits += s[slot + col.SHARE]
-            times += s[slot + col.SHARE] / own_step(bank, clip, frame, s[slot + col.PHASE], ahead)
-    return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
-
-
-@kernel
-def end_locomotion(s: Array, c: int, number: int, before: float, after: float, last: float, rate: float) -> None:
-    """Handles the end of a clip without a seam: holds the last frame, or crossfades the group into its start."""
-    slot = locomotion_slot(c, number)
-    if s[slot + col.LOOP] == 0.0:
-        if before < last and after >= last:
-            s[c + col.EVENTS] = int(s[c + col.EVENTS]) | col.LOCOMOTION_ENDED
-        return
-    head = number
-    while s[locomotion_slot(c, head) + col.HEAD] == 0.0:
-        head -= 1
-    size = int(s[locomotion_slot(c, head) + col.HEAD])
-    newest = head + size == int(s[c + col.LOCOMOTIONS])
-    if newest and s[c + col.NEXT_COUNT] == 0.0 and last - after <= AGAIN * rate * s[c + col.SPEED]:
-        for one in range(size):
-            s[c + col.NEXT_CLIPS + one] = s[locomotion_slot(c, head + one) + col.CLIP]
-            s[c + col.NEXT_WEIGHTS + one] = s[locomotion_slot(c, head + one) + col.GOAL]
-        s[c + col.NEXT_COUNT], s[c + col.NEXT_TIME], s[c + col.NEXT_LOOP] = size, 0.0, 1.0
-        s[c + col.NEXT_LASTING], s[c + col.NEXT_CURVE] = AGAIN, col.SMOOTH
-
-
-@inlined
-def travelled(
-    bank: BankArrays, ground: Ground, s: Array, slot: int, rounds: float
-) -> tuple[float, float, float, float]:
-    """Returns the root motion x, y, z and turn from the path kept in a slot to its new frame, `rounds` loops later.
-
-    It is relative to the old place and heading. Keeps the new path in the slot.
-    """
-    x0, y0, z0, h0 = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2], s[slot + col.PATH + 3]
-    sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
-    x = y = z = turn = 0.0
-    if rounds > 0.0:
-        clip = int(s[slot + col.CLIP])
-        x1, y1, z1, h1 = path_at(bank, ground, clip, bank.clips[clip, arrays.ROW_COUNT] - 1.0)
-        x, z = in_turned_frame(sin, cos, x1 - x0, z1 - z0)
-        y, turn = y1 - y0, h1 - h0
-        x0, y0, z0, h0 = path_at(bank, ground, clip, frame_after_last(bank, clip))
-        for _ in range(int(rounds) - 1):
-            dx, dz = in_turned_frame(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
-            x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
-        sin, cos = math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn))
-    keep_path(bank, ground, s, slot)
-    dx, dz = in_turned_frame(sin, cos, s[slot + col.PATH] - x0, s[slot + col.PATH + 2] - z0)
-    return x + dx, y + s[slot + col.PATH + 1] - y0, z + dz, turn + s[slot + col.PATH + 3] - h0
 
 
 @inlined

@@ -21,8 +21,8 @@ Locomotion = str | Mapping[str, float]
 
 def waiting_group(
     bank: Bank, locomotion: Locomotion, time: float, blend: float, curve: str, loop: bool
-) -> NDArray[np.float64]:
-    """Returns the columns NEXT_COUNT to HANDS of a row: a group of locomotions that waits to begin.
+) -> tuple[int, NDArray[np.float64]]:
+    """Returns columns of a row, NEXT_COUNT and NEXT_TIME to FIRST_HANDS: a group of locomotions that waits to begin.
 
     Raises UnknownClipError, TimeRangeError or SettingsError.
     """
@@ -30,12 +30,10 @@ def waiting_group(
     for clip in weights:
         if (fault := time_fault("time", time, bank.numbered[clip])) is not None:
             raise fault
-    group = np.zeros(col.HANDS - col.NEXT_COUNT)
-    group[:5] = len(weights), time, not_negative("blend", blend), known(col.CURVES, "curve", curve), loop
-    for number, (clip, weight) in enumerate(weights.items()):
-        group[col.NEXT_CLIPS - col.NEXT_COUNT + number] = clip
-        group[col.NEXT_WEIGHTS - col.NEXT_COUNT + number] = weight
-    return group
+    clips, shares = np.zeros((2, col.MOST_MIXED))
+    clips[: len(weights)], shares[: len(weights)] = list(weights), list(weights.values())
+    settings = (time, not_negative("blend", blend), known(col.CURVES, "curve", curve), loop)
+    return len(weights), np.array([*settings, *clips, *shares])
 
 
 def waiting_hands(bank: Bank, hands: str | None, blend: float, curve: str, weight: float) -> NDArray[np.float64]:

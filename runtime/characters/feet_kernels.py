@@ -19,13 +19,14 @@ from motionsplice.runtime.kernels.curves import smooth
 from motionsplice.runtime.kernels.lookup import is_mirrored
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.rotations import ONE, TINY
-from motionsplice.runtime.simd.compiled import Array, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
 
 LONGEST = 0.1  # seconds of a clip in one frame: a foot that stands at both ends of a longer step may have swung between
 LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
 FASTEST = 2.4  # metres per second by which the root is corrected at most
 BLENDED = 0.25  # share of all locomotions but the largest from which on a firm foot stands still
 
+Foot = tuple[float, float, float]  # its place as below, and its support
 Place = tuple[float, float]  # x and z of a foot, metres, from the root path in its heading
 Sums = tuple[float, float, float, float, float]  # of a foot: its own step, by support; its place, by share; its support
 Step = tuple[float, float, float, float]  # root motion: x and z from the place before; sine and cosine of half its turn
@@ -34,30 +35,38 @@ NOTHING: Sums = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @inlined
-def foot_at(bank: BankArrays, ground: Ground, clip: int, frame: float, foot: int) -> tuple[float, float, float]:
-    """Returns the place of a foot, 0 or 1, at a frame of a clip, and its support."""
+def feet_at(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[Foot, Foot]:
+    """Returns the left and the right foot at a frame of a clip."""
     row, t = row_of(bank, clip, frame)
-    side, first = 1.0, 3 * foot
+    left, right = foot_between(ground, row, t, 0), foot_between(ground, row, t, 3)
     if is_mirrored(bank, clip):
-        side, first = -1.0, 3 - 3 * foot
+        return (-right[0], right[1], right[2]), (-left[0], left[1], left[2])
+    return left, right
+
+
+@inlined
+def foot_between(ground: Ground, row: Index, t: float, first: int) -> Foot:
+    """Returns the foot in three columns from `first` on, `t` of the way from a row to the next."""
     x, z, support = ground.feet[row, first], ground.feet[row, first + 1], ground.feet[row, first + 2]
     after = row + ONE
     return (
-        side * (x + t * (ground.feet[after, first] - x)),
+        x + t * (ground.feet[after, first] - x),
         z + t * (ground.feet[after, first + 1] - z),
         support + t * (ground.feet[after, first + 2] - support),
     )
 
 
 @inlined
-def mixed_place(bank: BankArrays, ground: Ground, s: Array, c: int, foot: int) -> Place:
-    """Returns the place of a foot, mixed by the locomotions' shares."""
-    x = z = 0.0
+def mixed_places(bank: BankArrays, ground: Ground, s: Array, c: int) -> tuple[Place, Place]:
+    """Returns the places of both feet, mixed by the locomotions' shares."""
+    left_x = left_z = right_x = right_z = 0.0
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
-        foot_x, foot_z, _ = foot_at(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME], foot)
-        x, z = x + s[slot + col.SHARE] * foot_x, z + s[slot + col.SHARE] * foot_z
-    return x, z
+        left, right = feet_at(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+        share = s[slot + col.SHARE]
+        left_x, left_z = left_x + share * left[0], left_z + share * left[1]
+        right_x, right_z = right_x + share * right[0], right_z + share * right[1]
+    return (left_x, left_z), (right_x, right_z)
 
 
 @inlined
@@ -69,31 +78,21 @@ def moved(x: float, z: float, step: Step) -> Place:
 
 @inlined
 def step_of(x: float, z: float, turn: float) -> Step:
+    if turn == 0.0:
+        return x, z, 0.0, 1.0
     return x, z, math.sin(0.5 * turn), math.cos(0.5 * turn)
 
 
 @inlined
-def add_step(
-    bank: BankArrays,
-    ground: Ground,
-    s: Array,
-    slot: int,
-    before: float,
-    step: Step,
-    foot: int,
-    sums: Sums,
-) -> Sums:
-    """Adds a slot's foot to the sums; the slot has gone from frame `before` to its frame by the root motion `step`."""
-    clip, share = int(s[slot + col.CLIP]), s[slot + col.SHARE]
-    x0, z0, support_before = foot_at(bank, ground, clip, before, foot)
-    x1, z1, support = foot_at(bank, ground, clip, s[slot + col.FRAME], foot)
-    x, z = moved(x1, z1, step)
-    weight = 0.5 * share * (support_before + support)
+def add_step(share: float, before: Foot, after: Foot, step: Step, sums: Sums) -> Sums:
+    """Adds a foot of a locomotion to the sums: it has gone from `before` to `after` by the root motion `step`."""
+    x, z = moved(after[0], after[1], step)
+    weight = 0.5 * share * (before[2] + after[2])
     return (
-        sums[0] + weight * (x - x0),
-        sums[1] + weight * (z - z0),
-        sums[2] + share * x1,
-        sums[3] + share * z1,
+        sums[0] + weight * (x - before[0]),
+        sums[1] + weight * (z - before[1]),
+        sums[2] + share * after[0],
+        sums[3] + share * after[1],
         sums[4] + weight,
     )
 

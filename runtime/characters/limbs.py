@@ -13,10 +13,9 @@ from motionsplice.runtime.format.rows import FIRST_JOINT, Layout
 
 def limbs_of(skeleton: Skeleton, roles: Roles, layout: Layout) -> Limbs:
     """Returns the limbs, each from where it leaves the spine: arms with collar bones, the head with the neck."""
-    part_of_lane = np.zeros(layout.upper.width, np.int64)
-    part_of_lane[FIRST_JOINT : FIRST_JOINT + len(layout.upper.joints)] = part_of_joint(skeleton, roles)[
-        list(layout.upper.joints)
-    ]
+    parts = part_of_joint(skeleton, roles)[list(layout.upper.joints)]
+    part_lanes = np.zeros((PARTS, layout.upper.width), np.float32)
+    part_lanes[parts, FIRST_JOINT + np.arange(len(parts))] = 1.0
     chain_of = chains_to_limbs(skeleton, roles)
     longest = max((len(chain) for chain in chain_of.values()), default=0)
     attachments, lengths = np.full(PARTS, -1, np.int64), np.zeros(PARTS, np.int64)
@@ -28,4 +27,4 @@ def limbs_of(skeleton: Skeleton, roles: Roles, layout: Layout) -> Limbs:
             attachments[number], lengths[number] = lanes[chain[-1]], len(chain)
             chains[number, : len(chain)] = [lanes[joint] for joint in chain]
             columns[number, : len(chain)] = [4 * joint for joint in chain]
-    return Limbs(part_of_lane, attachments, lengths, chains, columns)
+    return Limbs(part_lanes, attachments, lengths, chains, columns)

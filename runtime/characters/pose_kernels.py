@@ -13,10 +13,17 @@ from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
 from motionsplice.runtime.characters.arrays import Mixing, StageArrays
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
-from motionsplice.runtime.characters.slots import action_slot, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
-from motionsplice.runtime.characters.turning_kernels import turn_limbs, turn_pelvis
-from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action
+from motionsplice.runtime.characters.turning_kernels import (
+    LIMBS,
+    MIXED,
+    ONE_SPLICE,
+    set_pelvis,
+    turn_limbs,
+    turn_pelvis,
+)
+from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action, shows_own
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays
@@ -26,26 +33,38 @@ from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample
-from motionsplice.runtime.simd.compiled import ZERO, Array, Index, inlined, kernel
+from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
+
+Rotation = tuple[Real, Real, Real, Real]
 
 
 @kernel
 def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, rotations: Array) -> None:
     """Writes each character's root position [n, 3] and local rotations [n, 4 J]. handle is that of StageArrays."""
-    bank, _, limbs, chains, legs, scratch, mixing = record_at(handle, StageArrays)
+    bank, _, limbs, chains, legs, scratch, mixing, _ = record_at(handle, StageArrays)
     lanes, block = scratch.lanes[0], scratch.block[0]
     first = 0
+    for character in range(min(FARTHER, len(roots))):
+        fetch_state(s, character * col.COLUMNS)
+    for character in range(min(AHEAD, len(roots))):
+        fetch_slots(bank, s, character * col.COLUMNS)
     while first < len(roots):
         stop, taken = first, 0
         while stop < len(roots) and taken + lanes_of(s, stop * col.COLUMNS) <= BLOCK:
             taken += lanes_of(s, stop * col.COLUMNS)
-            fetch_slots(bank, s, stop * col.COLUMNS)
             stop += 1
         k = splices = ZERO
         for character in range(first, stop):
             c = character * col.COLUMNS
-            mix_lower(bank, s, c, k, lanes, block, mixing, character, roots, rotations)
+            if character + FARTHER < len(roots):
+                fetch_state(s, c + FARTHER * col.COLUMNS)
+            if character + AHEAD < len(roots):
+                fetch_slots(bank, s, c + AHEAD * col.COLUMNS)
+            if s[c + col.LOCOMOTIONS] == 1.0:
+                pose_lower(bank, s, c, k, lanes, block, character, roots, rotations)
+            else:
+                mix_lower(bank, s, c, k, lanes, block, mixing, character, roots, rotations)
             mix_upper(bank, limbs, s, c, k, lanes, block, mixing, character, rotations)
             splices += int(s[c + col.ACTIONS])
             k += lanes_of(s, c)
@@ -54,9 +73,11 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
             k = ZERO
             for character in range(first, stop):
                 c = character * col.COLUMNS
-                if s[c + col.ACTIONS] > 0.0:
+                if mixing.finish[k] == ONE_SPLICE:
+                    set_pelvis(bank, s, c, k, block, mixing, character, rotations)
+                elif mixing.finish[k] >= MIXED:
                     turn_pelvis(bank, s, c, k, block, mixing, character, rotations)
-                    if mixing.limbs_turn[k] > 0:
+                    if mixing.finish[k] == LIMBS:
                         turn_limbs(bank, limbs, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
         for character in range(first, stop):
@@ -77,12 +98,13 @@ def lanes_of(s: Array, c: int) -> int:
 @inlined
 def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
     """Prefetches the rows of all slots of a character."""
+    own = shows_own(bank, s, c)
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
         clip = int(s[slot + col.CLIP])
         row, _ = row_of(bank, clip, s[slot + col.FRAME])
         fetch_ahead(bank.lower, row)
-        if s[c + col.ACTIONS] == 0.0:
+        if own:
             fetch_ahead(bank.upper, row)
             fetch_worn(bank, s, c, clip, row)
     for number in range(int(s[c + col.ACTIONS])):
@@ -101,6 +123,36 @@ def fetch_worn(bank: BankArrays, s: Array, c: int, clip: int, row: Index) -> Non
 
 
 @inlined
+def pose_lower(
+    bank: BankArrays,
+    s: Array,
+    c: int,
+    k: int,
+    lanes: Array,
+    block: Array,
+    character: int,
+    roots: Array,
+    rotations: Array,
+) -> None:
+    """Samples the lower half of the only locomotion into lanes, and writes root and joints into the pose."""
+    rig, slot = bank.rig, locomotion_slot(c, 0)
+    clip = int(s[slot + col.CLIP])
+    row, t = row_of(bank, clip, s[slot + col.FRAME])
+    t32 = np.float32(t)
+    block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
+    sample(bank.lower, row, rig[arrays.FIRST_PLANE], rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
+    mirrored = is_mirrored(bank, clip)
+    if mirrored:
+        mirror_lower(bank, lanes)
+    x, y, z = root_from_path(bank, s, slot, row, t32, mirrored)
+    copy_lower(rig, lanes, rotations, character)
+    copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
+    root = rotation_in(lanes, np.uint64(4 * FIRST_JOINT))
+    root = turned_about_y(root, -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
+    place_root(s, c, x, y, z, root, character, roots, rotations, rig[arrays.COLUMNS])
+
+
+@inlined
 def mix_lower(
     bank: BankArrays,
     s: Array,
@@ -114,52 +166,82 @@ def mix_lower(
     rotations: Array,
 ) -> None:
     """Mixes the lower halves of all locomotions into lanes, and writes root and joints into the pose."""
-    rig = bank.rig
-    count, width, planes = int(s[c + col.LOCOMOTIONS]), rig[arrays.LOWER_WIDTH], rig[arrays.FIRST_PLANE]
-    first_joint = np.uint64(4 * FIRST_JOINT)
+    rig, width, joint = bank.rig, bank.rig[arrays.LOWER_WIDTH], np.uint64(4 * FIRST_JOINT)
     x = y = z = 0.0
-    for number in range(count):
+    for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
-        clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
-        row, t = row_of(bank, clip, frame)
-        px, py, pz = s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2]
-        t32 = np.float32(t)
-        sample(bank.lower, row, planes, width, t32, lanes, np.uint64(0))
-        dx = between_rows(bank.lower, row, np.uint64(ROOT), t32)
-        if is_mirrored(bank, clip):
-            dx = -dx
+        clip, share = int(s[slot + col.CLIP]), s[slot + col.SHARE]
+        row, t = row_of(bank, clip, s[slot + col.FRAME])
+        t32, mirrored = np.float32(t), is_mirrored(bank, clip)
+        sample(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, lanes, np.uint64(0))
+        if mirrored:
             mirror_lower(bank, lanes)
-        dx -= px
-        dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t32) - pz
-        share = s[slot + col.SHARE] if count > 1 else 1.0
-        sin, cos = s[slot + col.PATH_SIN], s[slot + col.PATH_COS]
-        dx, dz = in_turned_frame(sin, cos, dx, dz)
-        x, z = x + share * dx, z + share * dz
-        y += share * (between_rows(bank.lower, row, np.uint64(ROOT + 1), t32) - py)
-        turn_about_y(lanes, first_joint, -sin, cos)
-        if count == 1:
-            block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
-        else:
-            set_lane_weights(mixing.lane_weights, width, np.float32(share))
-            add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
-            mirrored = is_mirrored(bank, clip)
-            add_cloud(bank, row, t32, np.float32(share), mirrored, mixing.row, number == 0)
-    if count > 1:
-        normalise_lanes(mixing.sum, np.uint64(0), width, lanes)
-        block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
-    if s[c + col.IN_PLACE] == 0.0:
-        sin, cos = s[c + col.SIN], s[c + col.COS]
-        turn_about_y(lanes, first_joint, sin, cos)
-        x, z = in_turned_frame(-sin, cos, x, z)
-        x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
-    roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
+        dx, dy, dz = root_from_path(bank, s, slot, row, t32, mirrored)
+        x, y, z = x + share * dx, y + share * dy, z + share * dz
+        root = turned_about_y(rotation_in(lanes, joint), -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
+        lanes[joint], lanes[joint + ONE], lanes[joint + ONE + ONE], lanes[joint + ONE + ONE + ONE] = root
+        set_lane_weights(mixing.lane_weights, width, np.float32(share))
+        add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
+        add_cloud(bank, row, t32, np.float32(share), mirrored, mixing.row, number == 0)
+    normalise_lanes(mixing.sum, np.uint64(0), width, lanes)
+    block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
     copy_lower(rig, lanes, rotations, character)
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
+    place_root(s, c, x, y, z, rotation_in(lanes, joint), character, roots, rotations, rig[arrays.COLUMNS])
 
 
 @inlined
-def turn_about_y(lanes: Array, at: Index, sin: float, cos: float) -> None:
-    """Turns a rotation in lanes about Y by twice the angle of sin and cos."""
-    x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
-    lanes[at], lanes[at + ONE] = cos * x + sin * z, cos * y + sin * w
-    lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE] = cos * z - sin * x, cos * w - sin * y
+def root_from_path(
+    bank: BankArrays, s: Array, slot: int, row: Index, t: Real, mirrored: bool
+) -> tuple[float, float, float]:
+    """Returns where a locomotion's root is, relative to the root path kept in its slot."""
+    x = between_rows(bank.lower, row, np.uint64(ROOT), t)
+    if mirrored:
+        x = -x
+    dx = x - s[slot + col.PATH]
+    dy = between_rows(bank.lower, row, np.uint64(ROOT + 1), t) - s[slot + col.PATH + 1]
+    dz = between_rows(bank.lower, row, np.uint64(ROOT + 2), t) - s[slot + col.PATH + 2]
+    dx, dz = in_turned_frame(s[slot + col.PATH_SIN], s[slot + col.PATH_COS], dx, dz)
+    return dx, dy, dz
+
+
+@inlined
+def place_root(
+    s: Array,
+    c: int,
+    x: float,
+    y: float,
+    z: float,
+    root: Rotation,
+    character: int,
+    roots: Array,
+    rotations: Array,
+    column: Index,
+) -> None:
+    """Writes the root into the pose, moved to the character's place and heading unless it plays in place."""
+    if s[c + col.IN_PLACE] == 0.0:
+        sin, cos = s[c + col.SIN], s[c + col.COS]
+        root = turned_about_y(root, sin, cos)
+        x, z = in_turned_frame(-sin, cos, x, z)
+        x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
+    roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
+    rotations[character, column], rotations[character, column + ONE] = root[0], root[1]
+    rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = root[2], root[3]
+
+
+@inlined
+def rotation_in(lanes: Array, at: Index) -> Rotation:
+    """Returns a rotation in lanes."""
+    return lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
+
+
+@inlined
+def turned_about_y(rotation: Rotation, sin: float, cos: float) -> Rotation:
+    """Returns a rotation turned about Y by twice the angle of sin and cos."""
+    x, y, z, w = rotation
+    return (
+        np.float32(cos * x + sin * z),
+        np.float32(cos * y + sin * w),
+        np.float32(cos * z - sin * x),
+        np.float32(cos * w - sin * y),
+    )

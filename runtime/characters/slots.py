@@ -1,4 +1,4 @@
-"""Offsets of a character's slots, the fade of a slot, and a smooth step.
+"""Offsets of a character's slots, the fade of a slot, and the prefetch of a row.
 
 In all kernels of characters, `s` is the flat state of all characters and `c` the offset of a character's row in it.
 """
@@ -7,6 +7,20 @@ from __future__ import annotations
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.simd.compiled import Array, inlined
+from motionsplice.runtime.simd.prefetch import prefetch_at
+
+# characters by which what they read of the bank is prefetched, so that waits and arithmetic overlap, and by which their
+# rows are, so that it is known what they are going to read
+AHEAD, FARTHER = 6, 12
+
+
+@inlined
+def fetch_state(s: Array, c: int) -> None:
+    """Prefetches what each frame reads of a character's row: the first columns and the first slots."""
+    for column in range(0, col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS, col.LINE):
+        prefetch_at(s, c + column)
+    for column in range(col.FIRST_ACTION, col.FIRST_ACTION + col.REMEMBERED, col.LINE):
+        prefetch_at(s, c + column)
 
 
 @inlined

@@ -49,9 +49,22 @@ def path_at(bank: BankArrays, ground: Ground, clip: int, frame: float) -> tuple[
 @inlined
 def keep_path(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
     """Stores a clip's root path at its frame in its slot."""
+    keep_place(bank, ground, s, slot)
+    keep_turn(s, slot)
+
+
+@inlined
+def keep_place(bank: BankArrays, ground: Ground, s: Array, slot: int) -> None:
+    """Stores place and heading of a clip's root path at its frame, without the heading's sine and cosine."""
     x, y, z, h = path_at(bank, ground, int(s[slot + col.CLIP]), s[slot + col.FRAME])
     s[slot + col.PATH], s[slot + col.PATH + 1], s[slot + col.PATH + 2], s[slot + col.PATH + 3] = x, y, z, h
-    s[slot + col.PATH_SIN], s[slot + col.PATH_COS] = math.sin(0.5 * h), math.cos(0.5 * h)
+
+
+@inlined
+def keep_turn(s: Array, slot: int) -> None:
+    """Stores sine and cosine of half the heading that is kept in a slot."""
+    half = 0.5 * s[slot + col.PATH + 3]
+    s[slot + col.PATH_SIN], s[slot + col.PATH_COS] = math.sin(half), math.cos(half)
 
 
 @kernel

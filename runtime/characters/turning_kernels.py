@@ -1,4 +1,4 @@
-"""Turns the pelvis of a pose with several actions, and limbs that an action owns without the trunk."""
+"""Sets the pelvis of a pose by its actions, and turns limbs that an action owns without the trunk."""
 
 from __future__ import annotations
 
@@ -15,6 +15,20 @@ from motionsplice.runtime.kernels.lookup import SPLICE
 from motionsplice.runtime.kernels.posture import RUNNING
 from motionsplice.runtime.kernels.rotations import TINY, product
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+
+# of Mixing.finish: the pelvis is the locomotion's; it is that of the only splice; it is mixed; limbs are turned too
+UNTURNED, ONE_SPLICE, MIXED, LIMBS = range(4)
+
+
+@inlined
+def set_pelvis(
+    bank: BankArrays, s: Array, c: int, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
+) -> None:
+    """Sets the pelvis of a pose to that of its only splice, and stores the splice's memory."""
+    column = bank.rig[arrays.PELVIS_COLUMN]
+    for i in range(4):
+        rotations[character, column + np.uint64(i)] = block[(SPLICED + i) * BLOCK + k]
+    keep_memory(s, action_slot(c, 0), k, mixing)
 
 
 @inlined
@@ -57,9 +71,12 @@ def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
 
 
 @kernel
-def keep_limbs(bank: BankArrays, limbs: Limbs, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
-    """Stores the rotation of each limb's attachment relative to the pelvis, from an action's own upper half."""
+def keep_limbs(limbs: Limbs, mask: int, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
+    """Stores the rotation of the attachment of each limb in a mask, relative to the pelvis, from an action's own upper
+    half."""
     for part in range(1, col.PARTS):
+        if not mask >> part & 1:
+            continue
         x, y, z, w = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(1.0)
         for number in range(limbs.lengths[part]):
             at = above + np.uint64(4 * limbs.chains[part, number])

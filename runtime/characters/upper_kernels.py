@@ -11,19 +11,21 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
 from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import action_slot, fade_of, locomotion_slot
-from motionsplice.runtime.characters.turning_kernels import is_apart, keep_limbs
+from motionsplice.runtime.characters.turning_kernels import LIMBS, MIXED, ONE_SPLICE, UNTURNED, is_apart, keep_limbs
 from motionsplice.runtime.characters.worn_kernels import wear_hands
 from motionsplice.runtime.format.rows import PELVIS
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_upper
-from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, is_mirrored, locate, repeated
+from motionsplice.runtime.kernels.lookup import NAIVE, NONE, SPLICE, is_mirrored, locate, repeated
 from motionsplice.runtime.kernels.mirror import mirror_upper
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RELATIVE, RUNNING, correlate
 from motionsplice.runtime.kernels.rotations import sample
 from motionsplice.runtime.kernels.standing import lay_on
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+from motionsplice.runtime.simd.lanes import load, spread, store
+from motionsplice.runtime.simd.width import LANES
 
 
 @inlined
@@ -45,20 +47,24 @@ def mix_upper(
     """
     rig, count = bank.rig, int(s[c + col.ACTIONS])
     above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
-    mixing.requests[k]["method"], mixing.limbs_turn[k] = 0, 0
+    mixing.requests[k]["method"], mixing.finish[k] = NONE, UNTURNED
     if count == 0:
         sample_own(bank, s, c, lanes, mixing)
     elif is_plain(s, c):
         if is_added(bank, s, action_slot(c, 0)):
             keep_own(bank, s, c, lanes, mixing)
         sample_action(bank, s, c, 0, k, lanes, block, mixing)
-        for part in range(col.PARTS):
-            mixing.weights[col.PARTS + part] = 1.0
+        mixing.finish[k] = ONE_SPLICE
+        if mixing.requests[k]["method"] != SPLICE:
+            mixing.finish[k] = MIXED
+            for part in range(col.PARTS):
+                mixing.shares[k, part] = 1.0
     else:
+        mixing.finish[k] = MIXED
         mix_actions(bank, limbs, s, c, count, k, lanes, block, mixing)
-    for number in range(count):
-        for part in range(col.PARTS):
-            mixing.shares[k + number, part] = mixing.weights[col.PARTS * (number + 1) + part]
+        for number in range(count):
+            for part in range(col.PARTS):
+                mixing.shares[k + number, part] = mixing.weights[col.PARTS * (number + 1) + part]
     copy_upper(rig, lanes, above, rotations, character)
 
 
@@ -73,6 +79,22 @@ def is_plain(s: Array, c: int) -> bool:
         and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
         and s[slot + col.WEIGHT] == 1.0
     )
+
+
+@inlined
+def shows_own(bank: BankArrays, s: Array, c: int) -> bool:
+    """Whether the locomotions' own upper halves are likely to be sampled: no action covers all of them."""
+    covered = False
+    for number in range(int(s[c + col.ACTIONS])):
+        slot = action_slot(c, number)
+        if s[slot + col.KIND] == col.OWN or is_added(bank, s, slot):
+            return True
+        covered |= (
+            s[slot + col.MASK] == col.UPPER_BODY
+            and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
+            and s[slot + col.WEIGHT] == 1.0
+        )
+    return not covered
 
 
 @inlined
@@ -210,8 +232,8 @@ def mix_actions(
             sample_action(bank, s, c, number, k + number, lanes, block, mixing)
             apart = is_apart(s, slot, k + number, mixing)
             if apart:
-                keep_limbs(bank, limbs, lanes, above, k + number, mixing)
-                mixing.limbs_turn[k] = 1
+                keep_limbs(limbs, int(s[slot + col.MASK]), lanes, above, k + number, mixing)
+                mixing.finish[k] = LIMBS
             set_part_weights(limbs, width, mixing, number + 1, apart)
             add_lanes(lanes, above, width, mixing, new)
             new = False
@@ -252,8 +274,12 @@ def set_part_weights(limbs: Limbs, width: Index, mixing: Mixing, source: int, ap
     if whole:
         set_lane_weights(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
         return
-    for lane in range(width):
-        mixing.lane_weights[0, lane] = np.float32(mixing.weights[begin + limbs.part_of_lane[lane]])
+    parts, weights = limbs.part_lanes, mixing.weights[begin : begin + col.PARTS]
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        weight = spread(np.float32(weights[0])) * load(parts, 0, lane)
+        for part in range(1, col.PARTS):
+            weight = weight + spread(np.float32(weights[part])) * load(parts, part, lane)
+        store(mixing.lane_weights, 0, lane, weight)
     if apart:
         for part in range(1, col.PARTS):
             if limbs.lengths[part] > 0:

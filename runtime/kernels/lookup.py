@@ -123,10 +123,16 @@ def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: i
 @inlined
 def frame_near(bank: BankArrays, clip: int, phase: float) -> float:
     """Returns a clip's frame at a phase, as exactly as the cells of frame_of_phase allow."""
+    cell, t = cell_of(bank, clip, phase)
+    return between(bank.frames, cell, t)
+
+
+@inlined
+def cell_of(bank: BankArrays, clip: int, phase: float) -> tuple[np.uint64, float]:
+    """Returns the cell of frame_of_phase before a phase of a clip, and the share of the next cell."""
     clips = bank.clips
     at = (phase - clips[clip, arrays.FIRST_PHASE]) * clips[clip, arrays.CELLS_PER_CYCLE]
-    cell, t = locate(at, clips[clip, arrays.FIRST_CELL], clips[clip, arrays.CELL_COUNT])
-    return between(bank.frames, cell, t)
+    return locate(at, clips[clip, arrays.FIRST_CELL], clips[clip, arrays.CELL_COUNT])
 
 
 @inlined

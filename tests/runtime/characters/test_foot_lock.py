@@ -132,14 +132,15 @@ def test_a_lock_that_is_turned_off_fades_out_and_is_forgotten(one: Setup) -> Non
     characters.lock_feet([0])
     run_frames(characters, 40)
     assert characters.state[0, col.LOCKED] == 1.0
-    assert characters.state[0, col.HOLDS : col.AIMED].any()
+    assert characters.state[0, col.HOLDS : col.FIRST_AIM].any()
     characters.lock_feet([0], False)
     shares = []
     for _ in range(13):
         shares.append(characters.state[0, col.LOCKED])
         characters.advance()
     assert np.all(np.diff(shares) < 0.0)
-    assert not characters.state[0, col.LOCK : col.COLUMNS].any()
+    assert not characters.state[0, [col.LOCK, col.LOCKED]].any()
+    assert not characters.state[0, col.HOLDS : col.FIRST_AIM].any()
 
 
 def test_a_foot_that_stands_for_long_is_let_go(one: Setup) -> None:
@@ -151,7 +152,7 @@ def test_a_foot_that_stands_for_long_is_let_go(one: Setup) -> None:
     sizes = []
     for _ in range(360):
         characters.advance()
-        sizes.append(np.abs(characters.state[0, col.HOLDS : col.AIMED].reshape(2, 3)[:, 0]).max())
+        sizes.append(np.abs(characters.state[0, col.HOLDS : col.FIRST_AIM].reshape(2, 3)[:, 0]).max())
     assert sizes[50] == pytest.approx(0.03, abs=1e-3)
     assert sizes[-1] < 1e-3
     assert -np.diff(sizes).max() < 0.06 / RATE

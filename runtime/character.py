@@ -108,8 +108,8 @@ class Characters:
         """Returns the characters of all parts as one, so that one call advances or evaluates all.
 
         Args:
-            parts: Characters on the same stage, at the same rate, at least one. Their states become slices of its own,
-                until rows are added to one or removed.
+            parts: Characters on the same stage, at the same rate, at least one. Their states become slices of the
+                result's, until rows are added to them or removed.
         """
         if len(parts) == 1:
             return parts[0]
@@ -288,7 +288,8 @@ class Characters:
     def remember(self) -> None:
         """Notes the poses of a frame that is not shown, which those of later frames depend on.
 
-        It evaluates only characters that have an action of posture `running`.
+        It evaluates only characters that have an action of posture `running`. Where a torso allows no unique best
+        rotation, others reuse that of the last frame that was shown.
         """
         rows = running_rows(self.state)
         if len(rows) > 0:

@@ -15,7 +15,7 @@ from bench.service.stream_client import Job
 from bench.service.streams import PATH, RATE
 
 CONNECTIONS = (200, 320, 400, 512, 700, 1000)
-CONNECTED = 100  # clients that connect and create their characters in a second, on a busy machine
+CONNECTED = 50  # clients that connect and create their characters in a second, on a busy machine
 CROWDS, CROWD = 4, 5000  # streams, and the characters of each
 LIMITS = (
     *("--max-load", "1000000000", "--max-streams", "4096"),
@@ -27,28 +27,30 @@ def saturation(bank: Path, *, seconds: float = 5.0) -> Findings:
     """Measures 200 to 1,000 streams of one character at 60 Hz, and 4 of 5,000 characters.
 
     One process has one core. So past some number of streams, it must leave frames out: as few as before, and for all
-    clients alike. All clients are in another process.
+    clients alike. All clients are in another process. On a machine that others use, figures per second of processor
+    time say more than those per second.
     """
     clips = names(bank, "locomotion"), names(bank, "action")
     findings = Findings(f"Streams past saturation, {RATE:g} Hz, {seconds:g} s each")
-    sent, wanted, costs, shares = [], [], [], []
+    sent, per_core = [], []
     with serving(bank, *LIMITS) as server:
         for count in CONNECTIONS:
             job = Job(server.port, PATH, count, seconds, create(1, *clips))
             taken, spent = taken_meanwhile(server, job, STARTING + count / CONNECTED)
             frames = np.array([len(one.arrivals) for one in taken])
             sent.append(frames.sum() / seconds)
-            wanted.append(RATE * count)
-            costs.append(1e6 * spent / max(1, frames.sum()))
-            shares.append(frames.min() / max(1.0, float(np.median(frames))))
+            per_core.append(frames.sum() / spent)
+            worst = frames.min() / max(1.0, float(np.median(frames)))
             findings.add(f"{count} streams: messages per second", sent[-1], "{:,.0f}")
-            findings.add(f"{count} streams: the server's time a message, us", costs[-1], "{:.1f}")
-            findings.add(f"{count} streams: worst client / median", shares[-1], least=0.8)
+            findings.add(f"{count} streams: messages per second of processor time", per_core[-1], "{:,.0f}", least=3e4)
+            findings.add(f"{count} streams: worst client / median", worst, least=0.8)
         crowds = Job(server.port, PATH, CROWDS, seconds, _crowd(*clips))
         taken, spent = taken_meanwhile(server, crowds)
-    kept = float(np.min(np.array(sent) / np.minimum(wanted, max(sent))))
+    due = RATE * np.array(CONNECTIONS)
+    kept = float(np.min(np.array(sent) / np.minimum(due, max(sent))))
     findings.add("least messages per second / the lesser of the most and those due", kept, least=0.9)
-    findings.add("most messages per second of processor time", 1e6 / min(costs), "{:,.0f}", least=30_000)
+    kept = min(per_core) / max(per_core)
+    findings.add("the same per second of processor time, least / most", kept, least=0.9)
     slowest = min(len(one.arrivals) for one in taken) / seconds
     findings.add(f"{CROWDS} streams of {CROWD} characters: frames per second of the slowest", slowest, least=59)
     findings.add(f"{CROWDS} streams of {CROWD} characters: share of a core", spent / seconds)

@@ -18,7 +18,7 @@ from motionsplice.service.characters.commands import checked, parse
 from motionsplice.service.characters.connection import Connection, State
 from motionsplice.service.characters.ensemble import Ensemble
 from motionsplice.service.characters.frame_format import frame_format
-from motionsplice.service.characters.hub import CHARACTERS, Hub
+from motionsplice.service.characters.hub import CHARACTERS, TURNS, Hub, _serve_others
 from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.metrics import Metrics
@@ -209,3 +209,27 @@ def test_a_command_between_ticks_changes_only_its_own_scene(edition: Edition) ->
 
 async def _do(hub: Hub, connection: Connection, command: dict[str, Any]) -> None:
     hub._do(connection, checked(parse(json.dumps(command)), AXES["gltf"]))
+
+
+@pytest.mark.parametrize(("seconds", "taken"), [(0.0, 16), (0.02, 5), (1.0, 1)])
+def test_other_tasks_have_turns_after_a_late_tick_but_not_all_the_time(seconds: float, taken: int) -> None:
+    """After a tick of 0.2 s, each turn takes `seconds`."""
+    turns = 0
+
+    class Clock:
+        def time(self) -> float:
+            return turns * seconds
+
+    async def handshake() -> None:
+        nonlocal turns
+        while True:
+            turns += 1
+            await asyncio.sleep(0)
+
+    async def run() -> None:
+        task = asyncio.create_task(handshake())
+        await _serve_others(cast("asyncio.AbstractEventLoop", Clock()), TURNS, 0.2)
+        task.cancel()
+
+    asyncio.run(run())
+    assert turns == taken

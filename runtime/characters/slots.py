@@ -11,7 +11,7 @@ from motionsplice.runtime.simd.prefetch import prefetch_at
 
 # characters by which what they read of the bank is prefetched, so that waits and arithmetic overlap, and by which their
 # rows are, so that it is known what they are going to read
-AHEAD, FARTHER = 6, 12
+AHEAD, FARTHER = 3, 7
 
 
 @inlined

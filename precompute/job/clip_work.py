@@ -33,7 +33,7 @@ from motionsplice.precompute.job.sources import Source
 from motionsplice.precompute.preparation.prepared import PreparedClip, prepare
 from motionsplice.runtime.format.manifest import content_digest
 
-ROOM = 256_000_000  # bytes of rotations that one process keeps in memory
+ROOM = 100_000_000  # bytes of rotations that one process keeps in memory
 
 Result = TypeVar("Result", covariant=True)
 Task = TypeVar("Task", contravariant=True)

@@ -13,8 +13,10 @@ from bench.rounds import Work
 from motionsplice.motion import quaternion
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.kernels.arrays import SpliceArrays
 from motionsplice.runtime.kernels.evaluate import action_frames
 from motionsplice.runtime.requests import Poses, Requests
+from motionsplice.runtime.simd.handle import handle_of
 
 REQUEST = np.dtype(  # sampler_request
     [
@@ -88,6 +90,7 @@ class Sampler:
         bank, found, frames = self._evaluator.bank, np.zeros(len(requests), REQUEST), np.empty(len(requests))
         for name in ("locomotion", "action", "time", "start"):
             found[name] = requests.records[name]
-        action_frames(self._evaluator.arrays, requests.records, frames)
+        handle = handle_of(SpliceArrays(self._evaluator.arrays, self._evaluator.scratch))
+        action_frames(handle, requests.records, frames)
         found["action_time"] = frames / np.array([clip.rate for clip in bank.numbered])[requests.action]
         return found

@@ -18,7 +18,7 @@ from motionsplice.service.front import Front
 from motionsplice.service.settings import Settings
 from tests.service.running import Running, running
 
-HEADERS = b"Host: x\r\nAccept: */*\r\n\r\n"
+HEADERS = b"Host: 127.0.0.1\r\nAccept: */*\r\n\r\n"
 POSES = [f"/v1/pose?locomotion=run&action=wave&time={time}&format=msgpack".encode() for time in (0.1, 0.25, 1.5)]
 REQUESTS = {  # and the statuses of their answers
     **{b"GET %s HTTP/1.1\r\n%s" % (pose, HEADERS): 200 for pose in POSES},
@@ -76,12 +76,12 @@ def test_from_the_second_on_a_pose_is_answered_without_the_parser_by_the_same_by
     queries, peer = counted(monkeypatch), impatient.connect()
     found = []
     for pose in (*POSES, *POSES):
-        peer.sendall(b"GET %s HTTP/1.1\r\nHost: once\r\n\r\n" % pose)
+        peer.sendall(b"GET %s HTTP/1.1\r\nHost: 127.0.0.2\r\n\r\n" % pose)
         found += answers(peer, 1)
     assert found[:3] == found[3:]
     assert len(set(found)) == 3
     assert len(queries) >= 5
-    fresh = impatient.connect(b"GET %s HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n" % POSES[1])
+    fresh = impatient.connect(b"GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" % POSES[1])
     assert answers(fresh, 1) == found[1:2]
     peer.close()
 
@@ -153,7 +153,7 @@ def test_other_headers_need_the_token_again(bank: Bank) -> None:
     with running(bank.path, Settings(token=SecretStr("secret-token"))) as service:
         peer = service.connect()
         for header, status in ((b"secret-token", 200), (b"secret-token", 200), (b"secret-tokem", 401)):
-            peer.sendall(b"GET %s HTTP/1.1\r\nAuthorization: Bearer %s\r\n\r\n" % (POSES[0], header))
+            peer.sendall(b"GET %s HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer %s\r\n\r\n" % (POSES[0], header))
             assert answers(peer, 1)[0][0] == status
         peer.sendall(b"GET %s HTTP/1.1\r\n%s" % (POSES[0], HEADERS))
         assert answers(peer, 1)[0][0] == 401

@@ -71,6 +71,9 @@ Format, SpliceFormat = models.Format, models.SpliceFormat
 save("pose.msgpack", call("motion", "get_pose", **splice, **encoded, time=0.5, format_=Format.MSGPACK))
 pose = save("pose.json", call("motion", "get_pose", **splice, **encoded, time=0.5))
 assert len(models.Pose.from_dict(json.loads(pose)).rotations) == bank.joints
+hoped = save("expectation.json", call("motion", "get_expectation", locomotion="walk", action="wave"))
+expected = models.ExpectationAnswer.from_dict(json.loads(hoped)).expected
+assert 0.0 < expected.error < expected.replaced
 batch = models.Batch(clips=["walk", "wave"], locomotion=[0, 0], time=[0.5, 0.5], action=[1, -1])
 batch.posture = models.BatchPosture.ABSOLUTE
 save("poses.msgpack", call("motion", "post_poses", body=upload("batch.msgpack"), **encoded, format_=Format.MSGPACK))

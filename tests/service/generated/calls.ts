@@ -59,6 +59,8 @@ const root: number[] = pose.root_positions;
 const rotations: number[][] | undefined = pose.rotations;
 check(root.length === 3 && rotations?.length === bank.joints, "pose");
 writeFileSync(`${folder}/pose.json`, JSON.stringify(pose));
+const hoped = good(await json.GET("/v1/expectation", { params: { query: { locomotion: "walk", action: "wave" } } }));
+check(hoped.expected !== null && hoped.expected.error < hoped.expected.replaced, "expectation");
 save("pose.msgpack", await client.GET("/v1/pose", { params: { query: { ...moment, format: "msgpack" } }, ...binary }));
 
 const query = { params: { query: encoded } };

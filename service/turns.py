@@ -24,8 +24,13 @@ class Turns:
 
     async def next(self) -> None:
         """Waits for a turn. What the task does until it waits again is one piece."""
-        turn = asyncio.get_running_loop().create_future()
-        self.call(lambda: turn.done() or turn.set_result(None))  # done if the task was cancelled meanwhile
+        turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+
+        def give() -> None:
+            if not turn.done():  # it is if the task was cancelled meanwhile
+                turn.set_result(None)
+
+        self.call(give)
         await turn
 
     def _give(self) -> None:

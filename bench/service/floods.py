@@ -13,7 +13,6 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
 
-
 import msgpack
 import numpy as np
 from numpy.typing import NDArray
@@ -131,7 +130,9 @@ def _post(kind: str, body: bytes) -> bytes:
 def _pouring(connections: int, first: bytes, flood: bytes) -> Flood:
     def begin(server: Process, seconds: float) -> AbstractContextManager[object]:
         texts = [base64.b64encode(one).decode() for one in (first, flood)]
-        return _running("bench.service.flood_client", asdict(flood_client.Job(server.port, PATH, connections, seconds, *texts)))
+        return _running(
+            "bench.service.flood_client", asdict(flood_client.Job(server.port, PATH, connections, seconds, *texts))
+        )
 
     return begin
 

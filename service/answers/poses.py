@@ -47,7 +47,8 @@ async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
 
 async def _arrays(shared: Shared, edition: Edition, requests: Requests, how: Encoding) -> Arrays:
     """Returns the encoded poses of all requests, made in blocks so that others are served in between."""
-    blocks, count = list[Arrays](), len(requests)
+    arrays: Arrays = {}
+    count = len(requests)
     for first in range(0, max(1, count), BLOCK):
         if count > BLOCK:
             await shared.turns.next()
@@ -58,6 +59,11 @@ async def _arrays(shared: Shared, edition: Edition, requests: Requests, how: Enc
         except MotionError:
             edition.evaluator.evaluate(requests, edition.evaluator.poses(count))  # names its place in the whole batch
             raise
-        blocks.append(how.arrays(edition.evaluator, out))
+        made = how.arrays(edition.evaluator, out)
         shared.metrics.evaluation.observe(perf_counter() - began)
-    return blocks[0] if len(blocks) == 1 else {key: np.concatenate([one[key] for one in blocks]) for key in blocks[0]}
+        if count <= BLOCK:
+            return made
+        arrays = arrays or {key: np.empty((count, *one.shape[1:]), one.dtype) for key, one in made.items()}
+        for key, one in made.items():
+            arrays[key][first : first + BLOCK] = one
+    return arrays

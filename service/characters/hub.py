@@ -66,7 +66,7 @@ class Hub:
         with (
             self._shared.admitted(),
             self._shared.metrics.connection("characters"),
-            self._allowances.of(address, loop.time()) as allowance,
+            self._allowances.of(address, loop.time) as allowance,
         ):
             await accept(scope, receive, send)
             connection.queue_event("welcome", **self._welcome(play, form))

@@ -6,9 +6,8 @@ import asyncio
 import socket
 import struct
 from http import HTTPStatus
-from typing import cast
+from typing import Any, cast
 
-from uvicorn._types import ASGIReceiveEvent
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.exceptions import InvalidMessage
@@ -78,7 +77,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         else:
             self._parse_later()
 
-    async def receive(self) -> ASGIReceiveEvent:
+    async def receive(self) -> Any:
         message = await super().receive()
         if self._unparsed and not self.read_paused:  # it has just resumed reading
             self._parse_later()

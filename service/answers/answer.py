@@ -9,7 +9,7 @@ from typing import NamedTuple
 from starlette.types import Send
 
 Headers = list[tuple[bytes, bytes]]
-PART = 256 * 1024  # bytes of a body that are handed to the operating system in a turn of the event loop
+PART = 512 * 1024  # bytes of a body that are handed to the operating system in a turn of the event loop
 
 
 class Answer(NamedTuple):

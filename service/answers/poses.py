@@ -20,7 +20,7 @@ from motionsplice.service.wire.messages import FORMS, JSON, JSON_SHARE, MSGPACK
 from motionsplice.service.wire.parameters import HOW, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
-SMALL = 16 * 1024  # bytes of a body that is parsed without a turn of its own
+SMALL = 32 * 1024  # bytes of a body that is parsed without a turn of its own
 BLOCK = 1024  # characters that are evaluated and encoded in a turn, within half a millisecond
 POSES = Query(*HOW, format_parameter("json", "msgpack"))
 

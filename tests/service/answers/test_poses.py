@@ -57,7 +57,7 @@ def _body(times: Any) -> bytes:
     return bytes(msgpack.packb({"clips": ["walk"], **columns}))
 
 
-@pytest.mark.parametrize(("count", "turns"), [(0, 0), (1, 0), (BLOCK, 0), (BLOCK + 1, 2), (2 * BLOCK + 500, 1 + 3)])
+@pytest.mark.parametrize(("count", "turns"), [(0, 0), (1, 0), (BLOCK, 0), (BLOCK + 1, 2), (2 * BLOCK + 1000, 1 + 3)])
 def test_each_block_of_a_batch_has_a_turn_and_they_are_the_whole(edition: Edition, count: int, turns: int) -> None:
     times = np.linspace(0.0, 1.0, count)
     answer, taken = _answer(edition, times)

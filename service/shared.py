@@ -11,12 +11,14 @@ from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import BusyError
 from motionsplice.service.serving import Serving
 from motionsplice.service.settings import Settings
+from motionsplice.service.turns import Turns
 
 
 @dataclass(frozen=True, eq=False)
 class Shared:
     """The settings, the bank that is served, the metrics, the open streams, and whether the service is stopping.
 
+    turns: for work whose length clients choose.
     retargeting: held while a take is put onto a rig in a thread: one at a time, as that takes a core and much memory.
     estimating: held while a thread uses the edition's estimator.
     """
@@ -28,6 +30,7 @@ class Shared:
     streams: set[object] = field(default_factory=set)
     retargeting: asyncio.Lock = field(default_factory=asyncio.Lock)
     estimating: asyncio.Lock = field(default_factory=asyncio.Lock)
+    turns: Turns = field(default_factory=Turns)
 
     @contextmanager
     def admitted(self) -> Iterator[None]:

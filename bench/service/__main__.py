@@ -9,6 +9,7 @@ saturation   Do 200 to 1,000 streams share one core evenly, and how many message
 poses        How many single poses per second does the server answer, and how long do they take?
 batches      What does a request of 1,000 poses cost, beyond evaluating and encoding it?
 stalled      Do clients that stop reading disturb others, and are they closed?
+floods       Do long lists of commands, pings or big batches disturb other clients?
 connects     Do clients that connect and abort leave anything behind?
 exchange     Do streams stay intact while the bank is exchanged?
 """
@@ -26,6 +27,7 @@ from bench.findings import Findings
 from bench.service.banks import built_in
 from bench.service.crowd import crowd
 from bench.service.exchange import exchange
+from bench.service.floods import floods
 from bench.service.harm import connects, stalled
 from bench.service.requests import batches, poses
 from bench.service.saturation import saturation
@@ -41,6 +43,7 @@ SHORT: dict[str, Measure] = {
     "poses": poses,
     "batches": batches,
     "stalled": stalled,
+    "floods": floods,
     "connects": connects,
     "exchange": exchange,
 }
@@ -49,6 +52,7 @@ LONG: dict[str, Measure] = {
     "crowd": lambda bank: crowd(bank, seconds=60.0),
     "saturation": lambda bank: saturation(bank, seconds=30.0),
     "stalled": lambda bank: stalled(bank, seconds=60.0, rounds=3),
+    "floods": lambda bank: floods(bank, seconds=30.0, rounds=5),
     "connects": lambda bank: connects(bank, times=20_000),
     "exchange": lambda bank: exchange(bank, exchanges=200),
 }

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from starlette.types import Send
 
 Headers = list[tuple[bytes, bytes]]
+PART = 512 * 1024  # bytes of a body that are handed to the operating system in a turn of the event loop
 
 
 class Answer(NamedTuple):
@@ -24,7 +25,11 @@ class Answer(NamedTuple):
         length = str(len(self.body)).encode()
         headers = [(b"content-type", self.media_type), (b"content-length", length), *self.headers, *more]
         await send({"type": "http.response.start", "status": self.status, "headers": headers})
-        await send({"type": "http.response.body", "body": self.body})
+        for first in range(0, len(self.body) - PART, PART):
+            await send({"type": "http.response.body", "body": self.body[first : first + PART], "more_body": True})
+            await asyncio.sleep(0)
+        last = max(0, len(self.body) - 1) // PART * PART
+        await send({"type": "http.response.body", "body": self.body[last:] if last else self.body})
 
 
 async def joined(pieces: Iterator[bytes]) -> bytes:

@@ -20,6 +20,7 @@ COLUMNS: Mapping[str, str] = {"locomotion": "<i4", "action": "<i4", "hands": "<i
 NAMES: Mapping[str, tuple[str, ...]] = {"method": get_args(Method), "posture": get_args(Posture)}
 KEYS = ("clips", *COLUMNS, *NAMES)
 NONE = -1
+FEWER = "Send several batches"
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,10 @@ class Batch:
         for key in list(values):
             _known(key, {})
             if key in COLUMNS:
-                kinds = (int, float) if COLUMNS[key] == "<f8" else (int,)
-                if not isinstance(values[key], list) or not all(type(one) in kinds for one in values[key]):
+                kinds = {int, float} if COLUMNS[key] == "<f8" else {int}
+                if isinstance(values[key], list) and len(values[key]) > most:
+                    raise LimitError(f"{key}: {len(values[key])} numbers are more than {most}", mend=FEWER)
+                if not isinstance(values[key], list) or not set(map(type, values[key])) <= kinds:
                     whole = "" if float in kinds else "whole "
                     raise RequestError(f"{key}: expected a list of {whole}numbers")
                 try:
@@ -91,9 +94,7 @@ class Batch:
         if not isinstance(clips, list) or not all(isinstance(one, str) for one in clips):
             raise RequestError("clips: expected a list of names")
         if max(count, len(clips)) > most:
-            raise LimitError(
-                f"{count} characters of {len(clips)} clips are more than {most}", mend="Send several batches"
-            )
+            raise LimitError(f"{count} characters of {len(clips)} clips are more than {most}", mend=FEWER)
         columns.setdefault("action", np.full(count, NONE, "<i4"))
         columns.setdefault("hands", np.full(count, NONE, "<i4"))
         columns.setdefault("start", np.zeros(count))
@@ -154,5 +155,5 @@ def _known(key: object, values: Mapping[str, Any]) -> str:
 def _texts(unpacker: Any, most: int) -> list[str]:
     count = unpacker.read_array_header()
     if count > most:
-        raise LimitError(f"{count} clips are more than {most}", mend="Send several batches")
+        raise LimitError(f"{count} clips are more than {most}", mend=FEWER)
     return [unpacker.unpack() for _ in range(count)]

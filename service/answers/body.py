@@ -9,6 +9,7 @@ from typing import Any
 import orjson
 from starlette.types import Receive, Scope
 
+from motionsplice.service.parsing import loads
 from motionsplice.service.problems import MediaTypeError, RequestError, TooLargeError, TooSlowError
 
 SLOWEST = 32 * 1024  # bytes per second of an upload
@@ -30,7 +31,7 @@ def media_type(scope: Scope, *supported: str) -> str:
 def json_map(body: bytes) -> dict[str, Any]:
     """Returns a body that is a map in JSON. Raises RequestError."""
     try:
-        values = orjson.loads(body)
+        values = loads(body)
     except orjson.JSONDecodeError as error:
         raise RequestError(f"the body is not JSON ({error})") from None
     if not isinstance(values, dict):

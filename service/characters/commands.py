@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, get_args
 
@@ -15,10 +15,14 @@ from motionsplice.runtime.characters.aim import FARTHEST, LARGEST_PITCH, LARGEST
 from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
 from motionsplice.runtime.requests import Posture
 from motionsplice.sending.receiver import Kind
+from motionsplice.service.parsing import loads
 from motionsplice.service.problems import RequestError
 
 LARGEST_ID = 2**32 - 1
 FASTEST = 8.0  # times a clip's own speed
+IDS = 10.0  # further characters of a command that count as another
+PIECE, MOST_IDS = 8.0, 256  # commands, or characters of one command, that are done in a turn: 0.2 to 0.8 ms
+WHOLE = frozenset({"set", "send"})  # commands that are not divided: they cost as much for many characters as for one
 
 REF_TYPES = (int, float, str, type(None))  # compared with type(), which excludes bool
 
@@ -139,10 +143,34 @@ OPTIONAL: Mapping[str, tuple[str, ...]] = {
 }
 
 
+def cost(text: str) -> float:
+    """Returns how many commands a message counts as, from its text alone: it is charged before it is parsed.
+
+    A command is a map, and has fewer than ten commas unless it is for many characters.
+    """
+    return max(1.0, text.count("{"), text.count("["), text.count(",") / IDS, len(text) / 1024.0)
+
+
+def in_pieces(commands: Sequence[Command]) -> list[list[Command]]:
+    """Returns commands in pieces that are done within about a millisecond. Long lists of characters are divided."""
+    pieces: list[list[Command]] = []
+    room = 0.0
+    for command in commands:
+        some = MOST_IDS if command.do not in WHOLE else max(1, len(command.ids))
+        for first in range(0, max(1, len(command.ids)), some):
+            part = replace(command, ids=command.ids[first : first + some])
+            if room <= 0.0:
+                pieces.append([])
+                room = PIECE
+            pieces[-1].append(part)
+            room -= 1.0 + len(part.ids) * PIECE / MOST_IDS
+    return pieces
+
+
 def parse(text: str) -> list[Any]:
     """Returns the commands of a text message, unchecked. Raises RequestError."""
     try:
-        document = orjson.loads(text)
+        document = loads(text)
     except orjson.JSONDecodeError as error:
         raise RequestError(f"the message is not JSON ({error})") from None
     listed = document if isinstance(document, list) else [document]
@@ -157,22 +185,21 @@ def ref_of(listed: list[Any]) -> int | float | str | None:
     return ref if type(ref) in REF_TYPES else None
 
 
-def checked(listed: list[Any], axes: Axes) -> list[Command]:
-    """Returns the commands of a message, with places in our axes. Raises RequestError about the first that is wrong.
+def checked(listed: list[Any], axes: Axes) -> Iterator[Command]:
+    """Yields the commands of a message, with places in our axes. Raises RequestError about the first that is wrong.
 
     Args:
         listed: The commands, as `parse` returns them.
         axes: The axes of their positions and headings.
     """
-    commands = []
     for number, fields in enumerate(listed):
         try:
             command = _command(fields)
-            commands.append(command if axes.ours else replace(command, values=_in_our_axes(command.values, axes)))
+            command = command if axes.ours else replace(command, values=_in_our_axes(command.values, axes))
         except RequestError as error:
             place = f"command {number}" if len(listed) > 1 else ""
             raise RequestError(error.problem, place=place, mend=error.mend) from None
-    return commands
+        yield command
 
 
 def _in_our_axes(values: Mapping[str, Any], axes: Axes) -> Mapping[str, Any]:

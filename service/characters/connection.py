@@ -6,7 +6,8 @@ import asyncio
 import logging
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import contextmanager
 from enum import Enum
 from typing import Any, Protocol
 
@@ -14,7 +15,8 @@ import orjson
 from starlette.types import Receive, Send
 
 from motionsplice.motion.errors import MotionError
-from motionsplice.service.characters.commands import Command, checked, parse, ref_of
+from motionsplice.service.allowance import Allowance
+from motionsplice.service.characters.commands import Command, checked, cost, parse, ref_of
 from motionsplice.service.characters.ensemble import Ensemble
 from motionsplice.service.characters.frame_format import FrameFormat
 from motionsplice.service.characters.play import Play
@@ -22,12 +24,13 @@ from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import URN, kind_of
 from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
+from motionsplice.service.turns import Turns
 
 logger = logging.getLogger(__name__)
 
 TRANSPORT = "motionsplice.transport"  # name of the ASGI extension
-BURST = 10_000.0  # commands that are done at once before further ones wait
 COPIED = 100.0  # copying this many characters costs about as much as one command; every message copies the scene
+CHECKED = 100  # commands that are checked in a turn, within half a millisecond
 MOST_EVENTS = 1000  # unsent events of one client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
 REFUSED = 4000  # and the status of the problem: close codes of WebSockets that are refused
@@ -71,7 +74,7 @@ NEXT: Mapping[State, frozenset[State]] = {
     State.CLOSED: frozenset({State.CLOSED}),
 }
 
-Do = Callable[["Connection", list[Command]], None]  # raises MotionError if it did none of them
+Do = Callable[["Connection", list[Command]], Awaitable[None]]  # raises MotionError if it did none of them
 
 
 class Connection:
@@ -86,6 +89,7 @@ class Connection:
             into it.
         ensemble: The scenes that were last made together with this one, or None.
         refused: The newer edition that this connection cannot move to and that its client knows of, or None.
+        is_held: Whether the next frames wait for a long list of commands that is being done on a copy of the scene.
         format: The format of the frames.
     """
 
@@ -98,6 +102,7 @@ class Connection:
         self.sent: Play | None = None
         self.ensemble: Ensemble | None = None
         self.refused: Edition | None = None
+        self.is_held = False
         self.format = form
         self.settings = settings
         self.metrics = metrics
@@ -169,6 +174,19 @@ class Connection:
         self._enter(State.READY if self._message is None else State.HOLDING)
         self.wanted = now if sooner else play.due
 
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Lets no frames be made, so that a list of commands takes several turns but takes effect between two frames.
+
+        Other connections are not late because this one was held: its frames are wanted from now on.
+        """
+        self.is_held = True
+        try:
+            yield
+        finally:
+            self.is_held = False
+            self.wanted = max(self.wanted, asyncio.get_running_loop().time())
+
     def close(self, code: int, reason: str) -> None:
         """Closes the connection once the queued events are sent. A connection that is closing keeps its first code."""
         if self.is_open:
@@ -239,10 +257,12 @@ class Connection:
             return sent._replace(scene=scene).after(past)
         return self.play._replace(scene=self.play.scene.copy())
 
-    async def receive(self, receive: Receive, do: Do) -> None:
-        """Receives messages and does their commands, until the client disconnects or the connection closes."""
-        loop, most = asyncio.get_running_loop(), self.settings.max_commands
-        allowance, since = BURST, loop.time()
+    async def receive(self, receive: Receive, allowance: Allowance, turns: Turns, do: Do) -> None:
+        """Receives messages and does their commands, until the client disconnects or the connection closes.
+
+        Each message is charged before anything is done for it, and waits if the allowance is used up.
+        """
+        loop = asyncio.get_running_loop()
         while self.is_open:
             try:
                 async with asyncio.timeout(None if len(self.play.scene) else self.settings.idle_seconds):
@@ -256,26 +276,27 @@ class Connection:
             if text is None:
                 self.close(NO_TEXT, "commands must be sent as text")
                 return
-            spent, now = self._take(text, do), loop.time()
-            allowance, since = min(BURST, allowance + (now - since) * most) - spent, now
-            if allowance < 0.0:
-                await asyncio.sleep(-allowance / most)
+            if wait := allowance.charge(cost(text) + len(self.play.scene) / COPIED, loop.time()):
+                await asyncio.sleep(wait)
+            await turns.next()
+            await self._take(text, turns, do)
 
-    def _take(self, text: str, do: Do) -> float:
-        """Does all commands of a message, or none, and queues the reply. Returns the cost, counted in commands."""
+    async def _take(self, text: str, turns: Turns, do: Do) -> None:
+        """Does all commands of a message, or none, and queues the reply."""
         ref = None
         try:
             listed = parse(text)
             ref = ref_of(listed)
-            commands = checked(listed, self.format.encoding.axes)
-            do(self, commands)
+            commands: list[Command] = []
+            for command in checked(listed, self.format.encoding.axes):
+                commands.append(command)
+                if len(commands) % CHECKED == 0:
+                    await turns.next()
+            await do(self, commands)
         except MotionError as error:
             self.queue_event("refused", ref=ref, type=URN + kind_of(error)[1], detail=str(error))
-            return 1.0
         except Exception:
             logger.exception("commands failed")
             self.close(FAILED, "the service failed; see its log")
-            return 1.0
-        self.queue_event("done", ref=ref, frame=self.play.frame)
-        copying = len(self.play.scene) / COPIED
-        return copying + sum(1.0 + len(command.ids) / 10.0 for command in commands)
+        else:
+            self.queue_event("done", ref=ref, frame=self.play.frame)

@@ -7,13 +7,15 @@ import logging
 import math
 import time
 from collections.abc import Mapping
+from contextlib import nullcontext
 from typing import Any
 
 from starlette.types import Receive, Scope, Send
 
 from motionsplice.runtime.requests import Poses
 from motionsplice.service.admission import SUBPROTOCOL
-from motionsplice.service.characters.commands import Command
+from motionsplice.service.allowance import Allowances
+from motionsplice.service.characters.commands import Command, in_pieces
 from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
 from motionsplice.service.characters.ensemble import MOST_JOINED, Ensemble
 from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
@@ -48,6 +50,7 @@ class Hub:
         self._changed = asyncio.Event()
         self._lateness = Lateness()
         self._receivers = Receivers(shared.settings, shared.metrics)
+        self._allowances = Allowances(shared.settings.max_commands)
         shared.serving.listeners.append(self._exchange)
 
     async def serve(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -59,13 +62,18 @@ class Hub:
         transport = scope.get("extensions", {}).get(TRANSPORT)
         connection = Connection(play, form, self._shared.settings, self._shared.metrics, transport)
         self._check(connection, play)
-        with self._shared.admitted(), self._shared.metrics.connection("characters"):
+        address = str((scope.get("client") or ("",))[0])
+        with (
+            self._shared.admitted(),
+            self._shared.metrics.connection("characters"),
+            self._allowances.of(address, loop.time) as allowance,
+        ):
             await accept(scope, receive, send)
             connection.queue_event("welcome", **self._welcome(play, form))
             self.connections.add(connection)
             self._changed.set()
             sending = asyncio.create_task(connection.send(send, self._changed.set))
-            receiving = asyncio.create_task(connection.receive(receive, self._do))
+            receiving = asyncio.create_task(connection.receive(receive, allowance, self._shared.turns, self._do))
             try:
                 await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
                 if connection.state is State.CLOSING:
@@ -92,7 +100,7 @@ class Hub:
         """Runs the clock: makes frames when they are due, until cancelled."""
         loop = asyncio.get_running_loop()
         while True:
-            due, now = min((one.wanted for one in self.connections), default=math.inf), loop.time()
+            due, now = min((one.wanted for one in self.connections if not one.is_held), default=math.inf), loop.time()
             if due <= now + EARLY:
                 self._tick(now)
                 await _serve_others(loop, TURNS if self._lateness.sheds else 1, loop.time() - now)
@@ -121,14 +129,14 @@ class Hub:
                     one.close(FAILED, "the service failed; see its log")
         newest = self._shared.serving.edition
         for one in self.connections:  # a clip that the newest bank lacks may have been faded out by now
-            if one.play.scene.edition is not newest and not one.play.scene.missing(newest):
+            if one.play.scene.edition is not newest and not one.is_held and not one.play.scene.missing(newest):
                 self._move(one, newest)
 
     def _due(self, now: float) -> list[list[Connection]]:
         """Returns the connections that are to have frames now, in groups that have them made together."""
         groups: dict[tuple[Any, ...], list[Connection]] = {}
         for one in self.connections:
-            if one.wanted > now + EARLY:
+            if one.wanted > now + EARLY or one.is_held:
                 continue
             if not one.is_free:
                 one.defer()
@@ -175,24 +183,27 @@ class Hub:
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
         return poses, arrays
 
-    def _do(self, connection: Connection, commands: list[Command]) -> None:
-        """Does all commands of a message, or none of them. Raises MotionError."""
-        now = asyncio.get_running_loop().time()
-        play = connection.rewound(now)
-        for command in commands:
-            if command.do == "set":
-                rate, ahead = command.values.get("rate", play.rate), command.values.get("ahead", play.ahead)
-                due = play.due if rate == play.rate else _next_tick(now, rate)
-                play = play._replace(rate=float(rate), ahead=ahead, due=due)
-                play.scene.keep_time(play.rate)
-                if "events" in command.values:
-                    play.scene.subscribe(command.values["events"])
-            else:
-                play.scene.do(command)
-        self._check(connection, play)
-        connection.change(play, now)
-        self._receivers.claim(connection)
-        self._changed.set()
+    async def _do(self, connection: Connection, commands: list[Command]) -> None:
+        """Does all commands of a message, or none of them. Raises MotionError.
+
+        Those of a long list are done in several turns of the event loop, while the connection's next frame waits.
+        """
+        loop, pieces = asyncio.get_running_loop(), in_pieces(commands)
+        play = connection.rewound(loop.time())
+        try:
+            with connection.held() if len(pieces) > 1 else nullcontext():
+                for number, piece in enumerate(pieces):
+                    if number:
+                        await self._shared.turns.next()
+                    play = _done(play, piece, loop.time())
+                self._check(connection, play)
+                connection.change(play, loop.time())
+            self._receivers.claim(connection)
+        finally:
+            self._changed.set()
+            newest = self._shared.serving.edition
+            if newest not in (connection.play.scene.edition, connection.refused):  # exchanged while it was held
+                self._move(connection, newest)
 
     def _check(self, connection: Connection, play: Play) -> None:
         """Checks what a connection is to play. Raises LimitError for limits of a message or client, else BusyError."""
@@ -214,7 +225,8 @@ class Hub:
 
     def _exchange(self, edition: Edition) -> None:
         for connection in self.connections:
-            self._move(connection, edition)
+            if not connection.is_held:
+                self._move(connection, edition)
 
     def _move(self, connection: Connection, edition: Edition) -> None:
         """Moves a connection to another edition from its next frame on, if that has all clips and hands it plays."""
@@ -250,6 +262,21 @@ async def accept(scope: Scope, receive: Receive, send: Send) -> None:
     await receive()
     offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
     await send({"type": "websocket.accept", "subprotocol": offered})
+
+
+def _done(play: Play, commands: list[Command], now: float) -> Play:
+    """Does commands on a play's scene. Returns the play with the settings that they change."""
+    for command in commands:
+        if command.do != "set":
+            play.scene.do(command)
+            continue
+        rate, ahead = command.values.get("rate", play.rate), command.values.get("ahead", play.ahead)
+        due = play.due if rate == play.rate else _next_tick(now, rate)
+        play = play._replace(rate=float(rate), ahead=ahead, due=due)
+        play.scene.keep_time(play.rate)
+        if "events" in command.values:
+            play.scene.subscribe(command.values["events"])
+    return play
 
 
 def _next_tick(now: float, rate: float) -> float:

@@ -143,8 +143,9 @@ class Scene:
     def _send(self, ids: Sequence[int], to: Sequence[Kind]) -> None:
         """Sends characters to these kinds of receivers, and to no others. VMC has one character: the last."""
         sent: dict[Kind, tuple[int, ...]] = {}
+        moved = set(ids)
         for kind in get_args(Kind):
-            others = tuple(one for one in self.sent.get(kind, ()) if one not in ids)
+            others = tuple(one for one in self.sent.get(kind, ()) if one not in moved)
             if kind in to:
                 others = tuple(ids) if kind == "vmc" else (*others, *ids)
             if others:

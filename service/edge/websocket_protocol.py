@@ -6,7 +6,7 @@ import asyncio
 import socket
 import struct
 from http import HTTPStatus
-from typing import cast
+from typing import Any, cast
 
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
@@ -14,6 +14,7 @@ from websockets.exceptions import InvalidMessage
 from websockets.frames import Frame
 from websockets.http11 import Request
 
+from motionsplice.service.allowance import Allowance
 from motionsplice.service.characters.connection import TRANSPORT
 from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.corked import LARGE
@@ -21,6 +22,9 @@ from motionsplice.service.edge.refusal import refusal
 from motionsplice.service.edge.stall import StallGuard
 
 MOST_UNSENT = 32 * 1024  # bytes that the kernel buffers for a slow client; more would be out of date when read
+PIECE = 256  # bytes that are given to the parser at once: 42 empty frames at most
+MOST_FRAMES, MOST_BYTES = 32, 16 * 1024  # frames and bytes that are parsed in a turn, within half a millisecond
+CONTROLS = 100.0  # pings, pongs and fragments that a client may send at once
 MOST_FRAGMENTS = 1024  # fragments of one message; even empty ones take memory
 TOO_LARGE = 1009
 WHOLE_TEXT, WHOLE_BINARY = 0x81, 0x82  # first byte of a message in one frame
@@ -36,6 +40,11 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         seconds = self.config.settings.stall_seconds
         self._guard = StallGuard(cast("asyncio.Transport", transport), self.loop, seconds)
         self.close_timeout = seconds
+        self._unparsed = bytearray()
+        self._will_parse = False  # once it has its turn
+        self._frames = self._controls = 0  # of the current turn: frames, and those of them that are no messages
+        rate = float(self.config.settings.max_commands)
+        self._allowance = Allowance(rate, CONTROLS, self.loop.time(), left=CONTROLS)
         if hasattr(socket, "TCP_NOTSENT_LOWAT"):
             found: socket.socket = transport.get_extra_info("socket")
             found.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, MOST_UNSENT)
@@ -43,6 +52,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         super().connection_lost(exc)
         self._guard.resume_writing()
+        self._unparsed.clear()
         self.config.ledger.forget(self.transport)
 
     def pause_writing(self) -> None:
@@ -54,9 +64,61 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self._guard.resume_writing()
 
     def data_received(self, data: bytes) -> None:
-        super().data_received(data)
-        if self.conn.handshake_exc is not None and not self.handshake_initiated:
-            self._refuse_handshake(self.conn.handshake_exc)
+        if not self.handshake_initiated:
+            super().data_received(data)
+            if self.conn.handshake_exc is not None and not self.handshake_initiated:
+                self._refuse_handshake(self.conn.handshake_exc)
+            return
+        self._unparsed += data
+        if self._will_parse:
+            self.transport.pause_reading()
+        elif len(self._unparsed) <= PIECE:
+            self._parse()
+        else:
+            self._parse_later()
+
+    async def receive(self) -> Any:
+        message = await super().receive()
+        if self._unparsed and not self.read_paused:  # it has just resumed reading
+            self._parse_later()
+        return message
+
+    def _parse_later(self, seconds: float = 0.0) -> None:
+        """Parses what was received in a turn of its own, and reads no more until then."""
+        self.transport.pause_reading()
+        if self._will_parse:
+            return
+        self._will_parse = True
+        turns = self.config.front.shared.turns
+        if seconds:
+            self.loop.call_later(seconds, turns.call, self._parse)
+        else:
+            turns.call(self._parse)
+
+    def _parse(self) -> None:
+        """Parses as much as one turn may take, up to the first message, which the application must receive first.
+
+        Frames that are no messages are charged, and the next ones wait if there are too many.
+        """
+        self._will_parse = False
+        self._frames = self._controls = parsed = 0
+        while self._unparsed and not self.read_paused and self._frames < MOST_FRAMES and parsed < MOST_BYTES:
+            if self.transport.is_closing():
+                self._unparsed.clear()
+                return
+            piece = bytes(self._unparsed[:PIECE])
+            del self._unparsed[:PIECE]
+            parsed += len(piece)
+            super().data_received(piece)
+        wait = self._allowance.charge(self._controls, self.loop.time())
+        if wait or (self._unparsed and not self.read_paused):
+            self._parse_later(wait)
+        elif not self.read_paused:
+            self.transport.resume_reading()
+
+    def handle_events(self) -> None:
+        self._frames += len(self.conn.events)
+        super().handle_events()
 
     def _refuse_handshake(self, error: Exception) -> None:
         """Answers a handshake that `websockets` cannot parse. uvicorn would not answer it, and could not stop then."""
@@ -69,15 +131,25 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self.transport.close()
 
     def keepalive_timeout(self) -> None:
-        self.transport.abort()
+        if self.read_paused:  # its pong may be behind commands that wait for their allowance
+            assert self.ping_timeout is not None
+            self.pong_timer = self.loop.call_later(self.ping_timeout, self.keepalive_timeout)
+        else:
+            self.transport.abort()
+
+    def handle_pong(self, event: Frame) -> None:
+        self._controls += 1
+        super().handle_pong(event)
 
     def handle_ping(self) -> None:
+        self._controls += 1
         if self.writable.is_set():
             super().handle_ping()
         else:  # drops the pong, as pongs would pile up for a peer that does not read
             self.conn.data_to_send()
 
     def handle_cont(self, event: Frame) -> None:
+        self._controls += 1
         super().handle_cont(event)
         if len(self.frames) >= MOST_FRAGMENTS and not self.close_sent:
             self.conn.fail(TOO_LARGE, "too many fragments")

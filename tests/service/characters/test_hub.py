@@ -25,6 +25,7 @@ from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition, Serving
 from motionsplice.service.settings import Settings
 from motionsplice.service.shared import Shared
+from motionsplice.service.turns import Turns
 
 TICK = 1.0 / 60.0
 
@@ -60,7 +61,7 @@ class Room:
     def __init__(self, edition: Edition) -> None:
         serving = Serving(edition.bank)
         serving.exchange(edition)
-        shared = SimpleNamespace(settings=Settings(), metrics=Metrics(), serving=serving)
+        shared = SimpleNamespace(settings=Settings(), metrics=Metrics(), serving=serving, turns=Turns())
         self.hub, self.shared = Hub(cast("Shared", shared)), shared
         self.edition = edition
         self.wires: dict[Connection, Wire] = {}
@@ -208,7 +209,7 @@ def test_a_command_between_ticks_changes_only_its_own_scene(edition: Edition) ->
 
 
 async def _do(hub: Hub, connection: Connection, command: dict[str, Any]) -> None:
-    hub._do(connection, checked(parse(json.dumps(command)), AXES["gltf"]))
+    await hub._do(connection, list(checked(parse(json.dumps(command)), AXES["gltf"])))
 
 
 @pytest.mark.parametrize(("seconds", "taken"), [(0.0, 16), (0.02, 5), (1.0, 1)])

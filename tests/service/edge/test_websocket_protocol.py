@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+import json
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 import pytest
 
 from motionsplice.runtime.bank import Bank
+from motionsplice.service.edge.websocket_protocol import MOST_FRAMES, PIECE, WebSocketProtocol
 from motionsplice.service.settings import Settings
 from tests.service.characters.player import Player
 from tests.service.running import Running, eventually, received, running
@@ -98,3 +100,96 @@ def test_a_service_stops_in_spite_of_clients_that_read_nothing(bank: Bank) -> No
         eventually(lambda: sum(len(one.play.scene) for one in service.config.front.hub.connections) == 9000)
     for peer in peers:
         peer.close()
+
+
+def ping(data: bytes) -> bytes:
+    return bytes((0x89, 0x80 | len(data))) + bytes(4) + data
+
+
+class Counted:
+    """Notes how many frames each turn parses, and the seconds of waiting that are asked for after them."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.frames: list[int] = []
+        self.waits: list[float] = []
+        parse, later = WebSocketProtocol._parse, WebSocketProtocol._parse_later
+
+        def counted(protocol: WebSocketProtocol) -> None:
+            parse(protocol)
+            self.frames.append(protocol._frames)
+
+        def noted(protocol: WebSocketProtocol, seconds: float = 0.0) -> None:
+            self.waits.append(seconds)
+            later(protocol, seconds)
+
+        monkeypatch.setattr(WebSocketProtocol, "_parse", counted)
+        monkeypatch.setattr(WebSocketProtocol, "_parse_later", noted)
+
+
+@pytest.fixture(scope="module")
+def patient(bank: Bank) -> Iterator[Running]:
+    with running(bank.path, Settings(max_commands=10_000)) as service:
+        yield service
+
+
+def read_head(peer: socket.socket) -> None:
+    head = b""
+    while not head.endswith(b"\r\n\r\n"):
+        head += peer.recv(1)
+
+
+def frames_of(peer: socket.socket, last: Callable[[bytes], bool]) -> list[tuple[int, bytes]]:
+    """Returns the kinds and contents of the frames that arrive, up to one for which `last` holds."""
+    found: list[tuple[int, bytes]] = []
+    data = b""
+    while not (found and last(found[-1][1])):
+        size, head = (data[1], 2) if len(data) > 1 else (0, 2)
+        if size == 126:
+            size, head = int.from_bytes(data[2:4], "big"), 4
+        if len(data) < max(2, head + size):
+            more = peer.recv(65536)
+            assert more
+            data += more
+            continue
+        found.append((data[0] & 15, data[head : head + size]))
+        data = data[head + size :]
+    return found
+
+
+def test_pings_are_answered_in_small_numbers_a_turn_and_commands_among_them_are_done(
+    patient: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counted, peer = Counted(monkeypatch), patient.connect(HANDSHAKE)
+    read_head(peer)
+    pings = [ping(b"%d" % number) for number in range(2000)]
+    peer.sendall(b"".join([*pings[:1000], text('{"do": "create", "id": 1, "locomotion": "walk"}'), *pings[1000:]]))
+    found = frames_of(peer, lambda content: content == b"1999")
+    assert [content for kind, content in found if kind == 10] == [b"%d" % number for number in range(2000)]
+    assert any(b'"done"' in content for _, content in found)
+    assert max(counted.frames) <= MOST_FRAMES + PIECE // 6
+    assert max(counted.waits) > 0.0  # they are charged
+    peer.close()
+
+
+def test_messages_are_parsed_one_at_a_time_and_none_is_lost(patient: Running, monkeypatch: pytest.MonkeyPatch) -> None:
+    counted, peer = Counted(monkeypatch), patient.connect(HANDSHAKE)
+    read_head(peer)
+    long = json.dumps([{"do": "speed", "id": 1, "speed": 1}] * 1000)
+    sent = ['{"do": "create", "id": 1, "locomotion": "walk", "ref": 0}']
+    sent += [json.dumps({"do": "stop", "id": 1, "ref": number}) for number in range(1, 500)]
+    peer.sendall(b"".join(map(text, [*sent, long, '{"do": "remove", "id": 1, "ref": 500}'])))
+    found = frames_of(peer, lambda content: b'"ref":500' in content)
+    replies = [json.loads(content) for kind, content in found if kind == 1 and b'"done"' in content]
+    assert [reply["ref"] for reply in replies] == [*range(500), None, 500]
+    assert max(counted.frames) <= 1 + PIECE // 30
+    peer.close()
+
+
+def test_a_client_whose_commands_wait_is_not_cut_off_for_its_pong(bank: Bank) -> None:
+    """Its pong is behind commands, which wait for longer than an unanswered ping may."""
+    with running(bank.path, Settings(stall_seconds=0.4, max_commands=1000)) as service, Player(service) as player:
+        player.do({"do": "create", "id": 1, "locomotion": "walk"})
+        stop = json.dumps({"do": "stop", "id": 1})
+        for _ in range(8):
+            player.socket.send(f"[{','.join([stop] * 1600)}]")
+        assert [player.event("done", "refused")["event"] for _ in range(8)] == ["done"] * 8

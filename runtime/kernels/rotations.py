@@ -23,7 +23,8 @@ TINY = 1e-300
 # Eberly 2011: sin(t angle) / sin(angle) as a series in cos(angle) - 1, cut after four terms
 SERIES = [(np.float32(1.0 / (i * (2 * i + 1))), np.float32(i / (2 * i + 1))) for i in range(1, 5)]
 (P1, Q1), (P2, Q2), (P3, Q3), (P4, Q4) = SERIES
-HALLEY_STEPS = 8
+HALLEY_STEPS = 4
+SETTLED = 0.01  # largest last step, relative to the distance to the second root: the next is about its cube
 
 
 @inlined
@@ -136,10 +137,17 @@ def horn(block: Array) -> None:
     """Writes rotations ALIGNED that maximise sum target . q source, for CORRELATION 3 i + j = sum target_i source_j.
 
     Horn 1987, solved as by Theobald (2005). First the largest root of the characteristic polynomial of a traceless
-    symmetric 4x4 matrix, starting from an upper bound: the lesser of BOUND, (sum |target|^2 + sum |source|^2) / 2, and
-    sqrt(3 sum of squares). Then its eigenvector, as the largest column of the adjugate. All roots are real, so Halley's
-    method converges from above, and faster than Newton's if the second root is near. GAP is roughly the difference
-    between the two largest roots, divided by the largest. If it is small, no rotation is clearly the best.
+    symmetric 4x4 matrix, by Halley's method from an upper bound. Then its eigenvector, as the largest column of the
+    adjugate. All roots are real, so the method converges from above.
+
+    With singular values a >= b >= |c| of the correlation, c of the sign of its determinant, the root is a + b + c. So
+    root^2 = squares + 2 sqrt(pairs + 2 abc root), with squares = a^2 + b^2 + c^2 and pairs = (ab)^2 + (bc)^2 + (ca)^2,
+    if that root is not negative. On the right the root is replaced by an upper bound if abc > 0, which makes the result
+    one: BOUND, (sum |target|^2 + sum |source|^2) / 2, or sqrt(3 squares). Else by a lower bound, a or less. This is
+    exact for clouds in a plane. It is worst for clouds that are nearly mirror images.
+
+    GAP is roughly the difference between the two largest roots, divided by the largest. If it is small, no rotation is
+    clearly the best. It is 0 if the steps have not settled: only where abc < 0 and -c is close to b.
     """
     for k in range(BLOCK):
         at = CORRELATION * BLOCK + k
@@ -150,15 +158,21 @@ def horn(block: Array) -> None:
         ab, ac, ad, bc, bd, cd = xy + yx, zx + xz, yz - zy, yz + zy, zx - xz, xy - yx
         squares = xx * xx + xy * xy + xz * xz + yx * yx + yy * yy + yz * yz + zx * zx + zy * zy + zz * zz
         # det(N - r) = r^4 - 2 squares r^2 + linear r + constant
-        linear = -8.0 * (xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx))
+        volume = xx * (yy * zz - yz * zy) - xy * (yx * zz - yz * zx) + xz * (yx * zy - yy * zx)
+        linear = -8.0 * volume
         s0, s1, s2, s3, s4, s5, c0, c1, c2, c3, c4, c5 = minors(a, b, c, d, ab, ac, ad, bc, bd, cd)
         constant = s0 * c5 - s1 * c4 + s2 * c3 + s3 * c2 - s4 * c1 + s5 * c0
-        root = min(block[BOUND * BLOCK + k], math.sqrt(3.0 * squares))
+        pairs = max(0.25 * (squares * squares - constant), 0.0)
+        root, step = min(block[BOUND * BLOCK + k], math.sqrt(3.0 * squares)), 0.0
+        least = math.sqrt(max(squares * squares - 2.0 * pairs, 0.0) / max(squares, TINY))
+        other = max(pairs + 2.0 * volume * (root if volume > 0.0 else least), 0.0)
+        root = min(root, math.sqrt(squares + 2.0 * math.sqrt(other)))
         for _ in range(HALLEY_STEPS):
             value = ((root * root - 2.0 * squares) * root + linear) * root + constant
             slope = (4.0 * root * root - 4.0 * squares) * root + linear
             divisor = 2.0 * slope * slope - value * (12.0 * root * root - 4.0 * squares)
-            root -= 2.0 * value * slope / divisor if divisor > 0.0 else 0.0
+            step = 2.0 * value * slope / divisor if divisor > 0.0 else 0.0
+            root -= step
         slope = (4.0 * root * root - 4.0 * squares) * root + linear
         cube = 4.0 * root * root * root
         a, b, c, d = a - root, b - root, c - root, d - root
@@ -180,4 +194,5 @@ def horn(block: Array) -> None:
         scale = (1.0 if w >= 0.0 else -1.0) / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
         block[ALIGNED * BLOCK + k], block[(ALIGNED + 1) * BLOCK + k] = x * scale, y * scale
         block[(ALIGNED + 2) * BLOCK + k], block[(ALIGNED + 3) * BLOCK + k] = z * scale, w * scale
-        block[GAP * BLOCK + k] = slope / cube if cube > 0.0 else 0.0
+        gap = slope / cube if cube > 0.0 else 0.0
+        block[GAP * BLOCK + k] = gap if abs(step) <= SETTLED * gap * root else 0.0

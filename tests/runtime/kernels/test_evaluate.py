@@ -71,6 +71,42 @@ def test_horn_of_a_nearly_straight_torso_is_exact_or_has_no_gap(seed: int, magni
             assert naive.gap(*pair) < 3.0 * LEAST_GAP
 
 
+@given(
+    seeds,
+    st.sampled_from(["any", "far apart", "flat", "pairs alike", "all alike", "straight"]),
+    st.floats(-8.0, 8.0),
+    st.floats(-3.0, 3.0),
+)
+def test_horn_is_exact_or_has_no_gap(seed: int, kind: str, scale: float, slack: float) -> None:
+    draw, pairs, truths = np.random.default_rng(seed), [], []
+    for _ in range(arrays.BLOCK):
+        values = singular_values(kind, draw)
+        turned, kept = Rotation.random(random_state=draw), Rotation.random(random_state=draw)
+        clouds = [one.as_matrix() * np.sqrt(np.abs(values)) for one in (turned, kept)]
+        clouds[0][:, 2] *= np.sign(values[2])
+        pairs.append((10.0 ** (scale + slack) * clouds[0].T, 10.0 ** (scale - slack) * clouds[1].T))
+        truths.append(((turned * kept.inv()).as_quat(), values))
+    for pair, (truth, values), rotation, gap in zip(pairs, truths, *horn_of(pairs), strict=True):
+        if gap >= LEAST_GAP:
+            assert quaternion.angle(rotation, truth) < (1e-5 if values[2] < 0.0 else 1e-8)
+        elif values[2] >= -0.5 * values[1]:
+            assert naive.gap(*pair) < 3.0 * LEAST_GAP
+
+
+def singular_values(kind: str, draw: np.random.Generator) -> Floats:
+    """Returns singular values of a correlation, in falling order; the last has the sign of the determinant."""
+    near = 10.0 ** draw.uniform(-8.0, 0.0, 3)
+    values = {
+        "any": draw.random(3),
+        "far apart": near,
+        "flat": draw.random(3) * [1.0, 1.0, 0.0],
+        "pairs alike": np.repeat(draw.random(), 3) * [1.0 / draw.random(), 1.0, 1.0 - near[0]],
+        "all alike": 1.0 - 0.1 * near,
+        "straight": near * [0.0, 1.0, 1.0] + [1.0, 0.0, 0.0],
+    }[kind]
+    return np.sort(values)[::-1] * [1.0, 1.0, draw.choice([-1.0, 1.0])]
+
+
 @pytest.mark.parametrize(
     "correlation",
     [

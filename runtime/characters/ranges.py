@@ -209,8 +209,10 @@ def _relations(state: States) -> Iterator[tuple[str, NDArray[np.bool_]]]:
     heads = np.where(used, state[:, slots + col.HEAD], 0.0)
     ends = np.maximum.accumulate(np.where(heads > 0.0, numbers + heads, 0.0), axis=1)
     begins = np.concatenate([np.ones((len(state), 1), np.bool_), ends[:, :-1] == numbers[1:]], axis=1)
-    groups = ((heads > 0.0) == (begins & used)).all(axis=1) & (ends[:, -1] == count[:, 0])
-    yield "its locomotions do not form groups", groups
+    yield (
+        "its locomotions do not form groups",
+        ((heads > 0.0) == (begins & used)).all(axis=1) & (ends[:, -1] == count[:, 0]),
+    )
     group_count = (heads > 0.0).sum(axis=1)
     for column in (col.SHARE, col.WEIGHT, col.LAGGING, col.GOAL):
         sums = np.where(used, state[:, slots + column], 0.0).sum(axis=1)
@@ -221,7 +223,7 @@ def _relations(state: States) -> Iterator[tuple[str, NDArray[np.bool_]]]:
     yield "the weights of its waiting locomotions do not add up", _is_near(sums, waits[:, 0])
     yield "sine and cosine of its heading do not fit", _is_unit(state[:, [col.SIN, col.COS]])
     paths = _is_unit(np.stack([state[:, slots + col.PATH_SIN], state[:, slots + col.PATH_COS]], axis=2))
-    yield "sine and cosine of a root path's heading do not fit", (paths | ~used).all(axis=1)
+    yield "sine and cosine of a root path's heading do not fit", np.asarray((paths | ~used).all(axis=1))
     actions = col.FIRST_ACTION + col.ACTION_COLUMNS * np.arange(col.MOST_ACTIONS + 1)
     turns = _is_unit(state[:, actions[:, None] + col.REMEMBERED + LAST_TURN + np.arange(4)])
     idle = state[:, actions + col.KIND] == col.OWN

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -172,7 +173,8 @@ def hostile_kernels(stage: Stage, seed: int, rounds: int) -> None:
             characters.state[draw.integers(5), draw.choice([*range(26), *draw.integers(0, col.COLUMNS, 40)])] = (
                 draw.choice(numbers)
             )
-        with np.errstate(all="ignore"):
+        # in plain Python, NaN is no mask, nor a kind of action
+        with np.errstate(all="ignore"), suppress(ValueError, OverflowError):
             evaluated(characters)
             for frames in (1, MOST_FRAMES, 1):
                 characters.advance(frames)

@@ -21,7 +21,7 @@ from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.characters.aim import Aim, Look
 from motionsplice.runtime.characters.commands import MOST
-from motionsplice.runtime.characters.ranges import RANGES, used_columns
+from motionsplice.runtime.characters.ranges import RANGES, used_parts
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 from tests.playing import RATE, evaluated, run_frames
@@ -133,15 +133,16 @@ def busy(stage: Stage) -> Characters:
 
 
 def test_every_column_has_a_range() -> None:
-    last = col.FIRST_AIM + 4 * col.AIM_COLUMNS
-    assert sorted(RANGES) == list(range(last))
+    columns = [column for part, _ in used_parts(np.zeros((1, col.COLUMNS))) for column in range(part.start, part.stop)]
+    assert sorted(RANGES) == sorted(columns) == list(range(col.FIRST_AIM + 4 * col.AIM_COLUMNS))
 
 
 def hostile_door(stage: Stage) -> None:
     """Puts every hostile number into every column in use. It is refused, or the row plays on, with finite poses."""
     sound = busy(stage).state
-    columns, refused, accepted = np.flatnonzero(used_columns(sound)[1][: len(RANGES)]), 0, 0
-    for column in columns.tolist():
+    refused = accepted = 0
+    columns = [column for part, used in used_parts(sound) if used[1] for column in range(part.start, part.stop)]
+    for column in columns:
         for number in HOSTILE:
             state = sound.copy()
             state[1, column] = number

@@ -24,7 +24,7 @@ from motionsplice.runtime.characters.commands import MOST
 from motionsplice.runtime.characters.ranges import RANGES, used_parts
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
-from tests.playing import RATE, evaluated, run_frames
+from tests.playing import RATE, Setup, evaluated, layer, run_frames, slot
 
 HOSTILE = (np.nan, np.inf, -np.inf, -1.0, 1e9, -1e9, 1e17, 1e300, -1e300, 0.5, 7.0)
 seeds = st.integers(0, 2**32 - 1)
@@ -174,8 +174,8 @@ def hostile_kernels(stage: Stage, seed: int, rounds: int) -> None:
             characters.state[draw.integers(5), draw.choice([*range(26), *draw.integers(0, col.COLUMNS, 40)])] = (
                 draw.choice(numbers)
             )
-        # in plain Python, NaN is no mask, nor a kind of action
-        with np.errstate(all="ignore"), suppress(ValueError, OverflowError):
+        # in plain Python, NaN is no mask, and nothing is divided by 0
+        with np.errstate(all="ignore"), suppress(ValueError, ArithmeticError):
             evaluated(characters)
             for frames in (1, MOST_FRAMES, 1):
                 characters.advance(frames)
@@ -212,3 +212,25 @@ def test_kernels_stay_in_their_tables_whatever_a_state_holds(stages: dict[str, S
 def test_plain_kernels_stay_in_their_tables_whatever_a_state_holds(stages: dict[str, Stage]) -> None:
     """Plain Python checks bounds, of all but the lanes that compiled code loads together."""
     apart(stages["hands_bank"].bank.path, "hostile_kernels", 2, 6, NUMBA_DISABLE_JIT="1")
+
+
+@pytest.mark.parametrize("name", ["walk", "run", "side_step", "walk~mirror"])
+def test_a_step_of_many_loops_goes_as_far_as_its_frames(one: Setup, name: str) -> None:
+    assert one().stage.bank.clip(name).loop > 0.0
+    whole, by_frame = one(), one()
+    for characters in (whole, by_frame):
+        characters.add(1, name)
+    whole.advance(3000)
+    run_frames(by_frame, 3000)
+    places = slice(col.PLACE, col.HEADING + 1)
+    np.testing.assert_allclose(whole.state[0, places], by_frame.state[0, places], rtol=1e-6, atol=1e-6)
+    assert slot(whole, 0, col.FRAME) == pytest.approx(slot(by_frame, 0, col.FRAME), abs=1e-6)
+
+
+def test_an_action_far_out_of_step_begins_at_once(one: Setup) -> None:
+    """The phase of a clip that is held at its end goes on; it may be any number of cycles ahead."""
+    characters = one()
+    characters.add(1, "walk")
+    characters.state[0, col.FIRST_LOCOMOTION + col.PHASE] += 1e9
+    characters.act([0], Action("wave"))
+    assert layer(characters, 0, col.PHASE) < characters.stage.bank.clip("wave").last_phase

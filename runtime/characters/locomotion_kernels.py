@@ -156,6 +156,7 @@ def travelled(
         x0, y0, z0, h0 = path_at(bank, ground, clip, frame_after_last(bank, clip))
         if rounds > 1.0:
             times, half = rounds - 1.0, 0.5 * (h1 - h0)
+            half -= math.pi * np.round(half / math.pi)  # whole turns do not matter, but rounding near them would
             # a sum of equal steps, each turned by 2 half from the one before: it points as the middle one does
             middle = 0.5 * (h0 - turn) - 0.5 * (times - 1.0) * half
             size = math.sin(times * half) / math.sin(half) if half != 0.0 else times

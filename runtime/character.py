@@ -20,7 +20,7 @@ from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action, running_rows, waiting_action, waiting_stop
-from motionsplice.runtime.characters.aim import AIM_PARTS, Aim, Look, give_target
+from motionsplice.runtime.characters.aim import AIM_PARTS, FARTHEST, Aim, Look, give_target
 from motionsplice.runtime.characters.commands import (
     BLEND,
     Locomotion,
@@ -31,11 +31,14 @@ from motionsplice.runtime.characters.commands import (
     waiting_hands,
     weight_in_range,
 )
+from motionsplice.runtime.characters.ranges import check_rows
 from motionsplice.runtime.requests import FLOAT64, Memory, Poses, check_array, known
 from motionsplice.runtime.stage import Stage
 
 States = NDArray[np.float64]
 Rows = NDArray[np.int64] | NDArray[np.bool_] | Sequence[int] | slice | int
+SLOWEST, FASTEST = 1e-3, 1e6  # frames per second
+MOST_FRAMES = 10**12  # in one step
 
 
 class Characters:
@@ -54,10 +57,11 @@ class Characters:
         rate: Frames per second.
         state: [n, COLUMNS] float64, one row for each character; may be saved, copied and restored. The same commands
             at the same frames give the same bytes, whatever other characters there are. Rows refer to clips by number,
-            so they belong to the bank they were made with.
+            so they belong to the bank they were made with. Whatever is written here, kernels stay within their tables.
 
     Raises:
-        SettingsError: `rate` is not positive and finite, or `state` has another type or shape or does not fit the bank.
+        SettingsError: `rate` lies outside 0.001 to a million, `state` has another type or shape, or a row of it holds
+            what no command leads to, or does not fit the bank.
 
     Example:
         ```python
@@ -79,11 +83,10 @@ class Characters:
         self.state = np.zeros((0, col.COLUMNS)) if state is None else state
         self._room = self.state  # the array whose first rows are the state
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
-        if not 0.0 < rate < np.inf:
-            raise SettingsError(f"the rate is {rate}, expected a positive number of frames per second")
-        if len(invalid := references.invalid_rows(self.state, len(stage.bank.numbered), len(stage.bank.hand_clips))):
-            problem = f"row {invalid[0]} is not a valid character state for this bank"
-            raise SettingsError(problem, mend="Was it saved with another bank?")
+        if not SLOWEST <= rate <= FASTEST:
+            problem = f"the rate is {rate}, expected {SLOWEST:g} to {FASTEST:g} frames per second"
+            raise SettingsError(problem)
+        check_rows(self.state, len(stage.bank.numbered), len(stage.bank.hand_clips))
         self._share = Memory.begin(0, rate).share
 
     @classmethod
@@ -239,7 +242,7 @@ class Characters:
         give_target(self.state, self._numbers(rows), AIM_PARTS if aim is None else (aim.part,), aim, blend)
 
     def speed(self, rows: Rows, speed: float) -> None:
-        """Sets the playback speed, 0 or more; 1 is as captured."""
+        """Sets the playback speed, 0 to 1e9; 1 is as captured."""
         self.state[rows, col.SPEED] = not_negative("speed", speed)
 
     def weight(self, rows: Rows, weight: float) -> None:
@@ -251,8 +254,8 @@ class Characters:
 
     def place(self, rows: Rows, position: Sequence[float], heading: float = 0.0) -> None:
         """Moves characters to a position [3] on the ground, metres, and a heading, radians about Y from Z."""
-        if np.shape(position) != (3,) or not np.isfinite([*position, heading]).all():
-            raise SettingsError("a position must be three finite numbers, and a heading one")
+        if np.shape(position) != (3,) or not (np.abs([*position, heading]) <= FARTHEST).all():
+            raise SettingsError(f"a position must be three numbers of at most {FARTHEST:g}, and a heading one")
         self.state[rows, col.PLACE : col.PLACE + 3] = position
         self.state[rows, col.HEADING] = heading
         self.state[rows, col.SIN], self.state[rows, col.COS] = np.sin(0.5 * heading), np.cos(0.5 * heading)
@@ -268,13 +271,14 @@ class Characters:
     def advance(self, frames: int = 1) -> int:
         """Advances all characters, by one frame if not given otherwise.
 
-        In one step of several frames, what begins or ends does so at the end of the step.
+        In one step of several frames, what begins or ends does so at the end of the step. A step takes the same time
+        however many frames it has, at most 1e12.
 
         Returns:
             The bits of all events that happened to any character (EVENT_NAMES); `events` has them by character.
         """
-        if frames < 0:
-            raise SettingsError(f"cannot advance by {frames} frames", mend="Advance by 0 or more")
+        if not 0 <= frames <= MOST_FRAMES:
+            raise SettingsError(f"cannot advance by {frames} frames", mend=f"Advance by 0 to {MOST_FRAMES}")
         return int(clock_kernels.advance(self.stage._handle, self.state.reshape(-1), frames / self.rate))
 
     def evaluate(self, out: Poses) -> None:

@@ -14,7 +14,8 @@ from motionsplice.motion.skeleton import Integers, Skeleton, chain, subtree
 
 STEADY = 0.01  # of the longest bone: an inner joint that moves less on its parent is noise
 
-STILL = 10_000_000  # rotations allowed for any file, even if it has channels for few of them
+ROTATION = 32  # bytes
+PER_BYTE, FREE = 16, 16 * 2**20  # bytes of rotations: for each of the file, which has 2 for a channel at least; for any
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +43,9 @@ def still(frames: int, joints: int, size: int) -> Floats:
 
     Raises FormatError if the array would be far larger than the file, in which joints without channels take no space.
     """
-    if frames * joints > max(STILL, size):
+    if frames * joints * ROTATION > PER_BYTE * size + FREE:
         problem = f"{frames} frames of {joints} joints, most of them without channels, take too much memory"
-        raise FormatError(problem, mend="Remove the joints without channels")
+        raise FormatError(problem + f" for a file of {size} bytes", mend="Remove the joints without channels")
     rotations = np.empty((frames, joints, 4))
     rotations[:] = quaternion.IDENTITY
     return rotations

@@ -24,8 +24,8 @@ from motionsplice.motion.skeleton import Integers
 END = re.compile(r"(_end|[_ .]?End|Nub|_leaf|HeadTop_End)(\d*|_\d+)$")  # leaves that mark the tip of a bone
 SMALLEST_BODY = 13  # joints: a root, and three in each limb; a smaller skeleton is a prop
 STEADY = 1e-4  # of the longest bone: a joint that moves less on its parent does not move
-MOST_TRANSFORMS = 500_000  # nodes times frames of a small file: keys far apart, and nodes without keys, take no bytes
-BYTES = 4  # that a transform takes in a large file at least: a key takes 16 bytes, and some nodes have none
+MOST_TRANSFORMS = 300_000  # nodes times frames of any file: keys far apart, and nodes without keys, take no bytes
+BYTES = 4  # that each further transform takes in a file: a key takes 16 bytes, and some nodes have none
 BLOCK = 8192  # transforms that are worked on at once: few enough for the processor's cache
 
 
@@ -62,7 +62,7 @@ def unknown_animation(animation: str | None, names: Sequence[str]) -> FormatErro
 
 def most_transforms(size: int) -> int:
     """Returns the most transforms, nodes times frames, that a file of `size` bytes may have."""
-    return max(MOST_TRANSFORMS, size // BYTES)
+    return MOST_TRANSFORMS + size // BYTES
 
 
 def nodes_of(scene: Scene, root: str | None = None) -> tuple[Nodes, tuple[str, ...]]:

@@ -16,6 +16,7 @@ SOFT = math.radians(10.0)  # this far below a limit, turns begin to stay behind 
 STEEP = math.radians(45.0)  # beyond this pitch, and beyond the limit, the yaw of a direction counts less and less
 NEAR = 0.1  # metres: targets that are nearer than this turn nobody
 SETTLED = 1e-4  # of a weight, or of an angle: less is no longer seen
+SHORTEST = 1e-6  # seconds: changes within less would be too steep for their derivatives to be numbers
 PACE = 7.0  # changes settle to 3 % of themselves within their duration
 
 
@@ -34,7 +35,7 @@ def advance_aims(s: Array, c: int, seconds: float) -> None:
 @inlined
 def advance_aim(s: Array, slot: int, seconds: float) -> None:
     lasting = s[slot + col.SETTLING]
-    pace = PACE / lasting if lasting > 0.0 else 0.0
+    pace = PACE / max(lasting, SHORTEST) if lasting > 0.0 else 0.0
     for number in range(3):  # weight, spine, steady
         wanted, at = s[slot + col.WANTED_WEIGHT + number], slot + col.SHOWN + 3 * number
         s[at] -= wanted

@@ -40,28 +40,6 @@ def hands_references(state: States) -> tuple[Places, Numbers]:
     return at, state[at].astype(np.int64)
 
 
-def invalid_rows(state: States, clips: int, hands: int) -> Numbers:
-    """Returns the indices of rows [n, COLUMNS] that do not fit a bank with so many clips and hands.
-
-    Checks only what would make a kernel read outside its tables: counts of slots, and numbers of clips and hands.
-    """
-    if len(state) == 0:  # as of a new connection; the checks below take half a millisecond
-        return np.zeros(0, np.int64)
-    valid = np.ones(len(state), np.bool_)
-    for column, least, most in (
-        (col.LOCOMOTIONS, 1, col.MOST_LOCOMOTIONS),
-        (col.FIRST_LOCOMOTION + col.HEAD, 1, col.MOST_MIXED),
-        (col.ACTIONS, 0, col.MOST_ACTIONS),
-        (col.HANDS, 0, col.MOST_HANDS),
-        (col.NEXT_COUNT, 0, col.MOST_MIXED),
-    ):
-        valid &= np.isin(state[:, column], np.arange(least, most + 1))
-    with np.errstate(invalid="ignore"):  # NaN becomes an integer that is out of range
-        for (at, numbers), count in ((clip_references(state), clips), (hands_references(state), hands)):
-            valid[at[0][(numbers < 0) | (numbers >= count)]] = False
-    return np.flatnonzero(~valid)
-
-
 def missing_names(state: States, bank: Bank, other: Bank) -> set[str]:
     """Returns the names of clips and hands that rows refer to and that the bank `other` does not have."""
     clips = {bank.numbered[number].name for number in np.unique(clip_references(state)[1]).tolist()}

@@ -21,6 +21,7 @@ from motionsplice.runtime.characters.arrays import (
     Ground,
     StageArrays,
 )
+from motionsplice.runtime.characters.bounds_kernels import keep_in_bounds
 from motionsplice.runtime.characters.feet_kernels import (
     LONGEST,
     NOWHERE,
@@ -58,6 +59,7 @@ def begin(handle: Handle, states: Array, rows: Array) -> None:
     """Begins what is waiting in `rows` [n], if it can begin at once."""
     stage = record_at(handle, StageArrays)
     for row in rows:
+        keep_in_bounds(stage.bank, states, row * col.COLUMNS)
         begin_waiting(stage.bank, stage.ground, states, row * col.COLUMNS, 0.0, ZERO)
 
 
@@ -67,6 +69,7 @@ def recompute_from_frames(handle: Handle, s: Array) -> None:
     stage = record_at(handle, StageArrays)
     bank, ground = stage.bank, stage.ground
     for c in range(0, len(s), col.COLUMNS):
+        keep_in_bounds(bank, s, c)
         for number in range(int(s[c + col.LOCOMOTIONS])):
             recompute_slot(bank, s, locomotion_slot(c, number))
             keep_path(bank, ground, s, locomotion_slot(c, number))
@@ -177,7 +180,11 @@ def move(
 
 @inlined
 def fetch_tables(bank: BankArrays, ground: Ground, s: Array, c: int) -> None:
-    """Prefetches what a character is going to read of the bank's tables of phases, frames, paths and feet."""
+    """Prefetches what a character is going to read of the bank's tables of phases, frames, paths and feet.
+
+    Keeps its row in bounds first.
+    """
+    keep_in_bounds(bank, s, c)
     count = int(s[c + col.LOCOMOTIONS])
     for number in range(count):
         slot = locomotion_slot(c, number)

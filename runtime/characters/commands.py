@@ -15,6 +15,7 @@ from motionsplice.runtime.characters.clip_references import States, newest_mix
 from motionsplice.runtime.requests import known, time_fault
 
 BLEND = 0.3  # seconds, default duration of a fade
+MOST = 1e9  # seconds of fades, and times the captured speed
 
 Locomotion = str | Mapping[str, float]
 
@@ -95,7 +96,7 @@ def lockable(legs: Legs, lock: bool) -> bool:
 
 
 def not_negative(label: str, value: float) -> float:
-    """Returns the value. Raises SettingsError if it is negative, infinite or NaN."""
-    if not 0.0 <= value < np.inf:
-        raise SettingsError(f"{label} {value} must be a finite number, 0 or more")
+    """Returns the value. Raises SettingsError if it is negative, above MOST or NaN."""
+    if not 0.0 <= value <= MOST:
+        raise SettingsError(f"{label} {value} must be a number from 0 to {MOST:g}")
     return value

@@ -17,6 +17,7 @@ from motionsplice.runtime.kernels.lookup import frame_after_last
 from motionsplice.runtime.kernels.phase import own_step, phase_of
 from motionsplice.runtime.simd.compiled import Array, inlined, kernel
 
+LEAST_STEP = 1e-12  # cycles: at nearly no speed, a step is lost in the rounding of its phase
 AGAIN = 0.3  # seconds: fade of a clip into its own beginning, if it has no loop
 
 
@@ -69,7 +70,7 @@ def advance_locomotions(
                 lasting = last - frame_after_last(bank, clip)
                 rounds = np.ceil((after - last) / lasting)
                 after -= rounds * lasting
-            after = min(after, last)
+            after = min(max(after, 0.0), last)  # after millions of loops `rounds * lasting` is not exact
             s[slot + col.PHASE] = phase_of(bank, clip, after)
             if count == 1 and bank.clips[clip, arrays.GAIT] > 0.0:
                 clock[PASSED + k] = s[slot + col.PHASE] - phase + rounds * loop
@@ -111,7 +112,7 @@ def common_step(bank: BankArrays, s: Array, c: int, count: int, ahead: float) ->
         loop, last = end_of(bank, s, slot)
         if bank.clips[clip, arrays.GAIT] > 0.0 and (loop > 0.0 or frame < last):
             gaits += s[slot + col.SHARE]
-            times += s[slot + col.SHARE] / own_step(bank, clip, frame, s[slot + col.PHASE], ahead)
+            times += s[slot + col.SHARE] / max(own_step(bank, clip, frame, s[slot + col.PHASE], ahead), LEAST_STEP)
     return gaits / times if gaits > 0.0 and ahead > 0.0 else 0.0
 
 
@@ -153,9 +154,14 @@ def travelled(
         x, z = in_turned_frame(sin, cos, x1 - x0, z1 - z0)
         y, turn = y1 - y0, h1 - h0
         x0, y0, z0, h0 = path_at(bank, ground, clip, frame_after_last(bank, clip))
-        for _ in range(int(rounds) - 1):
-            dx, dz = in_turned_frame(math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn)), x1 - x0, z1 - z0)
-            x, y, z, turn = x + dx, y + y1 - y0, z + dz, turn + h1 - h0
+        if rounds > 1.0:
+            times, half = rounds - 1.0, 0.5 * (h1 - h0)
+            half -= math.pi * np.round(half / math.pi)  # whole turns do not matter, but rounding near them would
+            # a sum of equal steps, each turned by 2 half from the one before: it points as the middle one does
+            middle = 0.5 * (h0 - turn) - 0.5 * (times - 1.0) * half
+            size = math.sin(times * half) / math.sin(half) if half != 0.0 else times
+            dx, dz = in_turned_frame(math.sin(middle), math.cos(middle), x1 - x0, z1 - z0)
+            x, y, z, turn = x + size * dx, y + times * (y1 - y0), z + size * dz, turn + times * (h1 - h0)
         sin, cos = math.sin(0.5 * (h0 - turn)), math.cos(0.5 * (h0 - turn))
     heading = s[slot + col.PATH + 3]
     keep_place(bank, ground, s, slot)

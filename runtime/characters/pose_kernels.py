@@ -11,6 +11,7 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
 from motionsplice.runtime.characters.arrays import Mixing, StageArrays
+from motionsplice.runtime.characters.bounds_kernels import keep_in_bounds
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
 from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
@@ -92,12 +93,14 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
 @inlined
 def lanes_of(s: Array, c: int) -> int:
     """Returns the number of lanes of a block that a character needs: one for each action, at least one."""
-    return max(int(s[c + col.ACTIONS]), 1)
+    count = s[c + col.ACTIONS]  # of a row that may not be in bounds yet
+    return int(count) if 1.0 <= count <= col.MOST_ACTIONS else 1
 
 
 @inlined
 def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
-    """Prefetches the rows of all slots of a character."""
+    """Prefetches the rows of all slots of a character. Keeps its row in bounds first."""
+    keep_in_bounds(bank, s, c)
     own = shows_own(bank, s, c)
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)

@@ -87,8 +87,8 @@ def in_step(bank: BankArrays, clip: int, start: float, phase: float) -> float:
     if phase == UNKNOWN:
         return start
     found = phase + np.ceil(start - phase - IN_STEP)
-    while found > bank.clips[clip, arrays.LAST_PHASE] and found - 1.0 >= bank.clips[clip, arrays.FIRST_PHASE]:
-        found -= 1.0
+    if found > bank.clips[clip, arrays.LAST_PHASE] and found - 1.0 >= bank.clips[clip, arrays.FIRST_PHASE]:
+        found -= 1.0  # once is enough, since `found` is less than a cycle after `start`
     return found if found <= bank.clips[clip, arrays.LAST_PHASE] else start
 
 

@@ -45,6 +45,8 @@ def cross_fades(row: States) -> Iterator[CrossFade]:
     if group > 0 and has_begun(row, LEGS[group]):
         without, whole = plain.copy(), alone_of(plain, group)
         without[col.LOCOMOTIONS], whole[LEGS[0] + col.LASTING] = group, 0.0
+        shares = [slot + col.SHARE for slot in LEGS[:group]]
+        without[shares] /= without[shares].sum()
         yield CrossFade(without, whole, row[LEGS[group] + col.LASTING])
     top = int(row[col.ACTIONS]) - 1
     if top >= 0 and has_begun(row, LAYERS[top]):

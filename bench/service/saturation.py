@@ -49,8 +49,6 @@ def saturation(bank: Path, *, seconds: float = 5.0) -> Findings:
     due = RATE * np.array(CONNECTIONS)
     kept = float(np.min(np.array(sent) / np.minimum(due, max(sent))))
     findings.add("least messages per second / the lesser of the most and those due", kept, least=0.9)
-    kept = min(per_core) / max(per_core)
-    findings.add("the same per second of processor time, least / most", kept, least=0.9)
     slowest = min(len(one.arrivals) for one in taken) / seconds
     findings.add(f"{CROWDS} streams of {CROWD} characters: frames per second of the slowest", slowest, least=59)
     findings.add(f"{CROWDS} streams of {CROWD} characters: share of a core", spent / seconds)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from motionsplice.motion import quaternion
@@ -138,6 +138,7 @@ def test_a_direction_within_the_limits_is_reached(one: Setup, at: int, yaw: floa
 
 @once
 @given(moments, yaws, pitches, st.floats(0.3, 30.0), st.sampled_from(["head", "left_arm", "right_arm"]))
+@example(0, -1.125, -0.5, 0.5, "left_arm")  # the chest's turn brings the shoulder near it
 def test_a_near_point_is_met_exactly(one: Setup, at: int, yaw: float, pitch: float, distance: float, part: str) -> None:
     characters = one()
     characters.add(1, "walk")
@@ -147,8 +148,9 @@ def test_a_near_point_is_met_exactly(one: Setup, at: int, yaw: float, pitch: flo
     AIMS["chest"](characters, point=point)  # moves shoulders and head, too
     AIMS[part](characters, point=point, max_yaw=2.0, max_pitch=1.3)
     place, reached = pointing(characters, part)
+    left, up, ahead = quaternion.rotate(quaternion.about(UP, -heading), point - place)
     if np.linalg.norm(point - place) > 0.15 and degrees_apart(point - place, reached) > 0.05:
-        assert abs(np.arctan2((point - place)[1], np.hypot(*(point - place)[[0, 2]]))) > 1.1
+        assert abs(np.arctan2(up, np.hypot(left, ahead))) > 1.1 or abs(np.arctan2(left, ahead)) > 1.8  # near the limits
 
 
 @once

@@ -79,14 +79,17 @@ class Characters:
 
     def __init__(self, stage: Stage, rate: float, state: States | None = None) -> None:
         self.stage = stage
-        self.rate = rate
         self.state = np.zeros((0, col.COLUMNS)) if state is None else state
         self._room = self.state  # the array whose first rows are the state
         check_array("characters", self.state, FLOAT64, (len(self.state), col.COLUMNS))
+        self._keep_time(rate)
+        check_rows(self.state, len(stage.bank.numbered), len(stage.bank.hand_clips))
+
+    def _keep_time(self, rate: float) -> None:
         if not SLOWEST <= rate <= FASTEST:
             problem = f"the rate is {rate}, expected {SLOWEST:g} to {FASTEST:g} frames per second"
             raise SettingsError(problem)
-        check_rows(self.state, len(stage.bank.numbered), len(stage.bank.hand_clips))
+        self.rate = rate
         self._share = Memory.begin(0, rate).share
 
     @classmethod
@@ -104,6 +107,16 @@ class Characters:
         """Returns independent copies of the characters on the same stage."""
         twin = copy.copy(self)
         twin.state = twin._room = self.state.copy()
+        return twin
+
+    def at_rate(self, rate: float) -> Self:
+        """Returns the same characters, with the same state array, at another number of frames per second.
+
+        Raises:
+            SettingsError: `rate` is out of range.
+        """
+        twin = copy.copy(self)
+        twin._keep_time(rate)
         return twin
 
     @classmethod
@@ -306,11 +319,13 @@ class Characters:
         """Returns the names of clips and hands, played or waiting, that another bank does not have."""
         return references.missing_names(self.state, self.stage.bank, bank)
 
-    def moved(self, stage: Stage) -> Characters:
+    def moved(self, stage: Stage) -> Self:
         """Returns copies on another bank, at the same frames. Raises UnknownClipError if it lacks a clip or hands."""
         state = references.renumbered(self.state, self.stage.bank, stage.bank)
         clock_kernels.recompute_from_frames(stage._handle, state.reshape(-1))
-        return Characters(stage, self.rate, state)
+        twin = copy.copy(self)
+        twin.stage, twin.state, twin._room = stage, state, state
+        return twin
 
     @property
     def deltas(self) -> States:

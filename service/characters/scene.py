@@ -60,7 +60,7 @@ class Scene:
 
     def keep_time(self, rate: float) -> None:
         """Sets the number of frames per second."""
-        self.characters = Characters(self.edition.stage, rate, self.characters.state)
+        self.characters = self.characters.at_rate(rate)
 
     def subscribe(self, names: Sequence[str]) -> None:
         """Sets which events `advance` reports."""

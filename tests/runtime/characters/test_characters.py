@@ -249,3 +249,16 @@ def test_several_frames_in_one_step_are_nearly_the_same_as_one_by_one(one: Setup
     columns = [col.PLACE, col.PLACE + 1, col.PLACE + 2, col.FIRST_LOCOMOTION + col.PHASE, col.FIRST_ACTION + col.PHASE]
     alone = 1 if frames / RATE > LONGEST else 2  # in longer steps no foot drives the root of the mix
     np.testing.assert_allclose(steps.state[:alone, columns], apart.state[:alone, columns], atol=0.04)
+
+
+def test_at_another_rate_the_same_characters_go_on(stage: Stage) -> None:
+    characters = Characters(stage, 60.0)
+    characters.add(2, "walk")
+    expected, faster = Characters(stage, 30.0, characters.state.copy()), characters.at_rate(30.0)
+    assert faster.state is characters.state
+    for one in (expected, faster):
+        one.advance(7)
+    assert faster.rate == 30.0
+    assert faster.state.tobytes() == expected.state.tobytes()
+    with pytest.raises(SettingsError, match="the rate is nan"):
+        characters.at_rate(float("nan"))

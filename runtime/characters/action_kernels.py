@@ -78,7 +78,7 @@ def set_frames(bank: BankArrays, s: Array, clock: Array, first: int, stop: int) 
         s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, int(s[slot + col.CLIP]), reached)
 
 
-@kernel
+@inlined
 def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
     """Fades out the newest action near its end, or lets the next stretch of a hybrid take over.
 

@@ -122,7 +122,7 @@ def blended(s: Array, c: int) -> float:
     return min(max(1.0 - s[leading(s, c) + col.SHARE], 0.0) / BLENDED, 1.0)
 
 
-@kernel
+@inlined
 def drive_root(s: Array, c: int, left: Place, right: Place, lefts: Sums, rights: Sums, seconds: float) -> None:
     """Corrects the root motion of a frame by the slips of both feet, which were at the places `left` and `right`.
 

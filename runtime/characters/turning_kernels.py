@@ -70,7 +70,7 @@ def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
             s[slot + col.REMEMBERED + column] = mixing.memory[lane, column]
 
 
-@kernel
+@inlined
 def keep_limbs(limbs: Limbs, mask: int, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
     """Stores the rotation of the attachment of each limb in a mask, relative to the pelvis, from an action's own upper
     half."""
@@ -87,7 +87,7 @@ def keep_limbs(limbs: Limbs, mask: int, lanes: Array, above: Index, k: int, mixi
         mixing.turns[k, to], mixing.turns[k, to + 1], mixing.turns[k, to + 2], mixing.turns[k, to + 3] = x, y, z, w
 
 
-@kernel
+@inlined
 def turn_limbs(
     bank: BankArrays,
     limbs: Limbs,

@@ -204,7 +204,7 @@ def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> 
             mixing.memory[k, arrays.MEAN_POSTURE + i] += s[slot + col.SHARE] * stored
 
 
-@kernel
+@inlined
 def mix_actions(
     bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, k: int, lanes: Array, block: Array, mixing: Mixing
 ) -> None:

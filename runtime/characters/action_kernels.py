@@ -12,7 +12,7 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import NAIVE, SPLICE, frame_of
 from motionsplice.runtime.kernels.phase import own_step
-from motionsplice.runtime.simd.compiled import Array, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, inlined
 
 CATCH_UP = 0.3  # share of the locomotion's speed by which an action out of step is faster or slower
 MOST_PACE = 1.75  # times its captured speed: the most that an action plays at to be in step
@@ -78,7 +78,7 @@ def set_frames(bank: BankArrays, s: Array, clock: Array, first: int, stop: int) 
         s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, int(s[slot + col.CLIP]), reached)
 
 
-@kernel
+@inlined
 def end_actions(bank: BankArrays, s: Array, c: int, count: int, seconds: float) -> None:
     """Fades out the newest action near its end, or lets the next stretch of a hybrid take over.
 

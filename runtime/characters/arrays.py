@@ -24,6 +24,8 @@ SLOT, REACHED, BEFORE, ROUNDS, CLOCK_SIZE = (
     7 * BLOCK + row * (FIRST_IN_STEP + BLOCK * col.MOST_ACTIONS) for row in range(5)
 )
 
+MOST_SOURCES = max(col.MOST_LOCOMOTIONS, 1 + col.MOST_ACTIONS)  # halves that are mixed
+
 
 class Ground(NamedTuple):
     """The tables `paths` [rows, 4], `contacts` [rows] and `feet` [rows, 6] of a bank."""
@@ -81,8 +83,8 @@ class Mixing(NamedTuple):
 
     requests: Annotated[Array, REQUEST, 1]  # [BLOCK]: the splice of each lane
     memory: Annotated[Array, np.float64, 2]  # [BLOCK, MEMORY_COLUMNS]: the memory of each splice
-    sum: Annotated[Array, np.float32, 2]  # [4, lanes of a half]: weighted sum of rotations
-    lane_weights: Annotated[Array, np.float32, 2]  # [1, lanes of a half]: weights of the next summand
+    planes: Annotated[Array, np.float32, 2]  # [4 MOST_SOURCES, lanes of a half]: all x of a source, then all y ...
+    lane_weights: Annotated[Array, np.float32, 2]  # [MOST_SOURCES, lanes of a half]: weights of each source
     row: Annotated[Array, np.float32, 2]  # [2, columns]: a mixed row of `lower`, and zeros as its next row
     # [(1 + actions + 1) parts]: of the locomotions, of each action, and what is left
     weights: Annotated[Array, np.float64, 1]
@@ -123,8 +125,8 @@ def mixing(layout: Layout) -> Mixing:
     return Mixing(
         requests=np.zeros(BLOCK, REQUEST),
         memory=np.zeros((BLOCK, MEMORY_COLUMNS)),
-        sum=np.zeros((4, width), np.float32),
-        lane_weights=np.zeros((1, width), np.float32),
+        planes=np.zeros((4 * MOST_SOURCES, width), np.float32),
+        lane_weights=np.zeros((MOST_SOURCES, width), np.float32),
         row=np.zeros((2, layout.lower.columns), np.float32),
         weights=np.zeros(col.PARTS * (col.MOST_ACTIONS + 2)),
         shares=np.zeros((BLOCK, col.PARTS)),

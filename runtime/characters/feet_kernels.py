@@ -19,7 +19,7 @@ from motionsplice.runtime.kernels.curves import smooth
 from motionsplice.runtime.kernels.lookup import is_mirrored
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.rotations import ONE, TINY
-from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, inlined
 
 LONGEST = 0.1  # seconds of a clip in one frame: a foot that stands at both ends of a longer step may have swung between
 LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
@@ -122,7 +122,7 @@ def blended(s: Array, c: int) -> float:
     return min(max(1.0 - s[leading(s, c) + col.SHARE], 0.0) / BLENDED, 1.0)
 
 
-@kernel
+@inlined
 def drive_root(s: Array, c: int, left: Place, right: Place, lefts: Sums, rights: Sums, seconds: float) -> None:
     """Corrects the root motion of a frame by the slips of both feet, which were at the places `left` and `right`.
 

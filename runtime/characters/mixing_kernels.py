@@ -1,7 +1,7 @@
-"""Mixes rotations in lanes, and clouds, by weight.
+"""Mixes sampled halves, and clouds, by weight.
 
-Sources are added to a sum one after the other, with a weight for each lane. Rotations are added along the shorter arc;
-the sum is normalised at the end.
+Each half that is mixed, a source, has four rows of `Mixing.planes`, x to w, and a row of `Mixing.lane_weights`. So all
+sources are mixed in one pass.
 """
 
 from __future__ import annotations
@@ -15,46 +15,78 @@ from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import between_rows
 from motionsplice.runtime.kernels.mirror import point_between
 from motionsplice.runtime.kernels.posture import mixed
-from motionsplice.runtime.kernels.rotations import FOUR
+from motionsplice.runtime.kernels.rotations import FOUR, ONE, store_planes
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread, store
 from motionsplice.runtime.simd.width import LANES
 
 
 @inlined
-def set_lane_weights(weights: Array, width: Index, weight: Real) -> None:
-    """Sets the same weight for all lanes."""
+def set_lane_weights(mixing: Mixing, source: int, width: Index, weight: Real) -> None:
+    """Sets the same weight of a source for all lanes."""
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
-        store(weights, 0, lane, spread(weight))
+        store(mixing.lane_weights, source, lane, spread(weight))
 
 
 @inlined
-def add_lanes(lanes: Array, first: Index, width: Index, mixing: Mixing, new: bool) -> None:
-    """Adds weighted rotations to the sum, along the shorter arc; starts the sum if `new`."""
-    weights, total = mixing.lane_weights, mixing.sum
+def split_lanes(lanes: Array, first: Index, width: Index, mixing: Mixing, source: int) -> None:
+    """Makes the rotations in lanes from `first` on a source."""
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
         x, y, z, w = separate(lanes, first + FOUR * lane)
-        weight = load(weights, 0, lane)
-        if new:
-            x, y, z, w = weight * x, weight * y, weight * z, weight * w
-        else:
-            sx, sy, sz, sw = load(total, 0, lane), load(total, 1, lane), load(total, 2, lane), load(total, 3, lane)
-            weight = signed(weight, (sx * x + sy * y) + (sz * z + sw * w))
-            x, y, z, w = sx + weight * x, sy + weight * y, sz + weight * z, sw + weight * w
-        store(total, 0, lane, x)
-        store(total, 1, lane, y)
-        store(total, 2, lane, z)
-        store(total, 3, lane, w)
+        store_planes(mixing.planes, plane_of(source), lane, x, y, z, w)
 
 
 @inlined
-def normalise_lanes(total: Array, first: Index, width: Index, out: Array) -> None:
-    """Normalises a sum of rotations into lanes."""
+def mix_lanes(mixing: Mixing, count: int, width: Index, out: Array, first: Index) -> None:
+    """Mixes `count` sources into `out` from `first` on, each along the shorter arc from the sum of those before it."""
+    weights, planes = mixing.lane_weights, mixing.planes
     one, least = spread(np.float32(1.0)), spread(np.float32(1e-30))
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
-        x, y, z, w = load(total, 0, lane), load(total, 1, lane), load(total, 2, lane), load(total, 3, lane)
-        scale = one / root(least + ((x * x + y * y) + (z * z + w * w)))
-        interleave(out, first + FOUR * lane, x * scale, y * scale, z * scale, w * scale)
+        weight = load(weights, 0, lane)
+        x, y, z, w = load_planes(planes, np.uint64(0), lane)
+        sx, sy, sz, sw = weight * x, weight * y, weight * z, weight * w
+        for source in range(1, count):
+            x, y, z, w = load_planes(planes, plane_of(source), lane)
+            weight = signed(load(weights, source, lane), (sx * x + sy * y) + (sz * z + sw * w))
+            sx, sy, sz, sw = sx + weight * x, sy + weight * y, sz + weight * z, sw + weight * w
+        scale = one / root(least + ((sx * sx + sy * sy) + (sz * sz + sw * sw)))
+        interleave(out, first + FOUR * lane, sx * scale, sy * scale, sz * scale, sw * scale)
+
+
+@inlined
+def load_planes(planes: Array, plane: Index, lane: Index) -> tuple[Array, Array, Array, Array]:
+    """Loads eight rotations from four rows from `plane` on, at the column `lane`."""
+    x, y = load(planes, plane, lane), load(planes, plane + ONE, lane)
+    return x, y, load(planes, plane + ONE + ONE, lane), load(planes, plane + ONE + ONE + ONE, lane)
+
+
+@inlined
+def plane_of(source: int) -> np.uint64:
+    """Returns the first row of a source in `Mixing.planes`."""
+    return FOUR * np.uint64(source)
+
+
+@inlined
+def rotation_of(mixing: Mixing, source: int, lane: Index) -> tuple[Real, Real, Real, Real]:
+    """Returns a rotation of a source."""
+    planes, plane = mixing.planes, plane_of(source)
+    x, y = planes[plane, lane], planes[plane + ONE, lane]
+    return x, y, planes[plane + ONE + ONE, lane], planes[plane + ONE + ONE + ONE, lane]
+
+
+@inlined
+def copy_to_lanes(mixing: Mixing, source: int, lane: Index, lanes: Array, first: Index) -> None:
+    """Copies a rotation of a source into lanes, whose first lane is at `first`."""
+    at = first + FOUR * lane
+    lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE] = rotation_of(mixing, source, lane)
+
+
+@inlined
+def set_rotation(mixing: Mixing, source: int, lane: Index, rotation: tuple[Real, Real, Real, Real]) -> None:
+    """Replaces a rotation of a source."""
+    planes, plane = mixing.planes, plane_of(source)
+    planes[plane, lane], planes[plane + ONE, lane] = rotation[0], rotation[1]
+    planes[plane + ONE + ONE, lane], planes[plane + ONE + ONE + ONE, lane] = rotation[2], rotation[3]
 
 
 @inlined

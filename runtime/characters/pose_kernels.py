@@ -13,7 +13,15 @@ from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
 from motionsplice.runtime.characters.arrays import Mixing, StageArrays
 from motionsplice.runtime.characters.bounds_kernels import keep_in_bounds
 from motionsplice.runtime.characters.lock_kernels import lock_feet
-from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
+from motionsplice.runtime.characters.mixing_kernels import (
+    add_cloud,
+    mix_lanes,
+    plane_of,
+    rotation_of,
+    set_lane_weights,
+    set_rotation,
+    split_lanes,
+)
 from motionsplice.runtime.characters.slots import (
     AHEAD,
     FARTHER,
@@ -41,7 +49,7 @@ from motionsplice.runtime.kernels.lookup import between_rows, fetch_ahead, fetch
 from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
-from motionsplice.runtime.kernels.rotations import ONE, sample
+from motionsplice.runtime.kernels.rotations import ONE, sample, sample_planes
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
 
@@ -178,23 +186,26 @@ def mix_lower(
 ) -> None:
     """Mixes the lower halves of all locomotions into lanes, and writes root and joints into the pose."""
     rig, width, joint = bank.rig, bank.rig[arrays.LOWER_WIDTH], np.uint64(4 * FIRST_JOINT)
-    x = y = z = 0.0
-    for number in range(int(s[c + col.LOCOMOTIONS])):
+    x, y, z, count = 0.0, 0.0, 0.0, int(s[c + col.LOCOMOTIONS])
+    for number in range(count):
         slot = locomotion_slot(c, number)
         clip, share = int(s[slot + col.CLIP]), s[slot + col.SHARE]
         row, t = row_of(bank, clip, s[slot + col.FRAME])
         t32, mirrored = np.float32(t), is_mirrored(bank, clip)
-        sample(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, lanes, np.uint64(0))
         if mirrored:
+            sample(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, lanes, np.uint64(0))
             mirror_lower(bank, lanes)
+            split_lanes(lanes, np.uint64(0), width, mixing, number)
+        else:
+            sample_planes(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, mixing.planes, plane_of(number))
         dx, dy, dz = root_from_path(bank, s, slot, row, t32, mirrored)
         x, y, z = x + share * dx, y + share * dy, z + share * dz
-        root = turned_about_y(rotation_in(lanes, joint), -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
-        lanes[joint], lanes[joint + ONE], lanes[joint + ONE + ONE], lanes[joint + ONE + ONE + ONE] = root
-        set_lane_weights(mixing.lane_weights, width, np.float32(share))
-        add_lanes(lanes, np.uint64(0), width, mixing, number == 0)
+        root = rotation_of(mixing, number, np.uint64(FIRST_JOINT))
+        root = turned_about_y(root, -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
+        set_rotation(mixing, number, np.uint64(FIRST_JOINT), root)
+        set_lane_weights(mixing, number, width, np.float32(share))
         add_cloud(bank, row, t32, np.float32(share), mirrored, mixing.row, number == 0)
-    normalise_lanes(mixing.sum, np.uint64(0), width, lanes)
+    mix_lanes(mixing, count, width, lanes, np.uint64(0))
     block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
     copy_lower(rig, lanes, rotations, character)
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])

@@ -9,11 +9,17 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
-from motionsplice.runtime.characters.mixing_kernels import add_lanes, normalise_lanes, set_lane_weights
+from motionsplice.runtime.characters.mixing_kernels import (
+    copy_to_lanes,
+    mix_lanes,
+    plane_of,
+    set_lane_weights,
+    split_lanes,
+)
 from motionsplice.runtime.characters.slots import action_slot, fade_of, locomotion_slot
 from motionsplice.runtime.characters.turning_kernels import LIMBS, MIXED, ONE_SPLICE, UNTURNED, is_apart, keep_limbs
 from motionsplice.runtime.characters.worn_kernels import wear_hands
-from motionsplice.runtime.format.rows import PELVIS
+from motionsplice.runtime.format.rows import PELVIS, TORSO_OFFSET
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_upper
@@ -21,9 +27,9 @@ from motionsplice.runtime.kernels.lookup import NAIVE, NONE, SPLICE, is_mirrored
 from motionsplice.runtime.kernels.mirror import mirror_upper
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RELATIVE, RUNNING, correlate
-from motionsplice.runtime.kernels.rotations import sample
+from motionsplice.runtime.kernels.rotations import sample, sample_planes
 from motionsplice.runtime.kernels.standing import lay_on
-from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import load, spread, store
 from motionsplice.runtime.simd.width import LANES
 
@@ -52,7 +58,8 @@ def mix_upper(
         sample_own(bank, s, c, lanes, mixing)
     elif is_plain(s, c):
         if is_added(bank, s, action_slot(c, 0)):
-            keep_own(bank, s, c, lanes, mixing)
+            sample_own(bank, s, c, lanes, mixing)
+            keep_own(bank, lanes)
         sample_action(bank, s, c, 0, k, lanes, block, mixing)
         mixing.finish[k] = ONE_SPLICE
         if mixing.requests[k]["method"] != SPLICE:
@@ -108,9 +115,8 @@ def is_added(bank: BankArrays, s: Array, slot: int) -> bool:
 
 
 @inlined
-def keep_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing) -> None:
-    """Mixes the locomotions' own upper halves, and keeps them where standing actions are laid on them."""
-    sample_own(bank, s, c, lanes, mixing)
+def keep_own(bank: BankArrays, lanes: Array) -> None:
+    """Keeps the locomotions' own upper halves where standing actions are laid on them."""
     above, own = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH], np.uint64(4) * bank.rig[arrays.OWN_UPPER]
     for number in range(np.uint64(4) * bank.rig[arrays.UPPER_WIDTH]):
         lanes[own + number] = lanes[above + number]
@@ -123,18 +129,29 @@ def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing)
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     for number in range(count):
         slot = locomotion_slot(c, number)
-        clip = int(s[slot + col.CLIP])
-        row, t = row_of(bank, clip, s[slot + col.FRAME])
-        sample(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), lanes, above)
-        if s[c + col.HANDS] > 0.0:
-            wear_hands(bank, s, c, clip, row, np.float32(t), lanes, above)
-        if is_mirrored(bank, clip):
-            mirror_upper(bank, lanes, above)
+        row, t = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
         if count > 1:
-            set_lane_weights(mixing.lane_weights, width, np.float32(s[slot + col.SHARE]))
-            add_lanes(lanes, above, width, mixing, number == 0)
+            split_lanes(lanes, above, width, mixing, number)
+            set_lane_weights(mixing, number, width, np.float32(s[slot + col.SHARE]))
     if count > 1:
-        normalise_lanes(mixing.sum, above, width, lanes)
+        mix_lanes(mixing, count, width, lanes, above)
+
+
+@inlined
+def sample_half(bank: BankArrays, s: Array, c: int, clip: int, row: Index, t: Real, lanes: Array, above: Index) -> None:
+    """Samples the upper half of a clip into lanes, with the hands that the character wears on it."""
+    sample(bank.upper, row, bank.rig[arrays.FIRST_PLANE], bank.rig[arrays.UPPER_WIDTH], t, lanes, above)
+    if s[c + col.HANDS] > 0.0:
+        wear_hands(bank, s, c, clip, row, t, lanes, above)
+    if is_mirrored(bank, clip):
+        mirror_upper(bank, lanes, above)
+
+
+@inlined
+def is_bare(bank: BankArrays, s: Array, c: int, clip: int) -> bool:
+    """Whether the upper half of a clip is shown as it is stored: not mirrored, and without a hands layer."""
+    return s[c + col.HANDS] == 0.0 and not is_mirrored(bank, clip)
 
 
 @inlined
@@ -153,15 +170,51 @@ def sample_action(
     bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing
 ) -> None:
     """Samples an action's upper half into lanes, and prepares its splice in lane k of the block."""
-    rig, slot = bank.rig, action_slot(c, number)
-    above, first = np.uint64(4) * rig[arrays.LOWER_WIDTH], k - number
+    slot, above = action_slot(c, number), np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]
     row, t = row_of_action(bank, s, slot)
-    sample(bank.upper, row, rig[arrays.FIRST_PLANE], rig[arrays.UPPER_WIDTH], np.float32(t), lanes, above)
-    if s[c + col.HANDS] > 0.0:
-        wear_hands(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
-    mirrored = is_mirrored(bank, int(s[slot + col.CLIP]))
-    if mirrored:
-        mirror_upper(bank, lanes, above)
+    sample_half(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
+    prepare_splice(bank, s, c, number, k, row, t, lanes, block, mixing)
+
+
+@inlined
+def sample_summand(
+    bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing, source: int
+) -> None:
+    """Makes an action's upper half a source, and prepares its splice in lane k of the block."""
+    rig, slot = bank.rig, action_slot(c, number)
+    above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
+    row, t = row_of_action(bank, s, slot)
+    in_planes = is_bare(bank, s, c, int(s[slot + col.CLIP])) and not is_added(bank, s, slot)
+    if in_planes:
+        sample_planes(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), mixing.planes, plane_of(source))
+        copy_to_lanes(mixing, source, np.uint64(PELVIS), lanes, above)
+        copy_to_lanes(mixing, source, np.uint64(TORSO_OFFSET), lanes, above)
+    else:
+        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
+    prepare_splice(bank, s, c, number, k, row, t, lanes, block, mixing)
+    if not in_planes:
+        split_lanes(lanes, above, width, mixing, source)
+
+
+@inlined
+def prepare_splice(
+    bank: BankArrays,
+    s: Array,
+    c: int,
+    number: int,
+    k: int,
+    row: Index,
+    t: float,
+    lanes: Array,
+    block: Array,
+    mixing: Mixing,
+) -> None:
+    """Prepares the splice of an action, `t` of the way from a row to the next, in lane k of the block.
+
+    Of its upper half, pelvis and torso offset must be in lanes; all of it, if it is added to the locomotion.
+    """
+    rig, slot, first = bank.rig, action_slot(c, number), k - number
+    above, mirrored = np.uint64(4) * rig[arrays.LOWER_WIDTH], is_mirrored(bank, int(s[slot + col.CLIP]))
     block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     request, kind = mixing.requests[k], int(s[slot + col.KIND])
     if is_added(bank, s, slot):
@@ -204,7 +257,7 @@ def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> 
             mixing.memory[k, arrays.MEAN_POSTURE + i] += s[slot + col.SHARE] * stored
 
 
-@kernel
+@inlined
 def mix_actions(
     bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, k: int, lanes: Array, block: Array, mixing: Mixing
 ) -> None:
@@ -212,32 +265,46 @@ def mix_actions(
     rig = bank.rig
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     share_parts(s, c, count, mixing.weights)
-    new = True
-    for part in range(col.PARTS):
-        new &= mixing.weights[part] == 0.0
-    kept = False
-    for number in range(count):
-        kept |= is_added(bank, s, action_slot(c, number))
-    if kept:
-        keep_own(bank, s, c, lanes, mixing)
-    elif not new:
-        sample_own(bank, s, c, lanes, mixing)
-    if not new:
-        set_part_weights(limbs, width, mixing, 0, False)
-        add_lanes(lanes, above, width, mixing, True)
+    sources = sample_own_summand(bank, limbs, s, c, count, lanes, mixing)
     for number in range(count):
         slot = action_slot(c, number)
         mixing.requests[k + number]["method"] = 0
         if s[slot + col.KIND] != col.OWN:
-            sample_action(bank, s, c, number, k + number, lanes, block, mixing)
+            sample_summand(bank, s, c, number, k + number, lanes, block, mixing, sources)
             apart = is_apart(s, slot, k + number, mixing)
             if apart:
-                keep_limbs(limbs, int(s[slot + col.MASK]), lanes, above, k + number, mixing)
+                keep_limbs(limbs, int(s[slot + col.MASK]), sources, k + number, mixing)
                 mixing.finish[k] = LIMBS
-            set_part_weights(limbs, width, mixing, number + 1, apart)
-            add_lanes(lanes, above, width, mixing, new)
-            new = False
-    normalise_lanes(mixing.sum, above, width, lanes)
+            set_part_weights(limbs, width, mixing, sources, number + 1, apart)
+            sources += 1
+    mix_lanes(mixing, sources, width, lanes, above)
+
+
+@inlined
+def sample_own_summand(
+    bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, lanes: Array, mixing: Mixing
+) -> int:
+    """Makes the locomotions' own upper half the first source, if any of it is visible; returns the number of sources.
+
+    If any action is added to it, keeps it in lanes too.
+    """
+    rig, above, slot = bank.rig, np.uint64(4) * bank.rig[arrays.LOWER_WIDTH], locomotion_slot(c, 0)
+    width, clip, visible, kept = rig[arrays.UPPER_WIDTH], int(s[slot + col.CLIP]), False, False
+    for part in range(col.PARTS):
+        visible |= mixing.weights[part] != 0.0
+    for number in range(count):
+        kept |= is_added(bank, s, action_slot(c, number))
+    if visible and not kept and s[c + col.LOCOMOTIONS] == 1.0 and is_bare(bank, s, c, clip):
+        row, t = row_of(bank, clip, s[slot + col.FRAME])
+        sample_planes(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), mixing.planes, plane_of(0))
+    elif visible or kept:
+        sample_own(bank, s, c, lanes, mixing)
+        if kept:
+            keep_own(bank, lanes)
+        split_lanes(lanes, above, width, mixing, 0)
+    if visible:
+        set_part_weights(limbs, width, mixing, 0, 0, False)
+    return 1 if visible else 0
 
 
 @inlined
@@ -263,24 +330,24 @@ def share_parts(s: Array, c: int, count: int, weights: Array) -> None:
 
 
 @inlined
-def set_part_weights(limbs: Limbs, width: Index, mixing: Mixing, source: int, apart: bool) -> None:
-    """Sets the weight of each lane of an upper half to the share of its part.
+def set_part_weights(limbs: Limbs, width: Index, mixing: Mixing, source: int, layer: int, apart: bool) -> None:
+    """Sets the weight of each lane of a source to the share of its part in a layer: 0, the locomotions; then actions.
 
-    If the source owns limbs `apart` from the trunk, their attachments get weight 0: `turn_limbs` sets them.
+    If the layer owns limbs `apart` from the trunk, their attachments get weight 0: `turn_limbs` sets them.
     """
-    begin, whole = col.PARTS * source, not apart
+    begin, whole = col.PARTS * layer, not apart
     for part in range(1, col.PARTS):
         whole &= mixing.weights[begin + part] == mixing.weights[begin]
     if whole:
-        set_lane_weights(mixing.lane_weights, width, np.float32(mixing.weights[begin]))
+        set_lane_weights(mixing, source, width, np.float32(mixing.weights[begin]))
         return
     parts, weights = limbs.part_lanes, mixing.weights[begin : begin + col.PARTS]
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
         weight = spread(np.float32(weights[0])) * load(parts, 0, lane)
         for part in range(1, col.PARTS):
             weight = weight + spread(np.float32(weights[part])) * load(parts, part, lane)
-        store(mixing.lane_weights, 0, lane, weight)
+        store(mixing.lane_weights, source, lane, weight)
     if apart:
         for part in range(1, col.PARTS):
             if limbs.lengths[part] > 0:
-                mixing.lane_weights[0, limbs.attachments[part]] = np.float32(0.0)
+                mixing.lane_weights[source, limbs.attachments[part]] = np.float32(0.0)

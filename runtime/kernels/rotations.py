@@ -13,10 +13,11 @@ import numpy as np
 
 from motionsplice.runtime.kernels.arrays import ALIGNED, BLOCK, BOUND, CORRELATION, GAP
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
-from motionsplice.runtime.simd.lanes import interleave, load, spread
+from motionsplice.runtime.simd.lanes import interleave, load, spread, store
 from motionsplice.runtime.simd.width import LANES
 
 Number = Any  # a float, or lanes
+Coefficients = tuple[Array, Array, Array, Array, Array]  # of a polynomial, each in all lanes
 ONWARD, BACK = 1.0, -1.0  # a rotation, or its inverse
 ONE, FOUR = np.uint64(1), np.uint64(4)  # a column; the numbers of a rotation
 TINY = 1e-300
@@ -36,27 +37,52 @@ def sample(table: Array, row: Index, first: Index, width: Index, t: Real, out: A
     0.0051 (0.3 degrees) at 180, the largest angle there can be. The result is nearly of unit length; one Newton step
     normalises it.
     """
-    s = np.float32(1.0) - t
-    t0, t1, t2, t3, t4 = series(t)
-    s0, s1, s2, s3, s4 = series(s)
-    one, half, three_halves = spread(np.float32(1.0)), spread(np.float32(0.5)), spread(np.float32(1.5))
-    after, y, z, w = row + ONE, first + width, first + width + width, first + width + width + width
+    to, back = series(t), series(np.float32(1.0) - t)
     for lane in range(np.uint64(0), width, np.uint64(LANES)):
-        ax, bx = load(table, row, first + lane), load(table, after, first + lane)
-        ay, by = load(table, row, y + lane), load(table, after, y + lane)
-        az, bz = load(table, row, z + lane), load(table, after, z + lane)
-        aw, bw = load(table, row, w + lane), load(table, after, w + lane)
-        below = (ax * bx + ay * by) + (az * bz + (aw * bw - one))
-        square = below * below
-        to = (t0 + t1 * below) + square * ((t2 + t3 * below) + t4 * square)
-        back = (s0 + s1 * below) + square * ((s2 + s3 * below) + s4 * square)
-        qx, qy, qz, qw = back * ax + to * bx, back * ay + to * by, back * az + to * bz, back * aw + to * bw
-        scale = three_halves - half * ((qx * qx + qy * qy) + (qz * qz + qw * qw))
-        interleave(out, at + lane + lane + lane + lane, qx * scale, qy * scale, qz * scale, qw * scale)
+        x, y, z, w = sampled(table, row, first + lane, width, to, back)
+        interleave(out, at + FOUR * lane, x, y, z, w)
 
 
 @inlined
-def series(t: Real) -> tuple[Array, Array, Array, Array, Array]:
+def sample_planes(table: Array, row: Index, first: Index, width: Index, t: Real, planes: Array, plane: Index) -> None:
+    """As `sample`, but writes all x into the row `plane` of `planes`, all y into the next, and so on."""
+    to, back = series(t), series(np.float32(1.0) - t)
+    for lane in range(np.uint64(0), width, np.uint64(LANES)):
+        x, y, z, w = sampled(table, row, first + lane, width, to, back)
+        store_planes(planes, plane, lane, x, y, z, w)
+
+
+@inlined
+def store_planes(planes: Array, plane: Index, lane: Index, x: Array, y: Array, z: Array, w: Array) -> None:
+    """Stores eight rotations in four rows from `plane` on, at the column `lane`."""
+    store(planes, plane, lane, x)
+    store(planes, plane + ONE, lane, y)
+    store(planes, plane + ONE + ONE, lane, z)
+    store(planes, plane + ONE + ONE + ONE, lane, w)
+
+
+@inlined
+def sampled(
+    table: Array, row: Index, x: Index, width: Index, to: Coefficients, back: Coefficients
+) -> tuple[Array, Array, Array, Array]:
+    """Returns eight rotations of a row on the way to the next; x is the column of the first one's x."""
+    one, half, three_halves = spread(np.float32(1.0)), spread(np.float32(0.5)), spread(np.float32(1.5))
+    after, y, z, w = row + ONE, x + width, x + width + width, x + width + width + width
+    ax, bx = load(table, row, x), load(table, after, x)
+    ay, by = load(table, row, y), load(table, after, y)
+    az, bz = load(table, row, z), load(table, after, z)
+    aw, bw = load(table, row, w), load(table, after, w)
+    below = (ax * bx + ay * by) + (az * bz + (aw * bw - one))
+    square = below * below
+    t = (to[0] + to[1] * below) + square * ((to[2] + to[3] * below) + to[4] * square)
+    s = (back[0] + back[1] * below) + square * ((back[2] + back[3] * below) + back[4] * square)
+    qx, qy, qz, qw = s * ax + t * bx, s * ay + t * by, s * az + t * bz, s * aw + t * bw
+    scale = three_halves - half * ((qx * qx + qy * qy) + (qz * qz + qw * qw))
+    return qx * scale, qy * scale, qz * scale, qw * scale
+
+
+@inlined
+def series(t: Real) -> Coefficients:
     """Returns a key's weight at `t` as coefficients of a polynomial in cos(angle) - 1, each in all lanes."""
     square = t * t
     t1 = t * (P1 * square - Q1)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError
-from motionsplice.motion.pointcloud import level, planar_distances, planar_lag_distances, windowed
+from motionsplice.motion.pointcloud import level, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.half_cycle import symmetric_phases
-from motionsplice.precompute.alignment.ring import wind
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.alignment.working_rate import (
     WORKING_RATE,
@@ -28,8 +26,6 @@ from motionsplice.precompute.body.facing import facing, facing_joints
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
-OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
-MOST_CANDIDATES = 16  # strides that are compared with all others
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,29 +123,6 @@ def no_stride(name: str) -> BaselineError:
         f"clip {name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s whose end matches its start",
         mend="Name another clip with --baseline; a plain walk of a few steps is best",
     )
-
-
-def most_typical(strides: Sequence[Baseline]) -> Baseline:
-    """Returns the stride nearest to all `strides`, among the MOST_CANDIDATES whose ends match best.
-
-    Two laps of each stride are wound round each candidate's ring, so the cost is linear in the number of strides. The
-    sum is over distances, not their squares, and each counts at most OTHER_GAIT. Otherwise one run among walks would
-    favour a stride halfway between walk and run, which is like neither, and jumps and dances would count most.
-    """
-
-    twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
-    all_strides, ends = np.concatenate(twice), np.cumsum([len(clouds) for clouds in twice])
-
-    def apart(candidate: Baseline) -> float:
-        ring = level(candidate.clouds / candidate.leg)
-        total = 0.0
-        for distances in np.split(planar_distances(all_strides, ring), ends[:-1]):
-            wound = wind(distances) % len(ring)
-            total += min(float(np.sqrt(distances[np.arange(len(wound)), wound].mean())), OTHER_GAIT)
-        return total
-
-    candidates = sorted(strides, key=lambda stride: (stride.loop, stride.name))[:MOST_CANDIDATES]
-    return min(candidates, key=lambda stride: (apart(stride), stride.name))
 
 
 def _ring(clip: Clip, roles: Roles, standing: NDArray[np.uint8], stride: slice) -> tuple[Floats, Floats]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -73,7 +74,7 @@ class Clip:
         object.__setattr__(self, "rotations", quaternion.one_hemisphere(unit))
 
     @classmethod
-    def of_valid(cls, name: str, skeleton: Skeleton, rate: float, root_positions: Floats, rotations: Floats) -> Clip:
+    def of_valid(cls, name: str, skeleton: Skeleton, rate: float, root_positions: Floats, rotations: Floats) -> Self:
         """Makes a clip whose rotations are those of a clip, or computed from them, so that nobody checks them again.
 
         They must be as the constructor leaves them: of unit length, successive frames in one hemisphere. This is not

@@ -38,10 +38,11 @@ def local_rotations(skeleton: Skeleton, world: Floats) -> Floats:
 
 def bind_positions(skeleton: Skeleton) -> Floats:
     """Returns the positions [J, 3] of the joints in the bind pose, metres, with the root at the origin."""
-    positions = np.zeros((skeleton.joint_count, 3))
-    for joint in range(1, skeleton.joint_count):
-        positions[joint] = positions[skeleton.parents[joint]] + skeleton.offsets[joint]
-    return positions
+    positions = skeleton.offsets.tolist()
+    positions[0] = [0.0, 0.0, 0.0]
+    for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
+        positions[joint] = [a + b for a, b in zip(positions[parent], positions[joint], strict=True)]
+    return np.array(positions, np.float64)
 
 
 def joint_positions(clip: Clip) -> Floats:

@@ -74,20 +74,21 @@ def _best_stride(clip: Clip, roles: Roles) -> Baseline:
     """Returns the stride within a clip whose ends match best. Raises BaselineError if none match."""
     windows = windowed(paths_at_working_rate(clip, roles.lower_cloud), LOOP_WINDOW)
     leg = roles.leg_length(clip.skeleton)
-    best = (np.inf, 0, 0)
     shortest, longest = (round(seconds * WORKING_RATE) for seconds in STRIDES)
-    lengths = range(shortest, min(longest, len(windows) - 1) + 1)
-    apart = planar_lag_distances(windows, {*lengths, *(length // 2 for length in lengths)})
-    for length in lengths:
-        loops = apart[length]
-        swing = apart[length // 2][: len(loops)]
-        moving = swing > LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
-        loop = np.where(moving, loops / np.where(moving, swing, 1.0), np.inf)
-        frame = int(np.argmin(loop))
-        best = min(best, (float(loop[frame]), frame + LOOP_WINDOW // 2, length))
-    loop_distance, first, length = best
+    lengths = np.arange(shortest, min(longest, len(windows) - 1) + 1)
+    if len(lengths) == 0:
+        raise no_stride(clip.name)
+    first_lag = shortest // 2
+    apart = planar_lag_distances(windows, range(first_lag, int(lengths[-1]) + 1))
+    loops, swing = apart[lengths - first_lag], apart[lengths // 2 - first_lag]
+    moving = (swing > LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2) & np.isfinite(loops)
+    loop = np.where(moving, loops / np.where(moving, swing, 1.0), np.inf)
+    frames = loop.argmin(axis=1)
+    least = loop[np.arange(len(lengths)), frames]
+    loop_distance, frame, length = min(zip(least.tolist(), frames.tolist(), lengths.tolist(), strict=True))
     if loop_distance > WORST_LOOP:
         raise no_stride(clip.name)
+    first = frame + LOOP_WINDOW // 2
     step = clip.duration / (len(windows) + LOOP_WINDOW - 2)
     start, end = first * step, (first + length) * step
     standing = foot_contacts(clip, roles)
@@ -107,8 +108,9 @@ def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
     ring = _ring(lap, roles, foot_contacts(lap, roles), slice(None))
     windows = windowed(paths_at_working_rate(played, roles.lower_cloud), LOOP_WINDOW)
     cells, moving = len(ring[0]), LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
-    apart = planar_lag_distances(windows, (round(cells / 2), round(cells / 3)))  # small in two or three strides
-    swings = [float(distances.mean()) for distances in apart.values()]
+    part = [round(cells / 2), round(cells / 3)]  # of two or three strides: small
+    apart = planar_lag_distances(windows, range(part[1], part[0] + 1))
+    swings = [float(apart[lag - part[1], : len(windows) - lag].mean()) for lag in part]
     if min(swings) <= max(moving, WORST_LOOP * max(swings)):
         return None
     seconds = period / clip.rate

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +13,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import follow_joints
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.motion.skeleton import Integers, Skeleton
 
 
 class Followed(Clip):
@@ -24,8 +25,8 @@ class Followed(Clip):
     def of(cls, clip: Clip, roles: Roles) -> Followed:
         """Follows the joints of a clip that have roles, and the pelvis's parent."""
         one = cls.of_valid(clip.name, clip.skeleton, clip.rate, clip.root_positions, clip.rotations)
-        with_roles = np.hstack(astuple(roles)).tolist()
-        joints = sorted({int(clip.skeleton.parents[roles.pelvis]), *with_roles} - {-1})
+        with_roles = {joint for role, joint in vars(roles).items() if role != "spine"} - {-1}  # -1: no such toe
+        joints = sorted({int(clip.skeleton.parents[roles.pelvis]), *roles.spine, *with_roles})
         places = {joint: place for place, joint in enumerate(joints)}
         object.__setattr__(one, "_followed", (places, *joint_transforms(clip, joints)))
         return one
@@ -59,14 +60,19 @@ def joint_transforms(clip: Clip, joints: Sequence[int], step: int = 1) -> tuple[
     """
     if isinstance(clip, Followed) and step == 1 and (places := clip.places(joints)):
         return clip.positions(places), clip.world(places)
-    needed = np.array(sorted({above for joint in joints for above in clip.skeleton.chain(joint)}))
-    places = {int(joint): place for place, joint in enumerate(needed)}
-    parents = np.array([places.get(int(clip.skeleton.parents[joint]), -1) for joint in needed])
-    wanted = np.array([places[joint] for joint in joints])
     roots, rotations = (np.ascontiguousarray(rows[::step]) for rows in (clip.root_positions, clip.rotations))
     positions, world = np.empty((len(roots), len(joints), 3)), np.empty((len(roots), len(joints), 4))
-    follow_joints(needed, parents, clip.skeleton.offsets[needed], wanted, roots, rotations, positions, world)
+    follow_joints(*_chains(clip.skeleton, tuple(joints)), roots, rotations, positions, world)
     return positions, world
+
+
+@lru_cache(maxsize=64)  # clips of a bank share its skeleton
+def _chains(skeleton: Skeleton, joints: tuple[int, ...]) -> tuple[Integers, Integers, Floats, Integers]:
+    """Returns the first arguments of `follow_joints`."""
+    needed = np.array(sorted({above for joint in joints for above in skeleton.chain(joint)}))
+    places = {int(joint): place for place, joint in enumerate(needed)}
+    parents = np.array([places.get(int(skeleton.parents[joint]), -1) for joint in needed])
+    return needed, parents, skeleton.offsets[needed], np.array([places[joint] for joint in joints])
 
 
 def upper_joints(clip: Clip, roles: Roles, step: int = 1) -> Floats:

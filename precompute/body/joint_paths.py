@@ -14,6 +14,7 @@ from motionsplice.motion.kinematics import follow_joints
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Integers, Skeleton
+from motionsplice.precompute.body.turned_points import turned_points
 
 
 class Followed(Clip):
@@ -78,4 +79,4 @@ def _chains(skeleton: Skeleton, joints: tuple[int, ...]) -> tuple[Integers, Inte
 def upper_joints(clip: Clip, roles: Roles, step: int = 1) -> Floats:
     """Returns the positions [F, n, 3] of the upper body's joints in the pelvis's frame at every `step`-th frame."""
     positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis), step)
-    return quaternion.rotate(quaternion.conjugate(world[:, :1]), positions[:, 1:] - positions[:, :1])
+    return turned_points(quaternion.conjugate(world[:, 0]), positions[:, 1:] - positions[:, :1])

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 
 from motionsplice.motion import quaternion
@@ -61,6 +63,8 @@ class Clip:
 
     def __post_init__(self) -> None:
         self._check_all_but_rotations()
+        if _is_even(self.rotations):  # nearly all are, and then they need no second look
+            return
         lengths, where = quaternion.length(self.rotations), f"clip {self.name!r}"
         if not (unit_length := np.abs(lengths - 1.0) <= 1e-3).all():  # also catches NaN
             if not np.isfinite(self.rotations).all():
@@ -73,7 +77,7 @@ class Clip:
         object.__setattr__(self, "rotations", quaternion.one_hemisphere(unit))
 
     @classmethod
-    def of_valid(cls, name: str, skeleton: Skeleton, rate: float, root_positions: Floats, rotations: Floats) -> Clip:
+    def of_valid(cls, name: str, skeleton: Skeleton, rate: float, root_positions: Floats, rotations: Floats) -> Self:
         """Makes a clip whose rotations are those of a clip, or computed from them, so that nobody checks them again.
 
         They must be as the constructor leaves them: of unit length, successive frames in one hemisphere. This is not
@@ -165,3 +169,27 @@ class Clip:
         count = int(np.floor(self.duration * rate + 1e-9)) + 1
         positions, rotations = self.sampled(np.arange(count) * (self.rate / rate))
         return Clip.of_valid(self.name, self.skeleton, rate, positions, quaternion.one_hemisphere(rotations))
+
+
+def _is_even(rotations: Floats) -> bool:
+    """Returns whether rotations [F, J, 4] are certainly as a clip has them."""
+    if rotations.dtype != np.float64 or not rotations.flags.c_contiguous:
+        return False
+    error, least = unevenness(rotations)
+    return error < 0.5 * ROUNDING and least > ROUNDING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def unevenness(rotations: Floats) -> tuple[float, float]:
+    """Returns the largest error of a rotation's length, and the least product of successive frames; inf for NaN."""
+    error, least = 0.0, np.inf
+    for frame in range(len(rotations)):
+        for joint in range(rotations.shape[1]):
+            x, y, z, w = rotations[frame, joint]
+            off = abs(np.sqrt(x * x + y * y + z * z + w * w) - 1.0)
+            if not off <= error:
+                error = off if off > error else np.inf
+            if frame > 0:
+                a, b, c, d = rotations[frame - 1, joint]
+                least = min(least, x * a + y * b + z * c + w * d)
+    return error, least

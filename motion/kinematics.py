@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
@@ -17,14 +18,13 @@ def world_transforms(skeleton: Skeleton, root_positions: ArrayLike, rotations: A
 
     root_positions [F, 3] and local rotations [F, J, 4] are as in a clip.
     """
-    local = np.asarray(rotations, np.float64)
-    positions = np.empty((*local.shape[:2], 3))
-    world = np.empty_like(local)
-    positions[:, 0], world[:, 0] = root_positions, local[:, 0]
-    for joint in range(1, skeleton.joint_count):
-        parent = skeleton.parents[joint]
-        positions[:, joint] = positions[:, parent] + quaternion.rotate(world[:, parent], skeleton.offsets[joint])
-        world[:, joint] = quaternion.multiply(world[:, parent], local[:, joint])
+    local = np.ascontiguousarray(rotations, np.float64)
+    roots = np.ascontiguousarray(np.broadcast_to(np.asarray(root_positions, np.float64), (len(local), 3)))
+    parents = np.ascontiguousarray(skeleton.parents, np.int64)
+    offsets = np.ascontiguousarray(skeleton.offsets, np.float64)
+    joints = np.arange(skeleton.joint_count)
+    positions, world = np.empty((*local.shape[:2], 3)), np.empty_like(local)
+    follow_joints(joints, parents, offsets, joints, roots, local, positions, world)
     return positions, world
 
 
@@ -38,10 +38,11 @@ def local_rotations(skeleton: Skeleton, world: Floats) -> Floats:
 
 def bind_positions(skeleton: Skeleton) -> Floats:
     """Returns the positions [J, 3] of the joints in the bind pose, metres, with the root at the origin."""
-    positions = np.zeros((skeleton.joint_count, 3))
-    for joint in range(1, skeleton.joint_count):
-        positions[joint] = positions[skeleton.parents[joint]] + skeleton.offsets[joint]
-    return positions
+    positions = skeleton.offsets.tolist()
+    positions[0] = [0.0, 0.0, 0.0]
+    for joint, parent in enumerate(skeleton.parents.tolist()[1:], 1):
+        positions[joint] = [a + b for a, b in zip(positions[parent], positions[joint], strict=True)]
+    return np.array(positions, np.float64)
 
 
 def joint_positions(clip: Clip) -> Floats:
@@ -63,3 +64,45 @@ def end_positions(skeleton: Skeleton, positions: Floats, world: Floats) -> Float
     """Returns the world positions [F, E, 3] of the end sites, from the two results of `world_transforms`."""
     at = skeleton.end_parents
     return np.asarray(positions[:, at] + quaternion.rotate(world[:, at], skeleton.end_offsets))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def follow_joints(
+    needed: NDArray[np.int64],
+    parents: NDArray[np.int64],
+    offsets: Floats,
+    wanted: NDArray[np.int64],
+    root_positions: Floats,
+    rotations: Floats,
+    positions: Floats,
+    world: Floats,
+) -> None:
+    """Fills `positions` [F, n, 3] and `world` [F, n, 4] for the joints needed[wanted], with `wanted` [n].
+
+    `needed` [m] are joints, the root first and parents before children. `parents` [m] and `wanted` are indices into it.
+    """
+    at, turn = np.empty((len(needed), 3)), np.empty((len(needed), 4))
+    for frame in range(len(root_positions)):
+        for i in range(3):
+            at[0, i] = root_positions[frame, i]
+        for i in range(4):
+            turn[0, i] = rotations[frame, 0, i]
+        for place in range(1, len(needed)):
+            above, joint = parents[place], needed[place]
+            ax, ay, az, aw = turn[above, 0], turn[above, 1], turn[above, 2], turn[above, 3]
+            vx, vy, vz = offsets[place, 0], offsets[place, 1], offsets[place, 2]
+            tx, ty, tz = 2.0 * (ay * vz - az * vy), 2.0 * (az * vx - ax * vz), 2.0 * (ax * vy - ay * vx)
+            at[place, 0] = at[above, 0] + (vx + aw * tx + ay * tz - az * ty)
+            at[place, 1] = at[above, 1] + (vy + aw * ty + az * tx - ax * tz)
+            at[place, 2] = at[above, 2] + (vz + aw * tz + ax * ty - ay * tx)
+            bx, by = rotations[frame, joint, 0], rotations[frame, joint, 1]
+            bz, bw = rotations[frame, joint, 2], rotations[frame, joint, 3]
+            turn[place, 0] = aw * bx + ax * bw + ay * bz - az * by
+            turn[place, 1] = aw * by - ax * bz + ay * bw + az * bx
+            turn[place, 2] = aw * bz + ax * by - ay * bx + az * bw
+            turn[place, 3] = aw * bw - ax * bx - ay * by - az * bz
+        for number in range(len(wanted)):
+            for i in range(3):
+                positions[frame, number, i] = at[wanted[number], i]
+            for i in range(4):
+                world[frame, number, i] = turn[wanted[number], i]

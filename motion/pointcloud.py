@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from motionsplice.motion.quaternion import Floats
@@ -38,24 +37,31 @@ def planar_distance(a: ArrayLike, b: ArrayLike) -> Floats:
     return np.maximum(squares - 2.0 * np.hypot(along, across), 0.0)
 
 
-def planar_lag_distances(clouds: ArrayLike, lags: Iterable[int]) -> dict[int, Floats]:
-    """Returns, by lag, the `planar_distance` of cloud i to cloud i + lag. [n, p, 3] -> [n - lag] square metres."""
+def planar_lag_distances(clouds: ArrayLike, lags: range) -> Floats:
+    """Returns the `planar_distance` of each cloud i to cloud i + lag, for successive lags.
+
+    [n, p, 3] -> [lags, n] square metres, inf where there is no cloud i + lag.
+    """
     floor, height = _centred(np.asarray(clouds, np.float64))
     points = height.shape[1]
     turned = np.concatenate([floor[:, points:], -floor[:, :points]], axis=1)
     squares = np.sum(floor**2, axis=1) + np.sum(height**2, axis=1)
-    distances = {}
-    for lag in lags:
-        here, there = slice(0, len(height) - lag), slice(lag, None)
-        overlap = np.hypot(_dots(floor[here], floor[there]), _dots(floor[here], turned[there]))
-        both = overlap + _dots(height[here], height[there])
-        distances[lag] = np.maximum(squares[here] + squares[there] - 2.0 * both, 0.0)
-    return distances
+    overlap = np.hypot(_dots(floor, floor, lags), _dots(floor, turned, lags))
+    both = overlap + _dots(height, height, lags)
+    distances = np.maximum(squares + _later(squares, lags).T - 2.0 * both, 0.0)
+    distances[np.arange(len(squares)) + np.array(lags)[:, None] >= len(squares)] = np.inf
+    return np.asarray(distances)
 
 
-def _dots(a: Floats, b: Floats) -> Floats:
-    """[n, k], [n, k] -> [n]."""
-    return np.asarray(np.einsum("nk,nk->n", a, b))
+def _dots(rows: Floats, others: Floats, lags: range) -> Floats:
+    """Returns the products of row i with row i + lag of the others. [n, k], [n, k] -> [lags, n]."""
+    return np.asarray(np.einsum("nk,nkl->ln", rows, _later(others, lags)))
+
+
+def _later(rows: Floats, lags: range) -> Floats:
+    """Returns a view of the rows i + lag, for successive lags, with zeros after the last row. [n, ...] -> [n, ..., lags]."""
+    padded = np.concatenate([rows, np.zeros((lags.stop - 1, *rows.shape[1:]))])
+    return sliding_window_view(padded[lags.start :], len(lags), axis=0)
 
 
 def _centred(clouds: Floats) -> tuple[Floats, Floats]:

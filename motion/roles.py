@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
@@ -79,9 +80,14 @@ class Roles:
 
     def leg_length(self, skeleton: Skeleton) -> float:
         """Returns the length in metres from hip over knee to ankle, as the mean of both legs."""
-        ends = ((self.left_hip, self.left_ankle), (self.right_hip, self.right_ankle))
-        bones = [joint for hip, ankle in ends for joint in _between(skeleton, hip, ankle)]  # twist bones included
-        return sum(skeleton.bone_length(joint) for joint in bones) / 2.0
+        return _leg_length(self, skeleton)
+
+
+@lru_cache(maxsize=16)  # a clip's preparation asks ten times
+def _leg_length(roles: Roles, skeleton: Skeleton) -> float:
+    ends = ((roles.left_hip, roles.left_ankle), (roles.right_hip, roles.right_ankle))
+    bones = [joint for hip, ankle in ends for joint in _between(skeleton, hip, ankle)]  # twist bones included
+    return sum(skeleton.bone_length(joint) for joint in bones) / 2.0
 
 
 def on_side(roles: Roles, side: Side, parts: Sequence[str]) -> tuple[int, ...]:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d, uniform_filter1d
 from scipy.optimize import lsq_linear, minimize
 from scipy.spatial.transform import Rotation
 
@@ -15,6 +16,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.parts import TRUNK, part_of_joint
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
+from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.splice import transfer_posture
 from motionsplice.runtime.bank import Bank
@@ -32,6 +34,24 @@ def planar_distance(a: Floats, b: Floats) -> float:
     shift = a.mean(axis=0) - b.mean(axis=0)
     starts = [(turn, shift[0], shift[2]) for turn in np.linspace(-np.pi, np.pi, 7)]
     return min(float(minimize(apart, start, method="BFGS").fun) for start in starts)
+
+
+def world_transforms(skeleton: Skeleton, root_positions: Floats, rotations: Floats) -> tuple[Floats, Floats]:
+    """World positions [F, J, 3] and rotations [F, J, 4], joint by joint for all frames at once."""
+    positions, world = np.empty((*rotations.shape[:2], 3)), np.empty_like(rotations)
+    positions[:, 0], world[:, 0] = root_positions, rotations[:, 0]
+    for joint in range(1, skeleton.joint_count):
+        parent = skeleton.parents[joint]
+        positions[:, joint] = positions[:, parent] + quaternion.rotate(world[:, parent], skeleton.offsets[joint])
+        world[:, joint] = quaternion.multiply(world[:, parent], rotations[:, joint])
+    return positions, world
+
+
+def speeds_and_heights(paths: Floats, step: float, smoothed: int, reach: int) -> tuple[Floats, Floats]:
+    """Smoothed speeds [F, n], and heights [F, n] above the lowest point nearby, by the filters of NumPy and SciPy."""
+    speeds = np.linalg.norm(np.gradient(paths, step, axis=0), axis=-1)
+    lowest = minimum_filter1d(paths[..., 1], reach, axis=0, mode="nearest")
+    return uniform_filter1d(speeds, smoothed, axis=0, mode="nearest"), paths[..., 1] - lowest
 
 
 def increasing_coefficients(design: Floats, y: Floats, floor: Floats) -> Floats:

@@ -13,6 +13,7 @@ from motionsplice.motion.quaternion import Floats
 MOST_DIGITS = 18  # that an int64 holds; further digits are below a float's precision
 EXACT_POWER = 22  # the largest power of ten that a float holds exactly
 LARGEST_POWER = 308  # the largest power of ten that a float holds at all
+POWERS = np.array([float(10**power) for power in range(MOST_DIGITS + 1)])
 
 
 def read_table(text: NDArray[np.uint8], rows: int, width: int) -> Floats | None:
@@ -62,6 +63,24 @@ def fill_table(text: NDArray[np.uint8], values: Floats) -> bool:
         negative = mark == 45
         if negative or mark == 43:
             i += 1
+        begin, point, mantissa = i, -1, np.int64(0)  # first a number as nearly all are, of few digits and no exponent
+        while i < len(text):
+            digit = np.int64(text[i]) - 48
+            if 0 <= digit <= 9:
+                mantissa = mantissa * 10 + digit
+            elif digit == -2 and point < 0:
+                point = i
+            else:
+                break
+            i += 1
+        after = i - point - 1 if point >= 0 else 0
+        read = i - begin - (1 if point >= 0 else 0)
+        if 0 < read <= MOST_DIGITS and (i == len(text) or text[i] <= 32):
+            number = float(mantissa) if after == 0 else float(mantissa) / POWERS[after]
+            values[row, column] = -number if negative else number
+            column += 1
+            continue
+        i = begin
         mantissa, digits, power, read = np.int64(0), 0, 0, 0
         after_point = False
         while i < len(text):

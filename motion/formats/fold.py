@@ -91,7 +91,8 @@ def fold(nodes: Nodes, root: int) -> Folded:
         end_parents=np.array([places[int(nodes.end_parents[end])] for end in ends], np.int64),
         end_offsets=nodes.end_offsets[ends].reshape(-1, 3),
     )
-    rotations = np.take(nodes.rotations, inside, axis=1)  # frame by frame in memory, unlike [:, inside]
+    # Frame by frame in memory, unlike [:, inside]. A file's whole tree is not copied: nobody else needs its array.
+    rotations = nodes.rotations if len(inside) == len(nodes.names) else np.take(nodes.rotations, inside, axis=1)
     rotations[:, 0] = rotation
     return Folded(skeleton, position, rotations, tuple(notes))
 

@@ -9,7 +9,7 @@ import numpy as np
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
-from motionsplice.motion.retarget.stance import standing_pose
+from motionsplice.motion.retarget.stance import shown_by_motion, standing_pose
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 
@@ -29,6 +29,8 @@ class Rig:
     def of(cls, clip: Clip, roles: Roles) -> Rig:
         """Returns the rig of a clip."""
         rig = clip.skeleton
+        if not shown_by_motion(rig, roles):
+            return cls(rig, roles)
         pose = standing_pose(rig, roles, clip)
         return cls(rig, roles, None if np.array_equal(pose, standing_pose(rig, roles)) else pose)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,11 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError
-from motionsplice.motion.pointcloud import level, planar_distances, planar_lag_distances, windowed
+from motionsplice.motion.pointcloud import level, planar_lag_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.half_cycle import symmetric_phases
-from motionsplice.precompute.alignment.ring import wind
 from motionsplice.precompute.alignment.whole_cycle import STRIDES, find_period, played_on
 from motionsplice.precompute.alignment.working_rate import (
     WORKING_RATE,
@@ -28,8 +26,6 @@ from motionsplice.precompute.body.facing import facing, facing_joints
 LOOP_WINDOW = 5  # frames at the working rate
 WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distance of its halves
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
-OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
-MOST_CANDIDATES = 16  # strides that are compared with all others
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,20 +74,21 @@ def _best_stride(clip: Clip, roles: Roles) -> Baseline:
     """Returns the stride within a clip whose ends match best. Raises BaselineError if none match."""
     windows = windowed(paths_at_working_rate(clip, roles.lower_cloud), LOOP_WINDOW)
     leg = roles.leg_length(clip.skeleton)
-    best = (np.inf, 0, 0)
     shortest, longest = (round(seconds * WORKING_RATE) for seconds in STRIDES)
-    lengths = range(shortest, min(longest, len(windows) - 1) + 1)
-    apart = planar_lag_distances(windows, {*lengths, *(length // 2 for length in lengths)})
-    for length in lengths:
-        loops = apart[length]
-        swing = apart[length // 2][: len(loops)]
-        moving = swing > LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
-        loop = np.where(moving, loops / np.where(moving, swing, 1.0), np.inf)
-        frame = int(np.argmin(loop))
-        best = min(best, (float(loop[frame]), frame + LOOP_WINDOW // 2, length))
-    loop_distance, first, length = best
+    lengths = np.arange(shortest, min(longest, len(windows) - 1) + 1)
+    if len(lengths) == 0:
+        raise no_stride(clip.name)
+    first_lag = shortest // 2
+    apart = planar_lag_distances(windows, range(first_lag, int(lengths[-1]) + 1))
+    loops, swing = apart[lengths - first_lag], apart[lengths // 2 - first_lag]
+    moving = (swing > LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2) & np.isfinite(loops)
+    loop = np.where(moving, loops / np.where(moving, swing, 1.0), np.inf)
+    frames = loop.argmin(axis=1)
+    least = loop[np.arange(len(lengths)), frames]
+    loop_distance, frame, length = min(zip(least.tolist(), frames.tolist(), lengths.tolist(), strict=True))
     if loop_distance > WORST_LOOP:
         raise no_stride(clip.name)
+    first = frame + LOOP_WINDOW // 2
     step = clip.duration / (len(windows) + LOOP_WINDOW - 2)
     start, end = first * step, (first + length) * step
     standing = foot_contacts(clip, roles)
@@ -111,8 +108,9 @@ def _whole_cycle(clip: Clip, roles: Roles) -> Baseline | None:
     ring = _ring(lap, roles, foot_contacts(lap, roles), slice(None))
     windows = windowed(paths_at_working_rate(played, roles.lower_cloud), LOOP_WINDOW)
     cells, moving = len(ring[0]), LOOP_WINDOW * 3 * (LEAST_SWING * leg) ** 2
-    apart = planar_lag_distances(windows, (round(cells / 2), round(cells / 3)))  # small in two or three strides
-    swings = [float(distances.mean()) for distances in apart.values()]
+    part = [round(cells / 2), round(cells / 3)]  # of two or three strides: small
+    apart = planar_lag_distances(windows, range(part[1], part[0] + 1))
+    swings = [float(apart[lag - part[1], : len(windows) - lag].mean()) for lag in part]
     if min(swings) <= max(moving, WORST_LOOP * max(swings)):
         return None
     seconds = period / clip.rate
@@ -127,29 +125,6 @@ def no_stride(name: str) -> BaselineError:
         f"clip {name!r} has no stride of {STRIDES[0]} to {STRIDES[1]} s whose end matches its start",
         mend="Name another clip with --baseline; a plain walk of a few steps is best",
     )
-
-
-def most_typical(strides: Sequence[Baseline]) -> Baseline:
-    """Returns the stride nearest to all `strides`, among the MOST_CANDIDATES whose ends match best.
-
-    Two laps of each stride are wound round each candidate's ring, so the cost is linear in the number of strides. The
-    sum is over distances, not their squares, and each counts at most OTHER_GAIT. Otherwise one run among walks would
-    favour a stride halfway between walk and run, which is like neither, and jumps and dances would count most.
-    """
-
-    twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
-    all_strides, ends = np.concatenate(twice), np.cumsum([len(clouds) for clouds in twice])
-
-    def apart(candidate: Baseline) -> float:
-        ring = level(candidate.clouds / candidate.leg)
-        total = 0.0
-        for distances in np.split(planar_distances(all_strides, ring), ends[:-1]):
-            wound = wind(distances) % len(ring)
-            total += min(float(np.sqrt(distances[np.arange(len(wound)), wound].mean())), OTHER_GAIT)
-        return total
-
-    candidates = sorted(strides, key=lambda stride: (stride.loop, stride.name))[:MOST_CANDIDATES]
-    return min(candidates, key=lambda stride: (apart(stride), stride.name))
 
 
 def _ring(clip: Clip, roles: Roles, standing: NDArray[np.uint8], stride: slice) -> tuple[Floats, Floats]:

@@ -57,7 +57,7 @@ def between_cells(distances: Floats, wound: NDArray[np.int64]) -> Floats:
     return np.asarray(wound + np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def walk_ring(
     distances: Floats, pace: float, steadiness: float, most_advance: int, most_zero: int
 ) -> NDArray[np.int64]:
@@ -69,24 +69,34 @@ def walk_ring(
     cost = np.full((cells, most_zero + 1), np.inf)
     cost[:, 0] = distances[0]
     following = np.empty_like(cost)
+    least, unsteady = np.empty(cells), np.empty(most_advance + 1)  # of a cell's states; of a step
+    for step in range(most_advance + 1):
+        unsteady[step] = steadiness * (step - pace) ** 2
     advance = np.zeros((frames, cells), np.int8)  # into state (cell, 0): by how many cells,
     zeros = np.zeros((frames, cells), np.int8)  # and after how many zero steps
     for frame in range(1, frames):
         for cell in range(cells):
-            following[cell, 0] = np.inf
-            passed = 0.0
-            for step in range(1, most_advance + 1):
-                passed += distances[frame, (cell - step + 1) % cells]
-                source = (cell - step) % cells
-                price = passed / step + steadiness * (step - pace) ** 2
-                for run in range(most_zero + 1):
-                    total = cost[source, run] + price
-                    if total < following[cell, 0]:
-                        following[cell, 0] = total
-                        advance[frame, cell] = step
-                        zeros[frame, cell] = run
+            least[cell] = cost[cell, 0]
             for run in range(1, most_zero + 1):
-                following[cell, run] = cost[cell, run - 1] + distances[frame, cell] + steadiness * pace**2
+                if cost[cell, run] < least[cell]:
+                    least[cell] = cost[cell, run]
+        for cell in range(cells):
+            lowest, price, passed, source = np.inf, 0.0, 0.0, cell
+            origin = -1
+            for step in range(1, most_advance + 1):
+                passed += distances[frame, source]
+                source = source - 1 if source > 0 else cells - 1
+                extra = passed / step + unsteady[step]
+                if least[source] + extra < lowest:
+                    lowest, price, origin = least[source] + extra, extra, source
+                    advance[frame, cell] = step
+            following[cell, 0] = lowest
+            run = 0
+            while origin >= 0 and cost[origin, run] + price > lowest:
+                run += 1
+            zeros[frame, cell] = run
+            for run in range(1, most_zero + 1):
+                following[cell, run] = cost[cell, run - 1] + distances[frame, cell] + unsteady[0]
         cost, following = following, cost
     best = int(np.argmin(cost))
     cell, run = best // (most_zero + 1), best % (most_zero + 1)

@@ -8,6 +8,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.kinematics import heading
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.precompute.body.turned_points import turned_points
 
 
 def facing_joints(roles: Roles) -> tuple[int, ...]:
@@ -22,4 +23,4 @@ def facing(positions: Floats) -> Floats:
     """
     turn = quaternion.about([0.0, 1.0, 0.0], -heading(positions[:, 3] - positions[:, 4]))
     clouds = positions[:, :3]
-    return quaternion.rotate(turn[:, None], clouds - clouds[:, :1] * np.array([1.0, 0.0, 1.0]))
+    return turned_points(turn, clouds - clouds[:, :1] * np.array([1.0, 0.0, 1.0]))

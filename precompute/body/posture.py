@@ -13,6 +13,7 @@ from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_transforms
+from motionsplice.precompute.body.turned_points import turned_points
 
 UP, FORWARD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 HIPS_APART = 1e-6  # metres, measured over the floor: closer hips show no facing direction
@@ -56,9 +57,9 @@ def measure_torso(clip: Clip, roles: Roles) -> Torso:
     frame = posture_frame(hip_line)
     cloud = positions[:, 4:] - positions[:, :1]
     return Torso(
-        clouds=quaternion.rotate(quaternion.conjugate(world[:, :1]), cloud),
+        clouds=turned_points(quaternion.conjugate(world[:, 0]), cloud),
         frames=quaternion.one_hemisphere(quaternion.multiply(quaternion.conjugate(world[:, 1]), frame)),
-        upright=quaternion.rotate(quaternion.conjugate(frame)[:, None], cloud),
+        upright=turned_points(quaternion.conjugate(frame), cloud),
     )
 
 

@@ -10,6 +10,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
+from motionsplice.precompute.body.turned_points import turned_points
 
 LOOSE, FIRM = 0.4, 0.6  # support below which a foot is free, and from which on it holds the root
 TINY = 1e-12
@@ -25,9 +26,9 @@ def standing_feet(clip: Clip, path: Floats, support: Floats, roles: Roles) -> Fl
     """Returns the rows [F, 6] of the table `feet`: for the left, then the right foot, x and z in metres from the root
     path [F, 4], in its heading, and its `support` [F, 2].
     """
-    back = quaternion.about([0.0, 1.0, 0.0], -path[:, 3])[:, None]
+    back = quaternion.about([0.0, 1.0, 0.0], -path[:, 3])
     apart = joint_paths(clip, [joints[-1] for joints in roles.feet]) - path[:, None, :3]
-    return np.concatenate([quaternion.rotate(back, apart)[..., [0, 2]], support[..., None]], axis=2).reshape(-1, 6)
+    return np.concatenate([turned_points(back, apart)[..., [0, 2]], support[..., None]], axis=2).reshape(-1, 6)
 
 
 def root_steps(slips: Floats, support: Floats, preferred: ArrayLike = (1.0, 1.0)) -> Floats:

@@ -19,6 +19,8 @@ from motionsplice.precompute.alignment.alignment import Alignment
 from motionsplice.precompute.alignment.baseline import LEAST_SWING, Baseline
 from motionsplice.precompute.alignment.gait import mean_gait
 from motionsplice.precompute.body.contacts import foot_contacts, support
+from motionsplice.precompute.body.facing import facing, facing_joints
+from motionsplice.precompute.body.joint_paths import Followed, joint_paths
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.preparation.cuts import Cut
 from motionsplice.precompute.preparation.feet import standing_feet
@@ -103,17 +105,21 @@ def prepare(
     it is settled. Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be aligned or measured.
     """
     fitted = onto_rig(clip, roles, rig, retargeting=retargeting)
-    ours, skeleton_roles = fitted.clip, rig.roles
+    skeleton_roles = rig.roles
+    ours = Followed.of(fitted.clip, skeleton_roles)
     looped = loop(ours, skeleton_roles, baseline)
     alignment, seamed, rows = looped.alignment, looped.seamed, looped.rows
-    path = root_path(*looped.played, seamed.strides, skeleton_roles, alignment.has_gait)[rows]
-    contacts = foot_contacts(looped.played[0], skeleton_roles)
-    torso, count = measure_torso(seamed.clip, skeleton_roles), ours.frame_count
+    shown = Followed.of(seamed.clip, skeleton_roles)
+    played, phase = looped.played if looped.period else (shown, seamed.phase)
+    path = root_path(played, phase, seamed.strides, skeleton_roles, alignment.has_gait)[rows]
+    contacts = foot_contacts(played, skeleton_roles)
+    torso, count = measure_torso(shown, skeleton_roles), ours.frame_count
+    clouds = facing(joint_paths(ours, facing_joints(skeleton_roles)))
     settled = slice(0, count) if cut is None else cut.settled(clip.rate)
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     large: dict[str, NDArray[Any]] = {
         **Layout.of(rig.skeleton, skeleton_roles).pack(
-            seamed.clip.root_positions, seamed.clip.rotations, TorsoRows(torso.clouds, torso.frames, no_offsets)
+            shown.root_positions, shown.rotations, TorsoRows(torso.clouds, torso.frames, no_offsets)
         ),
         "upright": torso.upright,
     }
@@ -128,8 +134,8 @@ def prepare(
         posture=torso.upright[settled, -2:].mean(axis=0),
         path=path,
         contacts=contacts[rows],
-        feet=standing_feet(seamed.clip, path, support(contacts, clip.rate)[rows], skeleton_roles),
-        gait=mean_gait(ours.frames(settled.start, settled.stop), alignment.phase[settled], skeleton_roles),
+        feet=standing_feet(shown, path, support(contacts, clip.rate)[rows], skeleton_roles),
+        gait=mean_gait(clouds[settled], alignment.phase[settled]),
         stride=MeanStride.of(torso.upright[settled], alignment.phase[settled]),
         repetition=stride_to_stride(ours, torso.clouds, alignment.phase, skeleton_roles) if alignment.has_gait else 0.0,
         fetch=large.__getitem__,

@@ -9,7 +9,7 @@ fades. The clip's own frames do not change.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,17 +112,18 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
     before = max(1, min(round(BEFORE * clip.rate), int(counterpart)))
     positions, rotations = clip.sampled(np.concatenate([counterpart + np.arange(-before, 1.0), after]))
     ends = clip.frames(clip.frame_count - 1 - before, clip.frame_count)
-    turn = quaternion.about([0.0, 1.0, 0.0], _heading(ends, roles) - _heading(_frame_at(clip, counterpart), roles))
+    there = _moved(clip, positions[before : before + 1], rotations[before : before + 1])
+    turn = quaternion.about([0.0, 1.0, 0.0], _heading(ends, roles) - _heading(there, roles))
+    climbed = ends.root_positions[-1, 1] - positions[before, 1]
     rotations[:, 0] = quaternion.multiply(turn, rotations[:, 0])
     positions = quaternion.rotate(turn, positions - positions[before]) + ends.root_positions[-1]
-    climbed = ends.root_positions[-1, 1] - clip.sampled([counterpart])[0][0, 1]
     if abs(climbed) < LEVEL * roles.leg_length(clip.skeleton):
         positions[:, 1] -= climbed
     rise = (ends.root_positions - positions[: before + 1])[:, 1]
     positions[before + 1 :, 1] += settled(rise, len(after))
     bent = bent_onto(ends.rotations, rotations)
-    copied = replace(clip, root_positions=positions[before:], rotations=rotations[before:])
-    laid = replace(copied, rotations=np.concatenate([ends.rotations[-1:], bent]))
+    copied = _moved(clip, positions[before:], rotations[before:])
+    laid = _moved(clip, copied.root_positions, np.concatenate([ends.rotations[-1:], bent]))
     slips = np.diff(feet_over_ground(laid, roles) - feet_over_ground(copied, roles), axis=0)
     positions[before + 1 :, [0, 2]] += np.cumsum(_against(slips, clip, after, roles), axis=0)
     return positions[before + 1 :], bent
@@ -158,10 +159,9 @@ def settled(offset: Floats, count: int) -> Floats:
     return (2.0 * t**3 - 3.0 * t**2 + 1.0) * offset[-1] + (t**3 - 2.0 * t**2 + t) * count * velocity
 
 
-def _frame_at(clip: Clip, frame: float) -> Clip:
-    """Returns a clip of the one frame at a real-valued frame number."""
-    positions, rotations = clip.sampled([frame])
-    return replace(clip, root_positions=positions, rotations=rotations)
+def _moved(clip: Clip, positions: Floats, rotations: Floats) -> Clip:
+    """Returns frames made of a clip's own, only to be measured."""
+    return Clip.of_valid(clip.name, clip.skeleton, clip.rate, positions, rotations)
 
 
 def _heading(clip: Clip, roles: Roles) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
@@ -26,7 +27,6 @@ ROOT, SIZE, CLOUD = 0, 3, 4  # first columns
 PELVIS, POSTURE_FRAME, TORSO_OFFSET, FIRST_JOINT = 0, 1, 2, 3  # lanes
 USAGE = 4  # floats of `upper` before the first plane, one for each part of an upper body
 LINE = 16  # floats in a cache line
-BLOCK = 256  # rows packed at once, so that they stay in a core's cache
 
 
 class TorsoRows(NamedTuple):
@@ -108,25 +108,13 @@ class Layout:
 
     def pack(self, roots: Floats, rotations: Floats, torso: TorsoRows) -> dict[str, Float32s]:
         """Returns rows [n, columns] of both tables for n frames: roots [n, 3] metres, rotations [n, J, 4], torsos."""
-        packed = {name: np.empty((len(roots), half.columns), np.float32) for name, half in self.halves.items()}
-        for first in range(0, len(roots), BLOCK):
-            some = slice(first, first + BLOCK)
-            for name, half in self.halves.items():
-                part = TorsoRows(torso.clouds[some], torso.frames[some], torso.offsets[some])
-                self._fill(half, packed[name][some], roots[some], rotations[some], part)
+        sizes, packed = 0.5 * np.sum(torso.clouds**2, axis=(1, 2)), {}
+        numbers = [np.ascontiguousarray(one, np.float64) for one in (roots, sizes, rotations, *torso)]
+        for name, half in self.halves.items():
+            packed[name] = np.zeros((len(roots), half.columns), np.float32)
+            joints = np.array(half.joints, np.int64)
+            fill_rows(packed[name], *numbers, self.pelvis, joints, self.cloud_width, half.first_plane, half.width)
         return packed
-
-    def _fill(self, half: Half, rows: Float32s, roots: Floats, rotations: Floats, torso: TorsoRows) -> None:
-        """Fills rows [n, columns] of a table; see `pack`."""
-        rows[:] = 0.0
-        rows[:, ROOT : ROOT + 3] = roots
-        rows[:, SIZE] = 0.5 * np.sum(torso.clouds**2, axis=(1, 2))
-        self._clouds(rows)[:] = torso.clouds
-        lanes = half.lanes(rows)
-        lanes[:] = quaternion.IDENTITY
-        lanes[:, PELVIS], lanes[:, POSTURE_FRAME] = rotations[:, self.pelvis], torso.frames
-        lanes[:, TORSO_OFFSET] = torso.offsets
-        lanes[:, FIRST_JOINT : FIRST_JOINT + len(half.joints)] = rotations[:, half.joints]
 
     def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
         """Writes torso offsets [n, 4] into rows [n, columns] of a table."""
@@ -182,3 +170,39 @@ class Layout:
 def _whole(count: int, of: int) -> int:
     """Returns `count` rounded up to a multiple of `of`."""
     return -(-count // of) * of
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_rows(
+    rows: Float32s,
+    roots: Floats,
+    sizes: Floats,
+    rotations: Floats,
+    clouds: Floats,
+    frames: Floats,
+    offsets: Floats,
+    pelvis: int,
+    joints: NDArray[np.int64],
+    cloud_width: int,
+    first_plane: int,
+    width: int,
+) -> None:
+    """Fills rows [n, columns] of zeros of a table with `joints`; roots, rotations and torsos as in `Layout.pack`.
+
+    sizes: [n] half the sum of a cloud's squares. The other numbers are those of `Layout` and `Half`.
+    """
+    for row in range(len(rows)):
+        for i in range(3):
+            rows[row, ROOT + i] = roots[row, i]
+            for point in range(clouds.shape[1]):
+                rows[row, CLOUD + i * cloud_width + point] = clouds[row, point, i]
+        rows[row, SIZE] = sizes[row]
+        for i in range(4):
+            plane = first_plane + i * width
+            rows[row, plane + PELVIS] = rotations[row, pelvis, i]
+            rows[row, plane + POSTURE_FRAME] = frames[row, i]
+            rows[row, plane + TORSO_OFFSET] = offsets[row, i]
+            for number in range(len(joints)):
+                rows[row, plane + FIRST_JOINT + number] = rotations[row, joints[number], i]
+        for lane in range(FIRST_JOINT + len(joints), width):  # no joint: the identity
+            rows[row, first_plane + 3 * width + lane] = 1.0

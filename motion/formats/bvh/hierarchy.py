@@ -86,8 +86,10 @@ def read_hierarchy(lines: list[str]) -> Hierarchy:
 def _statements(lines: list[str]) -> Iterator[tuple[int, list[str]]]:
     """Yields each statement as its line index and words, without comments. A brace is a statement of its own."""
     for number, text in enumerate(lines):
-        for part in PART.finditer(COMMENT.sub("", text)):
-            if words := part[0].split():
+        if "#" in text or "/" in text or ";" in text:
+            text = COMMENT.sub("", text)
+        for part in PART.findall(text) if "{" in text or "}" in text else (text,):
+            if words := part.split():
                 yield number, words
 
 

@@ -7,7 +7,12 @@ from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
 from motionsplice.motion.quaternion import Floats
-from motionsplice.precompute.alignment.increasing_spline import DEGREE, LEAST_SLOPE, fit_increasing
+from motionsplice.precompute.alignment.increasing_spline import (
+    DEGREE,
+    LEAST_SLOPE,
+    fit_increasing,
+    normal_equations,
+)
 from tests import naive
 
 
@@ -51,3 +56,21 @@ def test_a_stiffer_spline_changes_its_speed_less() -> None:
 def test_a_straight_line_is_fitted_exactly(stiffness: float) -> None:
     x = np.linspace(0.0, 10.0, 80)
     np.testing.assert_allclose(fit_increasing(x, 3.0 * x - 2.0, 0.5, stiffness)(x), 3.0 * x - 2.0, atol=1e-4)
+
+
+@given(st.integers(0, 10**6), st.integers(3, 60), st.floats(0.0, 30.0))
+@settings(max_examples=30, deadline=None)
+def test_the_normal_equations_are_those_of_the_dense_matrices(seed: int, count: int, stiffness: float) -> None:
+    rng = np.random.default_rng(seed)
+    x, y = np.sort(rng.integers(0, count, count)).astype(np.float64), rng.normal(size=count)
+    x[0], x[-1] = 0.0, count
+    curve = fit_increasing(x, np.sort(y), 4.0)
+    steps = np.diff([curve.t[i + 1 : i + 1 + DEGREE].mean() for i in range(len(curve.c))])
+    bands, right = normal_equations(x, y, curve.t, steps, stiffness)
+    design = BSpline.design_matrix(x, curve.t, DEGREE).toarray()
+    slopes = steps.max() * np.diff(np.eye(len(curve.c)), axis=0) / steps[:, None]
+    bend = np.diff(slopes, axis=0) * np.sqrt(2.0 * steps.max() / (steps[:-1] + steps[1:]))[:, None]
+    normal = design.T @ design + stiffness * bend.T @ bend
+    for offset, band in enumerate(bands):
+        np.testing.assert_allclose(band[: len(band) - offset], np.diag(normal, -offset), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(right, design.T @ y, atol=1e-9)

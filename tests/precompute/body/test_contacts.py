@@ -11,11 +11,21 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_closing, binary_opening
 
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
-from motionsplice.precompute.body.contacts import SHORTEST, _frames, _lasting, foot_contacts, left_strike
+from motionsplice.precompute.body.contacts import (
+    SHORTEST,
+    _fast,
+    _frames,
+    _lasting,
+    foot_contacts,
+    left_strike,
+    speeds_and_heights,
+)
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, Contact, contacts_of
+from tests import naive
 
 DUTY = {"walk": 0.62, "slow_walk": 0.62, "run": 0.335, "stairs_up": 0.63, "stairs_down": 0.62}
 
@@ -76,3 +86,20 @@ def test_short_gaps_and_contacts_go_as_by_binary_closing_and_opening(feet: NDArr
         padded = np.pad(feet[:, foot], len(brief), mode="edge")
         wanted = binary_opening(binary_closing(padded, brief), brief)[len(brief) : -len(brief)]
         np.testing.assert_array_equal(lasting[:, foot], wanted)
+
+
+@given(
+    arrays(np.float64, st.tuples(st.integers(2, 40), st.integers(1, 3), st.just(3)), elements=st.floats(-2.0, 2.0)),
+    st.sampled_from([3, 5, 7]),
+    st.sampled_from([3, 9, 15]),
+)
+def test_speeds_and_heights_are_those_of_the_slow_twin(paths: Floats, smoothed: int, reach: int) -> None:
+    speeds, above = speeds_and_heights(paths, 1.0 / 30.0, smoothed, reach)
+    wanted = naive.speeds_and_heights(paths, 1.0 / 30.0, smoothed, reach)
+    np.testing.assert_allclose(speeds, wanted[0], atol=1e-11)
+    np.testing.assert_array_equal(above, wanted[1])
+
+
+@given(arrays(np.float64, st.tuples(st.integers(1, 60), st.integers(1, 3)), elements=st.floats(0.0, 9.0)))
+def test_the_fast_speed_is_the_95th_percentile(speeds: Floats) -> None:
+    np.testing.assert_array_equal(_fast(speeds), np.percentile(speeds, 95.0, axis=0))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.procedural.variants import local_axes, with_local_axes
 from motionsplice.precompute.body.joint_paths import joint_paths, joint_transforms
+from tests import naive
 from tests.conftest import CLIPS
 
 WALK = with_local_axes(CLIPS["walk"].frames(0, 4), local_axes(CLIPS["walk"].skeleton.joint_count, seed=1))
@@ -21,3 +22,10 @@ def test_a_few_joints_match_forward_kinematics_of_all_joints(joints: list[int]) 
     np.testing.assert_allclose(found_positions, positions[:, joints], atol=1e-13)
     np.testing.assert_allclose(found_world, world[:, joints], atol=1e-13)
     np.testing.assert_array_equal(joint_paths(WALK, joints), found_positions)
+
+
+def test_all_joints_match_the_slow_twin() -> None:
+    positions, world = naive.world_transforms(WALK.skeleton, WALK.root_positions, WALK.rotations)
+    found = world_transforms(WALK.skeleton, WALK.root_positions, WALK.rotations)
+    np.testing.assert_allclose(found[0], positions, atol=1e-13)
+    np.testing.assert_allclose(found[1], world, atol=1e-13)

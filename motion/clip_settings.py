@@ -102,7 +102,8 @@ def read_clip_settings(file: Path, default: ClipSettings = DEFAULT_SETTINGS) -> 
         Settings by the name of a clip, or of a file with several; `settings_for` finds those of a clip.
 
     Raises:
-        SettingsError: The file cannot be read or is not TOML, or a key or value is invalid. The message names the clip and the key.
+        SettingsError: The file cannot be read or is not TOML, or a key or value is invalid. The message names the clip
+            and the key.
     """
     entries = read_toml(file)
     return {name: _settings(name, _with_those_of_file(name, entries), file, default) for name in entries}

@@ -54,4 +54,4 @@ def enter(files: Files, folder: Path) -> None:
 
 
 EARLY = re.compile("the file is empty|this is a binary|the file has no :")
-DOOR = Door(("motionsplice.motion.formats.asf_amc", "motionsplice.motion.formats.text"), make, enter, EARLY)
+DOOR = Door(make, enter, EARLY)

@@ -53,7 +53,9 @@ def _hierarchy(draw: Draw) -> tuple[list[str], int]:
             continue
         text = " ".join(words)
         if draw.rarely(60):
-            text = draw.choice((f"{text} // {text}", f"{text} }}", f"{{ {text}", text.lower(), f"# {text}", f"\t{text}"))
+            text = draw.choice(
+                (f"{text} // {text}", f"{text} }}", f"{{ {text}", text.lower(), f"# {text}", f"\t{text}")
+            )
         lines += repeated(draw, [text])
     if draw.rarely(60):  # a chain, as deep as it may be
         deep = draw.choice((2, 50, 1500))
@@ -99,4 +101,4 @@ def enter(files: Files, folder: Path) -> None:
 
 
 EARLY = re.compile("expected HIERARCHY|the file is empty|this is a binary|the file ends inside the hierarchy")
-DOOR = Door(("motionsplice.motion.formats.bvh", "motionsplice.motion.formats.text"), make, enter, EARLY)
+DOOR = Door(make, enter, EARLY)

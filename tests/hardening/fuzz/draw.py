@@ -6,7 +6,7 @@ from random import Random
 
 
 class Draw(Random):
-    """A source of choices. After the end of its bytes each choice is the first one, which generators make the usual one.
+    """A source of choices. After the end of its bytes each choice is the first one, which generators make a sound one.
 
     data: the bytes. Equal bytes give equal choices. The first one says how rare oddities are in this input: an input
     with many of them is refused at the first, and one with few goes far.

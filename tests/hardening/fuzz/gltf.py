@@ -41,5 +41,7 @@ def enter(files: Files, folder: Path) -> None:
         read_clip(folder / name, animation=animation)
 
 
-EARLY = re.compile("its JSON cannot|this is not a glTF|the file ends after|its header says|the file has no JSON|it has v")
-DOOR = Door(("motionsplice.motion.formats.gltf",), make, enter, EARLY)
+EARLY = re.compile(
+    "its JSON cannot|this is not a glTF|the file ends after|its header says|the file has no JSON|it has v"
+)
+DOOR = Door(make, enter, EARLY)

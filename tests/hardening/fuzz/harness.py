@@ -14,7 +14,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from motionsplice.motion.errors import MotionError
@@ -45,7 +45,7 @@ class Tally:
 
     def write(self, file: Path) -> None:
         """Writes it as JSON."""
-        file.write_text(json.dumps(asdict(self)))
+        file.write_text(json.dumps(vars(self)))
 
     @classmethod
     def read(cls, file: Path) -> Tally:

@@ -2,6 +2,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV   := .venv
 BIN    := $(VENV)/bin
 REAL   ?= ../shared/mocap/cmu
+RUNS   ?= 200000
 
 # Without cached bytecode, each of the hundreds of processes that the tests start would compile the packages anew, and
 # pytest would rewrite each module of tests.
@@ -31,7 +32,7 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz-cpp quality soak pictures clean
+.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz fuzz-cpp quality soak pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -86,6 +87,9 @@ tests/oracles/node_modules: tests/oracles/package-lock.json
 	npm ci --prefix tests/oracles --no-audit --no-fund
 	touch $@
 
+fuzz: $(VENV)/ready-fuzz       ## RUNS inputs through every door, guided by coverage; hours by default; Linux
+	$(BIN)/python -m tests.hardening.fuzz --runs $(RUNS)
+
 fuzz-cpp: $(VENV)/ready        ## a million damaged banks through the evaluator in C++, under sanitizers; needs clang
 	rm -rf build/fuzz && mkdir -p build/fuzz/corpus
 	$(BIN)/python -m tests.clients.fuzzed build/fuzz/seeds
@@ -126,6 +130,10 @@ $(VENV)/ready: pyproject.toml
 
 $(VENV)/ready-docs: $(VENV)/ready
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	touch $@
+
+$(VENV)/ready-fuzz: $(VENV)/ready
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[fuzz]'
 	touch $@
 
 $(LOWEST)/ready: $(VENV)/ready

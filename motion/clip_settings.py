@@ -23,7 +23,6 @@ kind = "action"
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -32,6 +31,7 @@ from typing import Any
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.parts import MASKS
 from motionsplice.motion.roles import GivenRole, read_roles_file
+from motionsplice.motion.toml_file import read_toml
 
 FILE_NAME = "clips.toml"
 KINDS = ("locomotion", "action")
@@ -95,20 +95,17 @@ def read_clip_settings(file: Path, default: ClipSettings = DEFAULT_SETTINGS) -> 
     """Reads a `clips.toml`.
 
     Args:
-        file: The file, which must exist.
+        file: The file.
         default: The settings that the file leaves out.
 
     Returns:
         Settings by the name of a clip, or of a file with several; `settings_for` finds those of a clip.
 
     Raises:
-        SettingsError: The file is not TOML, or a key or value is invalid. The message names the clip and the key.
+        SettingsError: The file cannot be read or is not TOML, or a key or value is invalid. The message names the clip
+            and the key.
     """
-    try:
-        entries = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        mend = 'Write a name with a colon in quotes, as ["moves:run"]' if "table declaration" in str(error) else ""
-        raise SettingsError(f"the file is not TOML: {error}", file=str(file), mend=mend) from None
+    entries = read_toml(file)
     return {name: _settings(name, _with_those_of_file(name, entries), file, default) for name in entries}
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+LONGEST_NAME = 200  # characters of a name that others are compared with; it takes seconds for one of a megabyte
+
 
 class MotionError(Exception):
     """Base class of all errors that a user's input can cause.
@@ -82,7 +84,7 @@ class SettingsError(MotionError):
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Returns a hint for an unknown `name`: up to three similar names of `known`, or else the first ten of them."""
     names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
+    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5) if len(name) <= LONGEST_NAME else []
     if near:
         return "Did you mean " + " or ".join(repr(match) for match in near) + "?"
     listed = ", ".join(names[:10]) + (f" and {len(names) - 10} more" if len(names) > 10 else "")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,6 +14,7 @@ from motionsplice.motion.animals import not_human
 from motionsplice.motion.errors import RoleError, SettingsError, did_you_mean
 from motionsplice.motion.role_names import OPTIONAL, PAIRED, roles_by_name
 from motionsplice.motion.skeleton import Integers, Skeleton, chain
+from motionsplice.motion.toml_file import read_toml
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, ...] = ("left", "right")
@@ -187,12 +187,7 @@ def read_roles_file(file: Path) -> dict[str, GivenRole]:
 
     Raises SettingsError if the file cannot be read or an entry is invalid. The message names the file and the key.
     """
-    try:
-        document = tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise SettingsError(f"the file cannot be read: {error.strerror}", file=str(file)) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"the file is not TOML: {error}", file=str(file)) from None
+    document = read_toml(file)
     roles = document.get("roles")
     if not isinstance(roles, dict) or set(document) != {"roles"}:
         mend = 'Write [roles], and below it one line for each role, such as left_hip = "LeftUpLeg"'

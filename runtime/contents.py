@@ -91,7 +91,10 @@ class Contents:
         try:
             return self._numbers[name]
         except KeyError:
-            problem, mend = f"the bank has no clip {name!r}", did_you_mean(name, [clip.name for clip in self.clips])
+            problem, mend = (
+                f"the bank has no clip {name!r:.200}",
+                did_you_mean(name, [clip.name for clip in self.clips]),
+            )
             if self.mirror is None and name.removesuffix(MIRRORED) in self._numbers:
                 mend = "Its rig has no mirror image, because left and right limbs hang on different joints"
             raise UnknownClipError(problem, mend=mend) from None
@@ -143,7 +146,7 @@ class Contents:
         """
         if name in self._hand_numbers:
             return self._hand_numbers[name]
-        problem = f"the bank has no hands {name!r}"
+        problem = f"the bank has no hands {name!r:.200}"
         if not self.hand_clips:
             raise UnknownClipError(problem, mend="Build it with `motionsplice precompute --hands BODY:HANDS`")
         raise UnknownClipError(problem, mend=did_you_mean(name, self.hand_clips))

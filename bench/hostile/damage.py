@@ -83,7 +83,7 @@ def damage_gltf(data: bytes, other: bytes, draw: Random) -> bytes:
     """Changes values anywhere in the document of a GLB or glTF file, and keeps the container right."""
     document, binary = read_document(data)
     for _ in range(draw.randint(1, 3)):
-        _damage_json(document, draw)
+        damage_value(document, draw)
     text = json.dumps(document).encode()
     if data[:4] != MAGIC:
         return text
@@ -94,7 +94,7 @@ def damage_gltf(data: bytes, other: bytes, draw: Random) -> bytes:
     return head + CHUNK.pack(len(text), b"JSON") + text + CHUNK.pack(len(binary), b"BIN\0") + binary
 
 
-def _damage_json(document: dict[str, Any], draw: Random) -> None:
+def damage_value(document: dict[str, Any], draw: Random) -> None:
     """Goes down into the document at random, so that rare parts are met as often as common ones; changes one value."""
     inside: Any = document
     while True:

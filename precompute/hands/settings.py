@@ -12,7 +12,6 @@ pairs = ["120:95", "300:288~5"]  # frames of body and hands that belong together
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import Any, Literal, get_args
 
 from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
 from motionsplice.motion.roles import SIDES, Side
+from motionsplice.motion.toml_file import read_toml
 from motionsplice.precompute.hands.align import BANDS
 from motionsplice.precompute.hands.banded_warp import FramePair
 
@@ -96,10 +96,7 @@ class HandsOnBody:
 
 def read_hand_settings(file: Path) -> list[HandsOnBody]:
     """Reads the entries of a `hands.toml`. Raises SettingsError with the entry and the key."""
-    try:
-        document = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingsError(f"not a TOML file: {error}", file=str(file)) from None
+    document = read_toml(file)
     entries = document.get("hands")
     if set(document) != {"hands"} or not isinstance(entries, list) or not all(isinstance(one, dict) for one in entries):
         problem = "it must hold [[hands]] tables and nothing else"

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.errors import BankError
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import common_ancestor
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import REBUILD
 from motionsplice.runtime.simd.compiled import Array
 
 TRUNK, LEFT_ARM, RIGHT_ARM, NECK = range(4)
@@ -52,9 +54,16 @@ class Chains(NamedTuple):
 
 
 def chains_of(bank: Bank) -> Chains:
-    """Returns the chains of a bank's rig. Without neck and head, the chain NECK is empty."""
+    """Returns the chains of a bank's rig. Without neck and head, the chain NECK is empty.
+
+    Raises BankError if a joint of the trunk or of an arm is not below the one that it should hang on.
+    """
     skeleton, roles = bank.skeleton, bank.roles
     chest = common_ancestor(skeleton.parents, (roles.left_shoulder, roles.right_shoulder))
+    arms = (roles.left_wrist, roles.left_shoulder), (roles.right_wrist, roles.right_shoulder)
+    hangs = all(upper in skeleton.chain(lower) for lower, upper in ((chest, roles.pelvis), *arms))
+    if not hangs or any(shoulder == chest for _, shoulder in arms):
+        raise BankError("the joints of its roles are not those of a body", file=str(bank.path), mend=REBUILD)
     trunk = skeleton.chain(chest)[::-1]
     head = next(joint for joint in (roles.head, roles.neck, chest) if joint >= 0)
     neck = skeleton.chain(head)[::-1]

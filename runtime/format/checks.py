@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import BankError
 from motionsplice.motion.parts import UPPER_BODY
+from motionsplice.motion.role_names import OPTIONAL
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import (
     CELLS,
@@ -32,6 +33,7 @@ from motionsplice.runtime.format.rows import Layout
 
 Tables = Mapping[str, NDArray[Any]]
 
+FARTHEST = 1e6  # metres; poses are in 32 bits
 MOST_AT_ONCE = 2**22  # numbers checked at a time, which bounds memory
 
 
@@ -57,9 +59,13 @@ def check_contents(manifest: Manifest, tables: Tables, files: Mapping[str, Path]
 def _misfit(manifest: Manifest, tables: Tables) -> str:
     """Returns what does not match, as a sentence; empty if everything does."""
     roles, clips, joints = manifest.roles, manifest.clips, manifest.skeleton.joint_count
-    named = [getattr(roles, field.name) for field in fields(roles) if field.name != "spine"]
-    if min([*named, *roles.spine]) < -1 or max([*named, *roles.spine]) >= joints or roles.pelvis < 1:
+    named = {field.name: getattr(roles, field.name) for field in fields(roles) if field.name != "spine"}
+    needed = [joint for role, joint in named.items() if role not in OPTIONAL]
+    least, most = min([*needed, *roles.spine]), max([*named.values(), *roles.spine])
+    if least < 0 or min(named.values()) < -1 or most >= joints or roles.pelvis < 1:
         return "a role refers to a joint that does not exist"
+    if np.abs(manifest.skeleton.offsets).max() > FARTHEST:
+        return f"a joint is more than {FARTHEST:g} m from its parent"
     if not clips or len({clip.name for clip in clips}) != len(clips):
         return "the bank has no clips, or two clips of the same name"
     if manifest.baseline.clip not in {clip.name for clip in clips}:
@@ -79,6 +85,8 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
         table, wanted = tables[name], tuple(sizes.get(str(axis), axis) for axis in shape)
         if table.dtype != kind or table.shape != wanted or not table.flags.c_contiguous:
             return f"table {name!r}: expected {np.dtype(kind)}{wanted}, found {table.dtype}{table.shape}"
+        if not table.flags.aligned:
+            return f"table {name!r} does not begin at a multiple of {table.itemsize} bytes in its file"
     row = cell = stance = 0
     for clip in clips:
         follows = clip.first_row == row and clip.first_cell == cell and clip.stance in (-1, stance)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,8 @@ FORMAT = "motionsplice bank"
 VERSION = 7
 MANIFEST = "manifest.msgpack"
 LARGEST_MANIFEST = 64 * 2**20  # bytes; a clip takes about 500
+DIGEST = re.compile("[0-9a-f]{32}")
+NEARLY = 1e-3  # by which a number of a unit quaternion may exceed 1
 REBUILD = "Build it again with `motionsplice precompute`"
 
 ROWS, LOWER, UPPER, C, CELLS = "rows", "lower columns", "upper columns", "clips", "cells"
@@ -203,7 +206,7 @@ class Manifest:
         try:
             data = _read(folder)
             digest, body = _body(data, str(file))
-            tables = {name: str(body["tables"][name]) for name in TABLES}
+            tables = {name: _digest(name, body["tables"][name]) for name in TABLES}
             return cls(data, digest, *_contents(body), tables)
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError, msgpack.UnpackException) as error:
             problem = f"the manifest has a missing or invalid field ({type(error).__name__}: {error})"
@@ -274,12 +277,22 @@ def _contents(
     return skeleton, roles, mirror, baseline, _entries(ClipEntry, body["clips"]), _entries(HandsEntry, body["hands"])
 
 
+def _digest(table: str, digest: object) -> str:
+    """Returns the digest of a table, after which its file is named. Raises BankError if it is none."""
+    if not (isinstance(digest, str) and DIGEST.fullmatch(digest)):
+        raise BankError(f"the manifest has the digest {digest!r:.40} of table {table!r}", mend=REBUILD)
+    return digest
+
+
 def _mirror(fields: Mapping[str, Any], joints: int) -> Mirror:
     twins, turns = tuple(fields["twins"]), [tuple(turn) for turn in fields["turns"]]
     fits = len(fields) == 2 and len(twins) == len(turns) == joints and _fits(twins, tuple, int)
     if not fits or not all(len(turn) == 4 and all(_fits(one, float) for one in turn) for turn in turns):
         raise BankError(f"the manifest's mirror does not fit {joints} joints", mend=REBUILD)
-    return Mirror(np.array(twins, np.int64), np.array(turns, np.float64))
+    mirror = Mirror(np.array(twins, np.int64), np.array(turns, np.float64))
+    if np.abs(mirror.turns).max(initial=0.0) > 1.0 + NEARLY:
+        raise BankError("the manifest's mirror has a turn that is no unit quaternion", mend=REBUILD)
+    return mirror
 
 
 def _entries(kind: type[Entry], records: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:

@@ -135,6 +135,8 @@ class HttpProtocol(HttpToolsProtocol):
             self._guard.resume_writing()
 
     def handle_websocket_upgrade(self) -> None:
+        if self.transport.is_closing():  # the handshake was refused
+            return
         self._stop_waiting()
         self._unset_keepalive_if_required()
         corked = cast("Corked", self.transport)

@@ -26,7 +26,7 @@ PIECE = 256  # bytes that are given to the parser at once: 42 empty frames at mo
 MOST_FRAMES, MOST_BYTES = 32, 16 * 1024  # frames and bytes that are parsed in a turn, within half a millisecond
 CONTROLS = 100.0  # pings, pongs and fragments that a client may send at once
 MOST_FRAGMENTS = 1024  # fragments of one message; even empty ones take memory
-TOO_LARGE = 1009
+NO_UTF8, TOO_LARGE = 1007, 1009
 WHOLE_TEXT, WHOLE_BINARY = 0x81, 0x82  # first byte of a message in one frame
 
 
@@ -76,6 +76,13 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             self._parse()
         else:
             self._parse_later()
+
+    async def send(self, message: Any) -> None:
+        """Sends a message. Raises ClientDisconnected once the protocol has closed the connection by itself."""
+        await self.writable.wait()
+        if self.close_sent:
+            raise ClientDisconnected
+        await super().send(message)
 
     async def receive(self) -> Any:
         message = await super().receive()
@@ -155,6 +162,15 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             self.conn.fail(TOO_LARGE, "too many fragments")
             self.handle_parser_exception()
 
+    def send_receive_event_to_app(self) -> None:
+        """Passes a whole message on. uvicorn would log text that is not UTF-8 as an error of the service."""
+        if self.curr_msg_data_type == "text" and not self.close_sent and not _is_utf8(b"".join(self.frames)):
+            self.frames = []
+            self.conn.fail(NO_UTF8, "text must be UTF-8")
+            self.handle_parser_exception()
+        else:
+            super().send_receive_event_to_app()
+
     def handle_connect(self, event: Request) -> None:
         super().handle_connect(event)
         if self.response.status_code == HTTPStatus.SWITCHING_PROTOCOLS:
@@ -193,3 +209,11 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self.config.front.begin_stop()
         if not self.handshake_complete:
             super().shutdown()
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        return False
+    return True

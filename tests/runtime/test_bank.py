@@ -3,6 +3,7 @@ from __future__ import annotations
 import io
 import os
 import shutil
+import struct
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import msgpack
 import numpy as np
 import pytest
 
-from motionsplice.motion.errors import BankError, UnknownClipError
+from motionsplice.motion.errors import LONGEST_NAME, BankError, UnknownClipError, did_you_mean
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format import tables
 from motionsplice.runtime.format.manifest import MANIFEST, TABLES, VERSION, Manifest, content_digest
@@ -138,6 +139,10 @@ def test_an_inconsistent_manifest_with_a_valid_digest_is_refused(copy: Path) -> 
         lambda body: body["skeleton"].update(parents=[0] * len(body["skeleton"]["names"])),
         lambda body: body["tables"].update(lower=body["tables"]["postures"]),
         lambda body: body["tables"].update(lower="../../elsewhere"),
+        lambda body: body["tables"].update(lower="a" * 5000),
+        lambda body: body["tables"].update(lower=["a"]),
+        lambda body: body["roles"].update(left_wrist=-1),
+        lambda body: body["skeleton"]["offsets"][2].__setitem__(0, 1e300),
         lambda body: body.pop("skeleton"),
         lambda body: body.update(baseline={}),
         lambda body: body["baseline"].update(clip="absent"),
@@ -153,11 +158,33 @@ def test_an_inconsistent_manifest_with_a_valid_digest_is_refused(copy: Path) -> 
         lambda body: body["mirror"]["turns"].__setitem__(0, [0.0, 0.0, 1.0]),
         lambda body: body["mirror"]["turns"][0].__setitem__(0, float("nan")),
         lambda body: body["mirror"]["turns"][0].__setitem__(3, 1),
+        lambda body: body["mirror"]["turns"][0].__setitem__(3, 1e300),
     ]
     for change in changes:
         write_manifest(copy, outer, change)
         with pytest.raises(BankError):
             Bank.open(copy)
+
+
+def test_a_table_that_kernels_cannot_read_in_place_is_refused(copy: Path) -> None:
+    outer = msgpack.unpackb((copy / MANIFEST).read_bytes())
+    data = (copy / "tables" / f"{msgpack.unpackb(outer['body'])['tables']['paths']}.npy").read_bytes()
+    end = data.index(b"\n")
+    shifted = data[:8] + struct.pack("<H", end - 10) + data[10 : end - 1] + data[end:]  # a header shorter by a blank
+    digest = content_digest(shifted)
+    (copy / "tables" / f"{digest}.npy").write_bytes(shifted)
+    write_manifest(copy, outer, lambda body: body["tables"].update(paths=digest))
+    for verify in (True, False):
+        with pytest.raises(BankError, match="table 'paths' does not begin at a multiple of 8 bytes"):
+            Bank.open(copy, verify=verify)
+
+
+def test_a_very_long_unknown_name_is_refused_at_once_and_not_repeated(bank: Bank) -> None:
+    with pytest.raises(UnknownClipError, match=r"has no clip 'walkwalk.*Choose one of carry_box") as caught:
+        bank.number("walk" * 10**6)  # to compare it with all names would take seconds
+    assert len(str(caught.value)) < 500
+    assert did_you_mean("x" * (LONGEST_NAME + 1), ["x" * LONGEST_NAME]).startswith("Choose one of")
+    assert did_you_mean("x" * LONGEST_NAME, ["x" * (LONGEST_NAME - 1)]).startswith("Did you mean")
 
 
 def write_manifest(bank: Path, outer: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> None:

@@ -158,7 +158,7 @@ def test_every_key_of_hands_toml_is_read(tmp_path: Path) -> None:
     [
         ("hands = 3", "it must hold [[hands]] tables and nothing else"),
         ("[hands]\nbody = 'a'", "it must hold [[hands]] tables and nothing else"),
-        ("[[hands]\n", "not a TOML file"),
+        ("[[hands]\n", "not TOML"),
         (
             "[[hands]]\nbody = 'a'",
             "hands 1: the key 'hands' is missing. Add hands = \"NAME\", the name of a hands clip",

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.errors import BankError, SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import MOST_FRAMES, Characters
 from motionsplice.runtime.characters import state as col
@@ -25,6 +25,7 @@ from motionsplice.runtime.characters.ranges import RANGES, used_parts
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
 from tests.playing import RATE, Setup, evaluated, layer, run_frames, slot
+from tests.random_bank import random_bank
 
 HOSTILE = (np.nan, np.inf, -np.inf, -1.0, 1e9, -1e9, 1e17, 1e300, -1e300, 0.5, 7.0)
 seeds = st.integers(0, 2**32 - 1)
@@ -181,6 +182,11 @@ def hostile_kernels(stage: Stage, seed: int, rounds: int) -> None:
                 characters.advance(frames)
                 evaluated(characters)
             characters.play([0, 1, 2, 3, 4], characters.stage.bank.clips[0].name)
+
+
+def test_a_bank_whose_roles_are_those_of_no_body_has_no_stage() -> None:
+    with pytest.raises(BankError, match="the joints of its roles are not those of a body"):
+        Stage(Evaluator(random_bank(4, 9, 3, 4, "torso")))
 
 
 BEHIND = """

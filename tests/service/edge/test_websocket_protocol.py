@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -39,6 +40,24 @@ def handshake(service: Running, *sent: bytes, receive_buffer: int | None = None)
     for one in sent:
         peer.sendall(one)
     return peer
+
+
+def test_text_that_is_not_utf8_closes_the_connection_and_is_no_error_of_the_service(
+    impatient: Running, caplog: pytest.LogCaptureFixture
+) -> None:
+    answer = received(handshake(impatient, b"\x81\x81" + bytes(4) + b"\xff"))
+    assert answer.endswith(b"\x88\x14\x03\xeftext must be UTF-8")
+    eventually(lambda: impatient.held == (0, 0, 0, 0))
+    assert not [one for one in caplog.records if one.levelno >= logging.ERROR]
+
+
+def test_a_handshake_that_is_refused_is_no_error_of_the_service(
+    impatient: Running, caplog: pytest.LogCaptureFixture
+) -> None:
+    twice = HANDSHAKE.replace(b"Connection", b"Host: other\r\nConnection", 1)
+    assert received(impatient.connect(twice + text("{}"))).startswith(b"HTTP/1.1 400")
+    eventually(lambda: impatient.held == (0, 0, 0, 0))
+    assert not [one for one in caplog.records if one.levelno >= logging.ERROR]
 
 
 @pytest.mark.parametrize("characters", [1, 2000])

@@ -1,0 +1,99 @@
+"""A small bank, whose parts are changed, and what is evaluated of banks that open."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import numpy as np
+
+from motionsplice.motion.procedural.library import make
+from motionsplice.motion.procedural.stances import Performer, standing_action
+from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.format.manifest import FORMAT, MANIFEST, TABLES, VERSION, content_digest
+from motionsplice.runtime.format.tables import TABLE_FOLDER
+from motionsplice.runtime.requests import METHODS, POSTURES, Requests
+from tests import random_bank
+from tests.clients.cpp import written
+from tests.conftest import built
+from tests.conftest import written as written_clips
+
+JOINTS, CLIPS, POINTS = 9, 6, 4
+SHARES = np.linspace(0.0, 1.0, 3)  # of a clip, at which poses are evaluated
+MOST_CLIPS = 8
+PLAYED = {"walk": ("walk",), "run": ("run",), "wave": ("walk", "wave")}
+PLAYED_SETTINGS = '[wave]\nkind = "action"\n[hail]\nkind = "action"\n'
+
+
+@cache
+def small_bank() -> Bank:
+    """Returns a bank with hands, a stance and a hybrid, opened from a folder that stays until the process ends."""
+    folder = tempfile.TemporaryDirectory()
+    bank = random_bank.random_bank(4, JOINTS, CLIPS, POINTS, "torso", hybrids=True)
+    opened = Bank.open(written(bank, Path(folder.name) / "bank"))
+    object.__setattr__(opened, "held", folder)
+    return opened
+
+
+@cache
+def played_bank() -> Bank:
+    """Returns a bank of a body that walks, runs, waves and greets, likewise."""
+    folder = tempfile.TemporaryDirectory()
+    clips = {name: make(*of, seed=1, seconds=3.0) for name, of in PLAYED.items()}
+    clips["hail"] = standing_action("hail", Performer(), seed=1)
+    opened = built(written_clips(Path(folder.name), clips, PLAYED_SETTINGS), Path(folder.name) / "bank")
+    object.__setattr__(opened, "held", folder)
+    return opened
+
+
+@cache
+def small_tables() -> Mapping[str, bytes]:
+    """Returns the files of the small bank's tables, by the table's name."""
+    return {name: file.read_bytes() for name, file in small_bank().files.items()}
+
+
+def small_body() -> dict[str, Any]:
+    """Returns a new copy of the body of the small bank's manifest."""
+    body: dict[str, Any] = msgpack.unpackb(msgpack.unpackb(small_bank().manifest.data)["body"])
+    return body
+
+
+def manifest_of(body: bytes) -> bytes:
+    """Returns a manifest with a sound digest of any body."""
+    return msgpack.packb({"format": FORMAT, "version": VERSION, "digest": content_digest(body), "body": body})
+
+
+def put_bank(folder: Path, manifest: bytes, tables: Mapping[str, bytes]) -> None:
+    """Writes a bank's manifest, and its tables under the names that the digests of their contents give."""
+    (folder / TABLE_FOLDER).mkdir()
+    (folder / MANIFEST).write_bytes(manifest)
+    for data in tables.values():
+        (folder / TABLE_FOLDER / f"{content_digest(data)}.npy").write_bytes(data)
+
+
+def digests(tables: Mapping[str, bytes]) -> dict[str, str]:
+    """Returns the digests of tables, as the manifest lists them."""
+    return {name: content_digest(tables[name]) for name in TABLES}
+
+
+def evaluated(bank: Bank) -> None:
+    """Evaluates every pair of the first clips, by each method and posture, at times from begin to end."""
+    evaluator, count = Evaluator(bank), min(len(bank.clips), MOST_CLIPS)
+    one, other = (numbers.ravel() for numbers in np.indices((count, count)))
+    stretched = {clip.name for clip in bank.clips if clip.stretches}
+    with_hands = {entry.body: 1 + bank.hand_number(entry.name) for entry in bank.hands if entry.body not in stretched}
+    laid = np.array([with_hands.get(clip.name, 0) for clip in bank.clips])
+    durations = np.array([clip.duration for clip in bank.clips])
+    for method, posture in (("splice", "relative"), ("splice", "absolute"), ("naive", "off")):
+        for share in SHARES:
+            requests = Requests.empty(len(one))
+            requests.locomotion[:], requests.action[:] = one, other
+            requests.time[:], requests.start[:] = share * durations[one], share * durations[other]
+            requests.hands[:] = laid[other]
+            requests.method[:], requests.posture[:] = METHODS[method], POSTURES[posture]
+            evaluator.evaluate(requests, evaluator.poses(len(one)))

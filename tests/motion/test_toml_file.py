@@ -1,0 +1,35 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.toml_file import read_toml
+
+DEEP = 10_000
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"a = " + b"9" * 5000, "not TOML: Exceeds the limit"),
+        (b"a = " + b"[" * DEEP + b"]" * DEEP, "nested too deeply"),
+        (b"a = " + b"{b = " * DEEP + b"1" + b"}" * DEEP, "nested too deeply"),
+        (b"a = \xff", "not TOML: .* can't decode"),
+        (b"[walk", "not TOML: Expected .* end of a table declaration.*Write a name with a colon in quotes"),
+    ],
+)
+def test_what_cannot_be_parsed_is_refused_by_name(content: bytes, problem: str, tmp_path: Path) -> None:
+    file = tmp_path / "clips.toml"
+    file.write_bytes(content)
+    with pytest.raises(SettingsError, match=rf"clips\.toml: .*{problem}"):
+        read_toml(file)
+
+
+def test_what_cannot_be_read_is_refused_by_name(tmp_path: Path) -> None:
+    loop = tmp_path / "loop.toml"
+    loop.symlink_to(loop)
+    for file, problem in ((loop, "symbolic links"), (tmp_path, "a directory"), (tmp_path / "no", "No such file")):
+        with pytest.raises(SettingsError, match=f"the file cannot be read: .*{problem}"):
+            read_toml(file)

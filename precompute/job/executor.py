@@ -35,8 +35,8 @@ def in_executor(
                 mend = "Install the same versions of motionsplice and its libraries on every worker"
                 problem = f"the workers cannot do the work: {type(error).__name__}: {error}"
                 raise ExecutorError(problem, mend=mend) from None
-            mend = "See the log of the worker: probably its memory ran out. Give workers more memory, or cut the clip"
-            yield task, WorkerDiedError(f"it killed every worker that tried it: {error}".split(". ")[0], mend=mend)
+            mend = "See the workers' logs: probably memory ran out. Give workers more memory, or cut the clip"
+            yield task, WorkerDiedError("every worker that tried it died", mend=mend)
         else:
             if isinstance(result, ExecutorError):
                 raise result

@@ -6,8 +6,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from itertools import chain
@@ -35,7 +34,7 @@ def in_processes(count: int, function: Callable[[Task], Result], tasks: Iterable
             for task, future in finished(partial(_submit, pool, function), waiting, 2 * count):
                 try:
                     yield task, future.result()
-                except BrokenProcessPool:
+                except BrokenExecutor:
                     lost.append(task)
         if not lost:
             return
@@ -59,7 +58,7 @@ def _one_by_one(function: Callable[[Task], Result], tasks: Iterable[Task]) -> Ou
                 process = process or next(iter(set(active_children()) - others), None)
                 try:
                     yield task, future.result()
-                except BrokenProcessPool:
+                except BrokenExecutor:
                     killer = task
                     break
         if killer is not None:  # the pool has ended by now, so it is known how the process did

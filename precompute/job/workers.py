@@ -77,7 +77,7 @@ def finished(
 def _submitted(submit: Callable[[Task], Future[Result]], task: Task) -> Future[Result]:
     try:
         return submit(task)
-    except BrokenExecutor as error:
+    except RuntimeError as error:  # broken, or shut down
         future = Future[Result]()
-        future.set_exception(error)
+        future.set_exception(BrokenExecutor(str(error)))
         return future

@@ -35,7 +35,7 @@ from motionsplice.motion.retarget.rig import Rig
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.job import CACHE, build_bank
-from motionsplice.precompute.job.workers import end_with_parent
+from motionsplice.precompute.job.processes import end_with_parent
 from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.runtime.bank import Bank
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -47,6 +48,9 @@ def precompute_command(
         str, typer.Option(help="The clip to whose stride all clips are aligned; auto: the most typical stride.")
     ] = AUTOMATIC,
     jobs: Annotated[int | None, typer.Option(min=1, help="Number of processes; default: one per core.")] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="tcp://HOST:PORT of a Dask scheduler, whose workers do the work instead.")
+    ] = None,
     roles: RolesFile = None,
     hands: Annotated[
         list[str] | None, typer.Option(help="BODY:HANDS: lay the hands of clip HANDS on clip BODY.")
@@ -80,6 +84,7 @@ def precompute_command(
             out,
             baseline=None if baseline == AUTOMATIC else baseline,
             jobs=jobs,
+            scheduler=scheduler,
             settings=ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root),
             roles_file=roles,
             hands=[HandsOnBody.parse(one) for one in hands or ()],
@@ -112,6 +117,7 @@ def run(
     *,
     baseline: str | None = None,
     jobs: int | None = None,
+    scheduler: str | None = None,
     settings: ClipSettings = DEFAULT_SETTINGS,
     roles_file: Path | None = None,
     hands: Sequence[HandsOnBody] = (),
@@ -123,12 +129,13 @@ def run(
     from motionsplice.motion.roles import read_roles_file
     from motionsplice.precompute.job.job import build_bank
 
-    with stages(file) as show:
+    with stages(file) as show, _workers(scheduler) as executor:
         return build_bank(
             clips,
             out,
             baseline=baseline,
             jobs=jobs or os.cpu_count() or 1,
+            executor=executor,
             settings=settings,
             roles=read_roles_file(roles_file) if roles_file else {},
             hands=hands,
@@ -136,6 +143,15 @@ def run(
             retarget=retarget,
             progress=show,
         )
+
+
+def _workers(scheduler: str | None) -> AbstractContextManager[Executor | None]:
+    """Returns the executor of a scheduler, if one is named. Entering it raises SettingsError."""
+    if scheduler is None:
+        return nullcontext()
+    from motionsplice.precompute.job.scheduler import executor_of
+
+    return executor_of(scheduler)
 
 
 @contextmanager

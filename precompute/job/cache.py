@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from io import BufferedReader
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
+from uuid import uuid4
 
 import msgpack
 import numpy as np
@@ -28,7 +29,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.format.manifest import content_digest
 
 OURS = re.compile(r"[0-9a-f]{32}\.(entry|npz)")  # .npz: of earlier versions
-OUR_PARTIAL = re.compile(r"\.[0-9a-f]{32}\.(entry|npz)\.\d+")
+OUR_PARTIAL = re.compile(r"\.[0-9a-f]{32}\.(entry|npz)\.\w+")
 START = struct.Struct("<8sII")  # MAGIC, bytes of the head, their CRC-32
 MAGIC = b"MSENTRY1"
 KINDS = "fiu"  # of NumPy: floats and whole numbers
@@ -76,7 +77,7 @@ class Cache:
 
     def store(self, key: str, fields: Fields, arrays: Arrays) -> None:
         """Writes an entry, whole or not at all. Raises CacheError."""
-        partial = self.folder / f".{key}.entry.{os.getpid()}"
+        partial = self.folder / f".{key}.entry.{uuid4().hex}"  # a thread or another machine may write an equal entry
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with partial.open("wb") as sink:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from concurrent.futures import Executor
+from contextlib import closing, suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from os import PathLike
@@ -29,6 +30,7 @@ from motionsplice.precompute.job.clip_work import (
     load_or_run,
 )
 from motionsplice.precompute.job.entries import FoundStride
+from motionsplice.precompute.job.executor import in_executor
 from motionsplice.precompute.job.hand_work import (
     HandsLaying,
     HandsReading,
@@ -41,10 +43,11 @@ from motionsplice.precompute.job.hand_work import (
 from motionsplice.precompute.job.hybrids import Hybrids, cuts_key, fail_whole, hands_on_stretches, hybrids_among
 from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
 from motionsplice.precompute.job.outcome import Outcome, Progress
+from motionsplice.precompute.job.processes import in_processes
 from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
 from motionsplice.precompute.job.sources import find_sources
 from motionsplice.precompute.job.standing import fail_with_missing_limbs
-from motionsplice.precompute.job.workers import outcomes, workers
+from motionsplice.precompute.job.workers import Outcomes, WorkerDiedError, one_after_another
 from motionsplice.runtime.bank import Bank
 
 Task = TypeVar("Task", Identified, HandsTask)
@@ -63,6 +66,7 @@ def build_bank(
     skeleton: str | PathLike[str] | None = None,
     retarget: bool = True,
     jobs: int = 1,
+    executor: Executor | None = None,
     progress: Progress = lambda stage, done, total: None,
 ) -> Outcome:
     """Reads clips, aligns each to the baseline and writes a bank.
@@ -81,21 +85,23 @@ def build_bank(
         settings: What holds for a clip where its `clips.toml` says nothing else.
         skeleton: A motion file, a character or the folder of a bank, whose rig the bank gets. None for the baseline's.
         retarget: Whether clips of rigs with other joints or bind poses are retargeted. If not, they fail.
-        jobs: Processes that may work at once.
+        jobs: Processes that may work at once on this machine.
+        executor: Does the work instead, if given, and stays open: Dask's `client.get_executor(pure=False)`, or any
+            other whose workers see the clips and the bank's folder by the same paths.
         progress: Called with the stage, how many of its clips are done, and how many there are.
 
     Returns:
         What was built, and which clips failed.
 
     Raises:
-        MotionError: If there is nothing to read, the baseline is unusable, two clips have one name, or hands or their
-            body are missing.
+        MotionError: If there is nothing to read, the baseline is unusable, two clips have one name, hands or their
+            body are missing, or the executor is lost.
     """
     if isinstance(paths, str | PathLike):
         paths = [paths]
     files = [Path(path) for path in paths]
     rig = None if skeleton is None else Path(skeleton)
-    return Job(files, Path(out), baseline, roles or {}, hands, settings, rig, retarget, jobs, progress).run()
+    return Job(files, Path(out), baseline, roles or {}, hands, settings, rig, retarget, jobs, executor, progress).run()
 
 
 @dataclass(eq=False)
@@ -115,6 +121,7 @@ class Job:
     skeleton: Path | None
     retarget: bool
     jobs: int
+    executor: Executor | None
     progress: Progress
     clips: Clips = field(default_factory=dict, init=False)
     hand_clips: Clips = field(default_factory=dict, init=False)
@@ -232,15 +239,23 @@ class Job:
     def _do(self, stage: str, work: Work[Task, object], tasks: Mapping[str, Task]) -> set[str]:
         """Does the work on tasks whose results are not cached, and returns their names."""
         new = {name: one for name, one in tasks.items() if not work.cache.holds(work.key(one))}
-        names, size = {id(one): name for name, one in new.items()}, sum(one.size for one in new.values())
-        with workers(min(self.jobs, len(new), size // WORTH_A_PROCESS)) as pool:
-            for done, (one, result) in enumerate(outcomes(pool, work.run, new.values()), 1):
+        names = {id(one): name for name, one in new.items()}
+        with closing(self._outcomes(work, list(new.values()))) as outcomes:
+            for done, (one, result) in enumerate(outcomes, 1):
                 if isinstance(result, CacheError):
                     raise result
                 if isinstance(result, MotionError):
-                    self.failed[names[id(one)]] = result
+                    name = names[id(one)]
+                    self.failed[name] = result.of(name) if isinstance(result, WorkerDiedError) else result
                 self.progress(stage, done, len(new))
         return set(new)
+
+    def _outcomes(self, work: Work[Task, object], tasks: Sequence[Task]) -> Outcomes[Task, None]:
+        """Does the work in the executor, or in as many processes as it is worth."""
+        if self.executor is not None:
+            return in_executor(self.executor, work.run, tasks)
+        processes = min(self.jobs, len(tasks), sum(one.size for one in tasks) // WORTH_A_PROCESS)
+        return in_processes(processes, work.run, tasks) if processes > 1 else one_after_another(work.run, tasks)
 
     def _without_failed(self, tasks: Mapping[str, Task]) -> dict[str, Task]:
         return {name: one for name, one in tasks.items() if name not in self.failed}

@@ -1,62 +1,33 @@
-"""Runs one function over many tasks, in a given number of processes."""
+"""Runs one function over many tasks: here, in a given number of processes, or in an executor that others opened."""
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
-from threading import Thread
-from types import ModuleType
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import BrokenExecutor, Future
+from contextlib import suppress
+from itertools import islice
+from queue import SimpleQueue
 from typing import TypeVar
 
 from motionsplice.motion.errors import MotionError
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
-
-ONE_THREAD = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL")}
-
-
-@contextmanager
-def workers(count: int) -> Iterator[Executor | None]:
-    """Opens a pool of `count` processes; None if `count` is 1 or less, which needs no pool."""
-    if count <= 1:
-        yield None
-        return
-    # Children are spawned: forked from a process with threads (a progress bar's, BLAS's), they may hang.
-    with ProcessPoolExecutor(count, get_context("spawn"), end_with_parent) as pool:
-        try:
-            yield pool
-        except BaseException:
-            pool.shutdown(cancel_futures=True)  # or an interrupt would wait for all tasks
-            raise
+Outcomes = Generator[
+    tuple[Task, Result | MotionError], None, None
+]  # each task with its result or its error, as they finish
 
 
-def outcomes(
-    pool: Executor | None, function: Callable[[Task], Result], tasks: Iterable[Task]
-) -> Iterator[tuple[Task, Result | MotionError]]:
-    """Yields each task with its result, or with its error as a MotionError, in the order in which they finish.
+class WorkerDiedError(MotionError):
+    """The process that worked on a clip died each time, for lack of memory or by a crash. Other clips finish."""
 
-    A task that fails does not stop the others, even if the error is a bug. Raises MotionError if a process died.
-    """
-    if pool is None:
-        for task in tasks:
-            yield task, _attempt(function, task)
-        return
-    with _nothing_inherited():  # submitting tasks starts the processes
-        running = {pool.submit(_attempt, function, task): task for task in tasks}
-    try:
-        for future in as_completed(running):
-            yield running[future], future.result()
-    except BrokenProcessPool:
-        raise MotionError("a worker process died, probably out of memory", mend="Use fewer --jobs") from None
+    def of(self, clip: str) -> WorkerDiedError:
+        """Returns the same error with the name of the clip."""
+        return WorkerDiedError(self.problem, place=f"clip {clip!r}", mend=self.mend)
 
 
-def _attempt(function: Callable[[Task], Result], task: Task) -> Result | MotionError:
+def attempt(function: Callable[[Task], Result], task: Task) -> Result | MotionError:
+    """Returns the result, or the error as a MotionError, even if it is a bug: one clip does not stop the others."""
     try:
         return function(task)
     except MotionError as error:
@@ -68,32 +39,45 @@ def _attempt(function: Callable[[Task], Result], task: Task) -> Result | MotionE
         return MotionError(problem, mend="This is a bug in motionsplice: please report it, with the file")
 
 
-def end_with_parent() -> None:
-    """Ends this worker when its parent ends. Without this, a worker whose parent was killed would wait forever."""
-    parent = parent_process()
-    assert parent is not None
-
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
-
-    Thread(target=watch, daemon=True).start()
+def one_after_another(function: Callable[[Task], Result], tasks: Iterable[Task]) -> Outcomes[Task, Result]:
+    """Does the tasks in this process."""
+    for task in tasks:
+        yield task, attempt(function, task)
 
 
-@contextmanager
-def _nothing_inherited() -> Iterator[None]:
-    """Makes processes spawned meanwhile import only what their tasks need, not the program that started them.
+def finished(
+    submit: Callable[[Task], Future[Result]], tasks: Iterable[Task], most: int
+) -> Iterator[tuple[Task, Future[Result]]]:
+    """Submits tasks, at most so many at a time, and yields each with its future when it is done.
 
-    The imports of the command line (plotting, service) would cost each process a second, and a script without
-    `if __name__ == "__main__"` would run again in each. BLAS gets one thread, since each process has one core.
+    If the executor breaks, the tasks that were submitted are yielded, and the others stay in `tasks`, if it is an
+    iterator. When the caller stops, tasks that have not begun are cancelled.
     """
-    program, environment = sys.modules["__main__"], dict(os.environ)
-    sys.modules["__main__"] = ModuleType("__main__")
-    os.environ.update(ONE_THREAD)
+    waiting, running, done = iter(tasks), dict[Future[Result], Task](), SimpleQueue[Future[Result]]()
+
+    def start(count: int) -> None:
+        for task in islice(waiting, count):
+            future = _submitted(submit, task)
+            running[future] = task
+            future.add_done_callback(done.put)
+
     try:
-        yield
+        start(most)
+        while running:
+            future = done.get()
+            yield running.pop(future), future
+            if future.cancelled() or not isinstance(future.exception(), BrokenExecutor):
+                start(1)
     finally:
-        sys.modules["__main__"] = program
-        for name in ONE_THREAD.keys() - environment.keys():
-            del os.environ[name]
-        os.environ.update(environment)
+        for future in running:
+            with suppress(Exception):  # of an executor that is gone
+                future.cancel()
+
+
+def _submitted(submit: Callable[[Task], Future[Result]], task: Task) -> Future[Result]:
+    try:
+        return submit(task)
+    except RuntimeError as error:  # broken, or shut down
+        future = Future[Result]()
+        future.set_exception(BrokenExecutor(str(error)))
+        return future

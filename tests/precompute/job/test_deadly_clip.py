@@ -1,0 +1,38 @@
+"""A clip whose work kills the process, in a whole job."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from motionsplice.precompute.job import job
+from motionsplice.precompute.job.clip_work import Identified, Preparation
+from motionsplice.precompute.job.job import build_bank
+from motionsplice.precompute.job.workers import WorkerDiedError
+from motionsplice.runtime.bank import Bank
+from tests.conftest import CLIPS
+from tests.precompute.job.test_job import write
+
+
+class Deadly(Preparation):
+    """Kills the process that prepares the clip `run`."""
+
+    def run(self, one: Identified) -> None:
+        if one.source.name == "run":
+            os.kill(os.getpid(), signal.SIGKILL)
+        super().run(one)
+
+
+def test_a_clip_that_kills_its_process_is_named_and_the_bank_has_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(job, "WORTH_A_PROCESS", 1)
+    monkeypatch.setattr(job, "Preparation", Deadly)
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"], side_step=CLIPS["side_step"])
+    outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=2)
+    assert [str(error)[:44] for error in outcome.failed.values()] == ["clip 'run': its worker process was killed (S"]
+    assert isinstance(outcome.failed["run"], WorkerDiedError)
+    assert [clip.name for clip in Bank.open(tmp_path / "bank").clips] == ["side_step", "walk"]

@@ -9,7 +9,7 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
 from motionsplice.runtime.characters.mixing_kernels import rotation_of
-from motionsplice.runtime.characters.slots import action_slot
+from motionsplice.runtime.characters.slots import LANE, action_slot
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, SPLICED, BankArrays
 from motionsplice.runtime.kernels.lookup import SPLICE
@@ -26,7 +26,7 @@ def set_pelvis(
     bank: BankArrays, s: Array, c: int, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
 ) -> None:
     """Sets the pelvis of a pose to that of its only splice, and stores the splice's memory."""
-    column = bank.rig[arrays.PELVIS_COLUMN]
+    column, k = bank.rig[arrays.PELVIS_COLUMN], k & LANE
     for i in range(4):
         rotations[character, column + np.uint64(i)] = block[(SPLICED + i) * BLOCK + k]
     keep_memory(s, action_slot(c, 0), k, mixing)
@@ -45,7 +45,8 @@ def turn_pelvis(
     own = max(own, 0.0) if own > 1e-9 else 0.0
     x, y, z, w = own * ax, own * ay, own * az, own * aw
     for number in range(count):
-        lane, slot, share = k + number, action_slot(c, number), mixing.shares[k + number, 0]
+        lane, slot = (k + number) & LANE, action_slot(c, number)
+        share = mixing.shares[lane, 0]
         kind = s[slot + col.KIND]
         if mixing.requests[lane]["method"] == SPLICE:
             keep_memory(s, slot, lane, mixing)
@@ -110,7 +111,7 @@ def turn_limbs(
             rest -= mixing.shares[k + number, part] if is_apart(s, action_slot(c, number), k + number, mixing) else 0.0
         rest = max(rest, 0.0)
         for number in range(int(s[c + col.ACTIONS])):
-            lane, slot = k + number, action_slot(c, number)
+            lane, slot = (k + number) & LANE, action_slot(c, number)
             share = mixing.shares[lane, part]
             if length > 0 and share > 0.0 and is_apart(s, slot, lane, mixing):
                 x, y, z, w = quaternion_at(rotations, character, pelvis)

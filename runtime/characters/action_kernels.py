@@ -6,7 +6,7 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import REACHED, SLOT
-from motionsplice.runtime.characters.slots import action_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import OFFSET, action_slot, locomotion_slot
 from motionsplice.runtime.characters.transition_kernels import UNKNOWN, hand_over, is_own_clock, leave_action
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
@@ -74,7 +74,7 @@ def phase_reached(
 def set_frames(bank: BankArrays, s: Array, clock: Array, first: int, stop: int) -> None:
     """Sets phases and frames of slots in the clock."""
     for number in range(first, stop):
-        slot, reached = int(clock[SLOT + number]), clock[REACHED + number]
+        slot, reached = int(clock[SLOT + number]) & OFFSET, clock[REACHED + number]
         s[slot + col.PHASE], s[slot + col.FRAME] = reached, frame_of(bank, int(s[slot + col.CLIP]), reached)
 
 

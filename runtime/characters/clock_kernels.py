@@ -30,7 +30,15 @@ from motionsplice.runtime.characters.feet_kernels import (
 )
 from motionsplice.runtime.characters.lock_kernels import advance_lock, is_locking
 from motionsplice.runtime.characters.locomotion_kernels import advance_locomotions, begin_in_step
-from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import (
+    AHEAD,
+    FARTHER,
+    action_slot,
+    fetch_state,
+    hands_slot,
+    locomotion_slot,
+    row_at,
+)
 from motionsplice.runtime.characters.transition_kernels import (
     begin_waiting,
     drop_actions,
@@ -60,8 +68,8 @@ def begin(handle: Handle, states: Array, rows: Array) -> None:
     """Begins what is waiting in `rows` [n], if it can begin at once."""
     stage = record_at(handle, StageArrays)
     for row in rows:
-        keep_in_bounds(stage.bank, states, row * col.COLUMNS)
-        begin_waiting(stage.bank, stage.ground, states, row * col.COLUMNS, 0.0, ZERO)
+        keep_in_bounds(stage.bank, states, row_at(row))
+        begin_waiting(stage.bank, stage.ground, states, row_at(row), 0.0, ZERO)
 
 
 @kernel
@@ -100,28 +108,28 @@ def advance(handle: Handle, s: Array, seconds: float) -> int:
     happened, follow = 0, 1.0 - math.exp(-seconds / SMOOTHING)
     count = len(s) // col.COLUMNS
     for character in range(min(FARTHER, count)):
-        fetch_state(s, character * col.COLUMNS)
+        fetch_state(s, row_at(character))
     for character in range(min(AHEAD, count)):
-        fetch_tables(bank, ground, s, character * col.COLUMNS)
+        fetch_tables(bank, ground, s, row_at(character))
     for first in range(0, count, BLOCK):
         stop, slots = min(first + BLOCK, count), 0
         for character in range(first, stop):
-            c = character * col.COLUMNS
+            c = row_at(character)
             if character + FARTHER < count:
-                fetch_state(s, c + FARTHER * col.COLUMNS)
+                fetch_state(s, row_at(character + FARTHER))
             if character + AHEAD < count:
-                fetch_tables(bank, ground, s, c + AHEAD * col.COLUMNS)
+                fetch_tables(bank, ground, s, row_at(character + AHEAD))
             s[c + col.EVENTS] = 0.0
             slots = begin_step(bank, ground, s, c, character - first, seconds, follow, clock, slots)
         set_frames(bank, s, clock, 0, slots)
         slots, actions = 0, FIRST_IN_STEP
         for character in range(first, stop):
-            c, k = character * col.COLUMNS, character - first
+            c, k = row_at(character), character - first
             slots = move(bank, ground, reach, s, c, k, seconds, clock, slots)
             actions = advance_actions(bank, s, c, seconds, clock[PASSED + k], clock, actions)
         set_frames(bank, s, clock, FIRST_IN_STEP, actions)
         for character in range(first, stop):
-            c, passed = character * col.COLUMNS, clock[PASSED + character - first]
+            c, passed = row_at(character), clock[PASSED + character - first]
             if s[c + col.ACTIONS] > 0.0:
                 end_actions(bank, s, c, int(s[c + col.ACTIONS]), seconds)
             downs = step(bank, ground, s, c, passed)

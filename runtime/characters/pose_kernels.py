@@ -30,6 +30,7 @@ from motionsplice.runtime.characters.slots import (
     hands_slot,
     locomotion_slot,
     origin_of,
+    row_at,
 )
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.characters.turning_kernels import (
@@ -63,21 +64,21 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
     lanes, block = scratch.lanes[0], scratch.block[0]
     first = 0
     for character in range(min(FARTHER, len(roots))):
-        fetch_state(s, character * col.COLUMNS)
+        fetch_state(s, row_at(character))
     for character in range(min(AHEAD, len(roots))):
-        fetch_slots(bank, s, character * col.COLUMNS)
+        fetch_slots(bank, s, row_at(character))
     while first < len(roots):
         stop, taken = first, 0
-        while stop < len(roots) and taken + lanes_of(s, stop * col.COLUMNS) <= BLOCK:
-            taken += lanes_of(s, stop * col.COLUMNS)
+        while stop < len(roots) and taken + lanes_of(s, row_at(stop)) <= BLOCK:
+            taken += lanes_of(s, row_at(stop))
             stop += 1
         k = splices = ZERO
         for character in range(first, stop):
-            c = character * col.COLUMNS
+            c = row_at(character)
             if character + FARTHER < len(roots):
-                fetch_state(s, c + FARTHER * col.COLUMNS)
+                fetch_state(s, row_at(character + FARTHER))
             if character + AHEAD < len(roots):
-                fetch_slots(bank, s, c + AHEAD * col.COLUMNS)
+                fetch_slots(bank, s, row_at(character + AHEAD))
             if s[c + col.LOCOMOTIONS] == 1.0:
                 pose_lower(bank, s, c, k, lanes, block, character, roots, rotations)
             else:
@@ -89,7 +90,7 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
             turn_pelves(bank, mixing.requests, mixing.memory, share, block, ZERO, k)
             k = ZERO
             for character in range(first, stop):
-                c = character * col.COLUMNS
+                c = row_at(character)
                 if mixing.finish[k] == ONE_SPLICE:
                     set_pelvis(bank, s, c, k, block, mixing, character, rotations)
                 elif mixing.finish[k] >= MIXED:
@@ -98,7 +99,7 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
                         turn_limbs(bank, limbs, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
         for character in range(first, stop):
-            c = character * col.COLUMNS
+            c = row_at(character)
             if s[c + col.AIMED] > 0.0:
                 turn_to_targets(chains, s, c, character, roots, rotations)
             if s[c + col.LOCKED] > 0.0:

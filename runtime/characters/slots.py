@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.kernels.arrays import BLOCK
 from motionsplice.runtime.simd.compiled import Array, inlined
 from motionsplice.runtime.simd.prefetch import prefetch_at
 
@@ -16,6 +17,9 @@ from motionsplice.runtime.simd.prefetch import prefetch_at
 AHEAD, FARTHER = 3, 7
 # metres between origins: a float32 still tells 0.01 mm apart in the middle between two, and multiples are exact in it
 ORIGINS_APART = 256.0
+# all bits of an offset: masked by it, an offset is known not to be negative, so the compiler leaves out the check for
+# counting from the end at each access
+OFFSET, LANE = (1 << 60) - 1, BLOCK - 1  # and of a number of a lane
 
 
 @inlined
@@ -28,21 +32,27 @@ def fetch_state(s: Array, c: int) -> None:
 
 
 @inlined
+def row_at(character: int) -> int:
+    """Returns the offset of a character's row."""
+    return character * col.COLUMNS & OFFSET
+
+
+@inlined
 def locomotion_slot(c: int, number: int) -> int:
     """Returns the offset of locomotion slot `number`."""
-    return c + col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS
+    return (c + col.FIRST_LOCOMOTION + number * col.LOCOMOTION_COLUMNS) & OFFSET
 
 
 @inlined
 def action_slot(c: int, number: int) -> int:
     """Returns the offset of action slot `number`."""
-    return c + col.FIRST_ACTION + number * col.ACTION_COLUMNS
+    return (c + col.FIRST_ACTION + number * col.ACTION_COLUMNS) & OFFSET
 
 
 @inlined
 def hands_slot(c: int, number: int) -> int:
     """Returns the offset of hands slot `number`."""
-    return c + col.FIRST_HANDS + number * col.HANDS_COLUMNS
+    return (c + col.FIRST_HANDS + number * col.HANDS_COLUMNS) & OFFSET
 
 
 @inlined

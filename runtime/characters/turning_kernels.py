@@ -9,7 +9,7 @@ import numpy as np
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
 from motionsplice.runtime.characters.mixing_kernels import rotation_of
-from motionsplice.runtime.characters.slots import action_slot
+from motionsplice.runtime.characters.slots import LANE, action_slot
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, SPLICED, BankArrays
 from motionsplice.runtime.kernels.lookup import SPLICE
@@ -26,7 +26,7 @@ def set_pelvis(
     bank: BankArrays, s: Array, c: int, k: int, block: Array, mixing: Mixing, character: int, rotations: Array
 ) -> None:
     """Sets the pelvis of a pose to that of its only splice, and stores the splice's memory."""
-    column = bank.rig[arrays.PELVIS_COLUMN]
+    column, k = bank.rig[arrays.PELVIS_COLUMN], k & LANE
     for i in range(4):
         rotations[character, column + np.uint64(i)] = block[(SPLICED + i) * BLOCK + k]
     keep_memory(s, action_slot(c, 0), k, mixing)
@@ -45,7 +45,8 @@ def turn_pelvis(
     own = max(own, 0.0) if own > 1e-9 else 0.0
     x, y, z, w = own * ax, own * ay, own * az, own * aw
     for number in range(count):
-        lane, slot, share = k + number, action_slot(c, number), mixing.shares[k + number, 0]
+        lane, slot = (k + number) & LANE, action_slot(c, number)
+        share = mixing.shares[lane, 0]
         kind = s[slot + col.KIND]
         if mixing.requests[lane]["method"] == SPLICE:
             keep_memory(s, slot, lane, mixing)
@@ -103,48 +104,63 @@ def turn_limbs(
     Afterwards their orientation relative to the pelvis is the same as if the action owned the whole upper body: the
     three steps of Heck et al. at another joint (their section 5).
     """
-    pelvis = bank.rig[arrays.PELVIS_COLUMN]
-    for part in range(1, col.PARTS):
-        length, rest = limbs.lengths[part], 1.0  # the share of the pose so far
-        for number in range(int(s[c + col.ACTIONS])):
-            rest -= mixing.shares[k + number, part] if is_apart(s, action_slot(c, number), k + number, mixing) else 0.0
-        rest = max(rest, 0.0)
-        for number in range(int(s[c + col.ACTIONS])):
-            lane, slot = k + number, action_slot(c, number)
-            share = mixing.shares[lane, part]
-            if length > 0 and share > 0.0 and is_apart(s, slot, lane, mixing):
-                x, y, z, w = quaternion_at(rotations, character, pelvis)
-                for joint in range(length - 1):
-                    qx, qy, qz, qw = quaternion_at(rotations, character, limbs.columns[part, joint])
-                    x, y, z, w = product(x, y, z, w, qx, qy, qz, qw)
-                px, py = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
-                pz, pw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
-                at = 4 * part
-                tx, ty, tz, tw = product(
-                    px,
-                    py,
-                    pz,
-                    pw,
-                    mixing.turns[lane, at],
-                    mixing.turns[lane, at + 1],
-                    mixing.turns[lane, at + 2],
-                    mixing.turns[lane, at + 3],
-                )
-                x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
-                column = limbs.columns[part, length - 1]
-                qx, qy, qz, qw = quaternion_at(rotations, character, column)
-                signed = rest if qx * x + qy * y + qz * z + qw * w >= 0.0 else -rest
-                x, y, z, w = (
-                    share * x + signed * qx,
-                    share * y + signed * qy,
-                    share * z + signed * qz,
-                    share * w + signed * qw,
-                )
-                scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
-                rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
-                rotations[character, column + np.uint64(2)] = z * scale
-                rotations[character, column + np.uint64(3)] = w * scale
-                rest += share
+    count = int(s[c + col.ACTIONS])
+    for number in range(count):
+        lane, slot = (k + number) & LANE, action_slot(c, number)
+        if is_apart(s, slot, lane, mixing):
+            for part in range(1, col.PARTS):
+                share = mixing.shares[lane, part]
+                if limbs.lengths[part] > 0 and share > 0.0:
+                    rest = share_below(s, c, k, number, count, part, mixing)
+                    turn_limb(bank, limbs, part, lane, share, rest, block, mixing, character, rotations)
+
+
+@inlined
+def share_below(s: Array, c: int, k: int, number: int, count: int, part: int, mixing: Mixing) -> float:
+    """Returns the share of the pose so far when the limb of action `number` is added to it."""
+    rest = 1.0
+    for other in range(count):
+        lane = (k + other) & LANE
+        rest -= mixing.shares[lane, part] if is_apart(s, action_slot(c, other), lane, mixing) else 0.0
+    rest = max(rest, 0.0)
+    for other in range(number):
+        lane = (k + other) & LANE
+        rest += mixing.shares[lane, part] if is_apart(s, action_slot(c, other), lane, mixing) else 0.0
+    return rest
+
+
+@inlined
+def turn_limb(
+    bank: BankArrays,
+    limbs: Limbs,
+    part: int,
+    lane: int,
+    share: float,
+    rest: float,
+    block: Array,
+    mixing: Mixing,
+    character: int,
+    rotations: Array,
+) -> None:
+    """Mixes the attachment of a limb: of the pose so far by `rest`, of the action in a lane by `share`."""
+    length, at = limbs.lengths[part], 4 * part
+    x, y, z, w = quaternion_at(rotations, character, bank.rig[arrays.PELVIS_COLUMN])
+    for joint in range(length - 1):
+        qx, qy, qz, qw = quaternion_at(rotations, character, limbs.columns[part, joint])
+        x, y, z, w = product(x, y, z, w, qx, qy, qz, qw)
+    px, py = block[SPLICED * BLOCK + lane], block[(SPLICED + 1) * BLOCK + lane]
+    pz, pw = block[(SPLICED + 2) * BLOCK + lane], block[(SPLICED + 3) * BLOCK + lane]
+    qx, qy = mixing.turns[lane, at], mixing.turns[lane, at + 1]
+    qz, qw = mixing.turns[lane, at + 2], mixing.turns[lane, at + 3]
+    tx, ty, tz, tw = product(px, py, pz, pw, qx, qy, qz, qw)
+    x, y, z, w = product(-x, -y, -z, w, tx, ty, tz, tw)
+    column = limbs.columns[part, length - 1]
+    qx, qy, qz, qw = quaternion_at(rotations, character, column)
+    signed = rest if qx * x + qy * y + qz * z + qw * w >= 0.0 else -rest
+    x, y, z, w = share * x + signed * qx, share * y + signed * qy, share * z + signed * qz, share * w + signed * qw
+    scale = 1.0 / math.sqrt(max(x * x + y * y + z * z + w * w, TINY))
+    rotations[character, column], rotations[character, column + np.uint64(1)] = x * scale, y * scale
+    rotations[character, column + np.uint64(2)], rotations[character, column + np.uint64(3)] = z * scale, w * scale
 
 
 @inlined

@@ -16,7 +16,7 @@ from motionsplice.runtime.characters.mixing_kernels import (
     set_lane_weights,
     split_lanes,
 )
-from motionsplice.runtime.characters.slots import action_slot, fade_of, locomotion_slot
+from motionsplice.runtime.characters.slots import LANE, action_slot, fade_of, locomotion_slot
 from motionsplice.runtime.characters.turning_kernels import LIMBS, MIXED, ONE_SPLICE, UNTURNED, is_apart, keep_limbs
 from motionsplice.runtime.characters.worn_kernels import wear_hands
 from motionsplice.runtime.format.rows import PELVIS, TORSO_OFFSET
@@ -51,7 +51,7 @@ def mix_upper(
 
     Prepares the splice of each action in a lane of the block.
     """
-    rig, count = bank.rig, int(s[c + col.ACTIONS])
+    rig, count, k = bank.rig, int(s[c + col.ACTIONS]), k & LANE
     above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
     mixing.requests[k]["method"], mixing.finish[k] = NONE, UNTURNED
     if count == 0:
@@ -213,7 +213,8 @@ def prepare_splice(
 
     Of its upper half, pelvis and torso offset must be in lanes; all of it, if it is added to the locomotion.
     """
-    rig, slot, first = bank.rig, action_slot(c, number), k - number
+    rig, slot = bank.rig, action_slot(c, number)
+    first, k = (k - number) & LANE, k & LANE
     above, mirrored = np.uint64(4) * rig[arrays.LOWER_WIDTH], is_mirrored(bank, int(s[slot + col.CLIP]))
     block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
     request, kind = mixing.requests[k], int(s[slot + col.KIND])

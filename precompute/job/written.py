@@ -14,6 +14,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from os.path import exists
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,7 @@ def put_tables(folder: Path, partials: Mapping[Path, str]) -> None:
 
 def make_folder(folder: Path) -> None:
     """Makes a folder, and those above it, if they are missing. Raises BankError."""
-    missing = [one for one in (folder, *folder.parents) if not one.exists()]
+    missing = [one for one in (folder, *folder.parents) if not exists(one)]
     with written(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for one in missing:

@@ -151,9 +151,8 @@ def main(variants: Annotated[int, typer.Option(min=2, help="Folders after each o
             replacement, base = Replacement.make(Path(name) / "made", afresh=afresh), Path(name) / "base"
             base.mkdir()
             count = check(replacement, base, variants)
-        print(
-            f"{'first' if afresh else 'another'} bank: {count} folders after power cuts; each has the old or the new bank"
-        )
+        which = "a first bank" if afresh else "another bank"
+        print(f"{which}: {count} folders after power cuts, each with a whole bank or none")
 
 
 if __name__ == "__main__":

@@ -72,7 +72,7 @@ class Replacement:
         return build_bank([self.clips], place, baseline=BASELINE).digest
 
     def check_whole(self, place: Path) -> str | None:
-        """Returns the digest of the bank in a place. Raises DisturbedError unless it is the old or the new one, whole."""
+        """Returns the digest of the bank in a place. Raises DisturbedError unless it is old or new, and whole."""
         if not (place / MANIFEST).exists() and None in self.digests:
             return None
         try:

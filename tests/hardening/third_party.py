@@ -16,8 +16,8 @@ INTRODUCTION = """# What others wrote
 
 The viewer's page comes with [three.js](https://threejs.org) (MIT; its licence is
 [beside it](service/viewer/page/vendor/three.LICENSE)). Everything below is installed with motionsplice, and not part of
-it; `ufbx` only with `motionsplice[fbx]`. Each package's licence is in its own distribution. `make supply` writes this list,
-the pinned versions in [`constraints.txt`](constraints.txt), and an SBOM.
+it; `ufbx` only with `motionsplice[fbx]`. Each package's licence is in its own distribution. `make supply` writes this
+list, the pinned versions in [`constraints.txt`](constraints.txt), and an SBOM.
 
 | package | licence | address |
 |---|---|---|
@@ -27,7 +27,7 @@ the pinned versions in [`constraints.txt`](constraints.txt), and an SBOM.
 def packages() -> dict[str, Distribution]:
     """Returns the packages that are installed with ours, by name, all that they require included."""
     found: dict[str, Distribution] = {}
-    waiting = [(PACKAGE, EXTRAS)]
+    waiting: list[tuple[str, tuple[str, ...]]] = [(PACKAGE, EXTRAS)]
     while waiting:
         name, extras = waiting.pop()
         for line in distribution(name).requires or ():
@@ -47,18 +47,22 @@ def _is_needed(one: Requirement, extras: tuple[str, ...]) -> bool:
 
 def licence(package: Distribution) -> str:
     """Returns the licence of a package, as its metadata names it."""
-    metadata = package.metadata
-    named = [line.rpartition(" :: ")[2] for line in metadata.get_all("Classifier", []) if line.startswith("License ::")]
-    given = [metadata.get("License-Expression"), ", ".join(named), (metadata.get("License") or "").partition("\n")[0]]
+    classes = [line.rpartition(" :: ")[2] for line in _all(package, "Classifier") if line.startswith("License ::")]
+    text = [line.partition("\n")[0] for line in _all(package, "License")]
+    given = [*_all(package, "License-Expression"), ", ".join(classes), *text]
     return next((one for one in given if one and len(one) <= LONGEST), "see its distribution")
 
 
 def address(package: Distribution) -> str:
     """Returns the address of a package's project."""
-    listed = [line.partition(", ") for line in package.metadata.get_all("Project-URL", [])]
+    listed = [line.partition(", ") for line in _all(package, "Project-URL")]
     urls = {label.lower(): url for label, _, url in listed}
     known = [urls[label] for label in ("homepage", "source", "source code", "repository", "github") if label in urls]
-    return package.metadata.get("Home-page") or next(iter([*known, *urls.values()]), "")
+    return next(iter([*_all(package, "Home-page"), *known, *urls.values()]), "")
+
+
+def _all(package: Distribution, key: str) -> list[str]:
+    return package.metadata.get_all(key) or []
 
 
 if __name__ == "__main__":

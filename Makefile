@@ -32,7 +32,7 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz fuzz-cpp quality soak pictures clean
+.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz fuzz-cpp quality soak supply supply pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -115,8 +115,22 @@ quality: $(VENV)/ready        ## judge splices against the truth: built-in motio
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
 
-soak: $(VENV)/ready           ## the service under load for about 25 minutes: streams, stalled and aborted clients, exchanges
+soak: $(VENV)/ready           ## an hour: jobs killed, disks that fail, power cuts, damaged banks; the service under load
+	$(BIN)/python -m tests.hardening.killed --kills 500
+	$(BIN)/python -m tests.hardening.failing_disk
+	$(BIN)/python -m tests.hardening.power_loss --variants 20
+	$(BIN)/python -m tests.hardening.damaged_banks --flips 10000
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m tests.hardening.damaged_banks --flips 100
 	$(BIN)/python -m bench.service streams stalled connects exchange --soak --check
+
+supply: $(VENV)/ready         ## of what users install: pinned versions, licences, an SBOM, known vulnerabilities; needs PyPI
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra fbx pyproject.toml -o constraints.txt
+	$(BIN)/python -m tests.hardening.third_party > THIRD_PARTY.md
+	$(BIN)/uv venv --quiet --clear --python $(PYTHON) build/supply
+	$(BIN)/uv pip install --quiet --python build/supply -r constraints.txt
+	$(BIN)/uv tool run --quiet --from cyclonedx-bom==7.5.0 cyclonedx-py environment build/supply/bin/python \
+		--pyproject pyproject.toml --output-reproducible --of JSON -o build/sbom.json
+	$(BIN)/uv tool run --quiet pip-audit@2.10.1 -r constraints.txt --no-deps --disable-pip --strict
 
 pictures: $(VENV)/ready        ## draw the documentation's pictures anew
 	PYTHONPATH=. $(BIN)/python docs/pictures.py </dev/null

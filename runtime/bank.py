@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -54,16 +56,18 @@ class Bank(Contents):
             verify: Whether to check the digest and the numbers of every table.
 
         Raises:
-            BankError: The bank is missing, of another version, cut short or altered. Names the file.
+            BankError: The bank is missing, of another version, cut short or altered. Names the file. Its cause is an
+                OSError if the bank cannot be read now, though it may be whole.
         """
         folder = Path(path)
-        manifest = Manifest.read(folder)
-        try:
-            tables = open_tables(table_files(folder, manifest))
-        except BankError:
-            if Manifest.read(folder).digest == manifest.digest:
-                raise
-            return cls.open(path, verify=verify)  # a job has written another bank, and removed this one's tables
+        with readable(folder):
+            manifest = Manifest.read(folder)
+            try:
+                tables = open_tables(table_files(folder, manifest))
+            except BankError:
+                if Manifest.read(folder).digest == manifest.digest:
+                    raise
+                return cls.open(path, verify=verify)  # a job has written another bank, and removed this one's tables
         bank = cls(folder, manifest, tables)
         check_fit(manifest, bank.tables, str(folder / MANIFEST))
         if verify:
@@ -74,9 +78,10 @@ class Bank(Contents):
         """Checks the digest and the numbers of every table, which reads all of them.
 
         Raises:
-            BankError: A table was cut short or altered. Names the file.
+            BankError: A table was cut short or altered, or cannot be read. Names the file.
         """
-        check_contents(self.manifest, self.tables, self.files)
+        with readable(self.path):
+            check_contents(self.manifest, self.tables, self.files)
 
     @property
     def files(self) -> dict[str, Path]:
@@ -87,3 +92,15 @@ class Bank(Contents):
     def digest(self) -> str:
         """BLAKE2b digest of the manifest's body, in hex. Equal digests mean equal banks."""
         return self.manifest.digest
+
+
+@contextmanager
+def readable(folder: Path) -> Iterator[None]:
+    """Raises BankError, whose cause is an OSError, for what the system does not let read."""
+    try:
+        yield
+    except OSError as error:
+        mend = "Check the permissions of the folder and its files"
+        raise BankError(
+            f"it cannot be read: {error.strerror}", file=str(error.filename or folder), mend=mend
+        ) from error

@@ -12,6 +12,7 @@ stalled      Do clients that stop reading disturb others, and are they closed?
 floods       Do long lists of commands, pings or big batches disturb other clients?
 connects     Do clients that connect and abort leave anything behind?
 exchange     Do streams stay intact while the bank is exchanged?
+descriptors  Do streams go on, and is a new bank served, though clients took all descriptors?
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ import typer
 from bench.findings import Findings
 from bench.service.banks import built_in
 from bench.service.crowd import crowd
+from bench.service.descriptors import descriptors
 from bench.service.exchange import exchange
 from bench.service.floods import floods
 from bench.service.harm import connects, stalled
@@ -46,6 +48,7 @@ SHORT: dict[str, Measure] = {
     "floods": floods,
     "connects": connects,
     "exchange": exchange,
+    "descriptors": descriptors,
 }
 LONG: dict[str, Measure] = {
     "streams": lambda bank: streams(bank, seconds=60.0, rounds=5),
@@ -54,7 +57,8 @@ LONG: dict[str, Measure] = {
     "stalled": lambda bank: stalled(bank, seconds=60.0, rounds=3),
     "floods": lambda bank: floods(bank, seconds=30.0, rounds=5),
     "connects": lambda bank: connects(bank, times=20_000),
-    "exchange": lambda bank: exchange(bank, exchanges=200),
+    "exchange": lambda bank: exchange(bank, exchanges=1000),
+    "descriptors": lambda bank: descriptors(bank, seconds=60.0),
 }
 
 

@@ -23,6 +23,7 @@ from motionsplice.runtime.stage import Stage
 STREAMS = 32
 EXCHANGES = 20
 PATH = "/v1/characters?rate=60"
+WARM = 20  # exchanges, after which memory must not grow
 INTERVAL = 1.5  # seconds between two exchanges
 
 
@@ -40,8 +41,11 @@ def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
         streams = Streams(Job(server.port, PATH, STREAMS, seconds, [json.dumps(still)], keep=2))
         time.sleep(2.0)
         for number in range(exchanges):
+            if number == min(WARM, exchanges // 2):  # by then it has allocated what it allocates once
+                memory, descriptors = server.memory(), server.descriptors()
             put((other, first)[number % 2], place, damaged=number == exchanges // 2)
             time.sleep(INTERVAL)
+        memory, descriptors = server.memory() - memory, server.descriptors() - descriptors
         taken = streams.taken()
         refused = server.metric('motionsplice_bank_exchanges_total{result="refused"}')
         done = server.metric('motionsplice_bank_exchanges_total{result="ok"}')
@@ -63,6 +67,8 @@ def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
     findings.add("frames checked", len(frames), "{:.0f}", least=STREAMS)
     findings.add("frames with a wrong pose", torn, "{:.0f}", most=0)
     findings.add("different banks in the frames", len({frame["bank"] for frame in frames}), "{:.0f}", least=2)
+    findings.add("growth of memory, MB", memory, "{:.1f}", most=20.0)
+    findings.add("additional descriptors", descriptors, "{:.0f}", most=0)
     gaps = np.concatenate([np.diff(one.arrivals) for one in taken])
     findings.add("longest pause between two frames, ms", 1e3 * float(gaps.max()), "{:.0f}")
     return findings

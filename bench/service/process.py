@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import resource
@@ -15,6 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 TICKS = os.sysconf("SC_CLK_TCK")
 PATIENCE = 300.0  # seconds to wait, as kernels may have to be compiled
@@ -44,6 +46,11 @@ class Process:
     def descriptors(self) -> int:
         """Returns the number of open files and sockets."""
         return len(os.listdir(f"/proc/{self.pid}/fd"))
+
+    def get(self, path: str) -> Any:
+        """Returns an answer in JSON. Raises OSError if there is none."""
+        with urllib.request.urlopen(f"{self.url}{path}", timeout=PATIENCE) as answer:
+            return json.load(answer)
 
     def metric(self, name: str) -> float:
         """Returns a number from /metrics, 0 if it is missing."""

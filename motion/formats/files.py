@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from os.path import exists, isdir, realpath  # those of Path raise what is no error of ours for some odd folders
 from pathlib import Path
 
 from motionsplice.motion.clip import Clip
@@ -37,13 +38,24 @@ OTHERS = re.compile(  # motion files of other programs
 
 
 def clip_files(folder: Path) -> list[Path]:
-    """Returns the motion files in a folder, in order of name, without hidden files, such as macOS' `._walk.bvh`."""
-    return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES and file.name[0] != ".")
+    """Returns the motion files in a folder, in order of name, without hidden files, such as macOS' `._walk.bvh`.
+
+    Raises FormatError.
+    """
+    return [file for file in listing(folder) if file.suffix.lower() in SUFFIXES and file.name[0] != "."]
 
 
 def other_files(folder: Path) -> list[Path]:
     """Returns the motion files in a folder that cannot be read, in order of name."""
-    return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file.name[0] != ".")
+    return [file for file in listing(folder) if OTHERS.fullmatch(file.suffix) and file.name[0] != "."]
+
+
+def listing(folder: Path) -> list[Path]:
+    """Returns what is in a folder, in order of name. Raises FormatError."""
+    try:
+        return sorted(folder.iterdir())
+    except OSError as error:
+        raise FormatError(f"the folder cannot be read: {error.strerror}", file=str(folder)) from None
 
 
 def clips_in(path: Path) -> dict[str, str | None]:
@@ -62,9 +74,9 @@ def write_clip(path: Path, clip: Clip, roles: Roles) -> None:
 
 def files_behind(path: Path) -> tuple[Path, ...]:
     """Returns all files that `read_clip` reads for `path`. Raises FormatError if a skeleton file is missing."""
-    if path.suffix.lower() == ".amc" and path.exists():
+    if path.suffix.lower() == ".amc" and exists(path):
         return path, _skeleton_file(path)
-    if path.suffix.lower() == ".gltf" and path.exists():
+    if path.suffix.lower() == ".gltf" and exists(path):
         return path, *(_beside(path, name) for name in gltf_reader.buffer_files(read_bytes(path)))
     return (path,)
 
@@ -86,7 +98,7 @@ def parse(path: Path, animation: str | None, root: str | None = None, *, still: 
     If `still`, a scene without animations gives one frame at rest. Raises FormatError.
     """
     suffix = path.suffix.lower()
-    if path.is_dir():
+    if isdir(path):
         raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
     if suffix == ".asf":
         raise FormatError("this is a skeleton without a motion", mend="Give the .amc beside it")
@@ -119,7 +131,7 @@ def _beside(path: Path, name: str) -> Path:
     """Returns a file in the same folder or below it. Raises FormatError for others, which a hostile file may name."""
     file = path.parent / name
     try:
-        is_inside = file.resolve().is_relative_to(path.parent.resolve())
+        is_inside = Path(realpath(file)).is_relative_to(realpath(path.parent))
     except ValueError:
         raise FormatError(f"it refers to {name!r}, which cannot be a file's name", mend="Export it again") from None
     if not is_inside:
@@ -128,10 +140,15 @@ def _beside(path: Path, name: str) -> Path:
 
 
 def read_bytes(path: Path) -> bytes:
-    """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty."""
+    """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty.
+
+    A pipe or a device, which may never end, is refused too.
+    """
     try:
         if not path.exists():
             raise FormatError("no such file", file=str(path), mend="Check the path")
+        if not (path.is_file() or path.is_dir()):
+            raise FormatError("this is a pipe or a device, not a file", file=str(path))
         data = path.read_bytes()
     except OSError as error:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None
@@ -146,7 +163,7 @@ def read_bytes(path: Path) -> bytes:
 def _skeleton_file(path: Path) -> Path:
     """Returns the ASF file of an AMC file: `16.asf` for `16_15.amc`, or else the only one in the folder."""
     name = path.stem.rpartition("_")[0] or path.stem
-    beside = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")
+    beside = [file for file in listing(path.parent) if file.suffix.lower() == ".asf"]
     named = [file for file in beside if file.stem == name] or beside
     if len(named) == 1:
         return named[0]

@@ -9,6 +9,7 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from motionsplice.precompute.job.outcome import Progress
+from motionsplice.precompute.job.written import make_folder, written
 
 LOCK = ".job.lock"
 WAITING = "waiting"  # the stage, while another job works on the folder
@@ -16,16 +17,28 @@ WAITING = "waiting"  # the stage, while another job works on the folder
 
 @contextmanager
 def alone_in(folder: Path, progress: Progress) -> Iterator[None]:
-    """Holds the folder's lock, and first waits for a job that holds it. A job that is killed releases it."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Holds the folder's lock, and first waits for a job that holds it. A job that is killed releases it.
+
+    Raises BankError if the folder cannot be written.
+    """
+    make_folder(folder)
     lock = FileLock(folder / LOCK)
-    try:
-        lock.acquire(timeout=0)
-    except Timeout:
+    with written(folder):
+        waits = not _got_at_once(lock)
+    if waits:
         progress(WAITING, 0, 1)
-        lock.acquire()
+        with written(folder):
+            lock.acquire()
         progress(WAITING, 1, 1)
     try:
         yield
     finally:
         lock.release()
+
+
+def _got_at_once(lock: FileLock) -> bool:
+    try:
+        lock.acquire(timeout=0)
+    except Timeout:
+        return False
+    return True

@@ -22,7 +22,14 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.hands.rows import LaidHands
 from motionsplice.precompute.job.standing import standing_of
-from motionsplice.precompute.job.written import Parts, remove_others, tables_in_use, write_synced, write_tables
+from motionsplice.precompute.job.written import (
+    Parts,
+    make_folder,
+    remove_others,
+    tables_in_use,
+    write_synced,
+    write_tables,
+)
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured
 from motionsplice.precompute.preparation.torso_offset import believed, shoulder_motion, torso_offsets
@@ -60,7 +67,7 @@ def write_bank(
     standing = standing_of(clips, rig.skeleton, rig.roles)
     usages = {name: one.standing.usage for name, one in standing.items()}
     folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips, standing)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     rows, numbers = sum(len(one.phase) for one in clips), {one.name: number for number, one in enumerate(clips)}
     parts: dict[str, Parts] = {
         "lower": (rows, _rows("lower", layout, clips, offsets, {})),

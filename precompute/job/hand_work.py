@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import chain
+from os.path import lexists
 
 import numpy as np
 
@@ -30,7 +31,7 @@ def all_hands(given: Sequence[HandsOnBody], sources: Sequence[Source]) -> list[H
     clip, or a hands clip that is also a body.
     """
     files = {source.file.parent / FILE_NAME for source in sources}
-    listed = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if file.is_file()))
+    listed = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if lexists(file)))
     found = {(one.body, one.hands): one for one in (*given, *listed)}
     names = {source.name for source in sources}
     hands = {one.hands for one in found.values()}

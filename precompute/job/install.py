@@ -9,7 +9,14 @@ from pathlib import Path
 from motionsplice.motion.errors import BankError
 from motionsplice.precompute.job.alone import alone_in
 from motionsplice.precompute.job.outcome import Progress
-from motionsplice.precompute.job.written import put_tables, remove_others, tables_in_use, write_synced, written
+from motionsplice.precompute.job.written import (
+    make_folder,
+    put_tables,
+    remove_others,
+    tables_in_use,
+    write_synced,
+    written,
+)
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST, file_digest
 from motionsplice.runtime.format.tables import TABLE_FOLDER
@@ -28,7 +35,7 @@ def install_bank(source: Path, place: Path, progress: Progress) -> str:
     names = {file.stem: file for file in bank.files.values()}
     with alone_in(place, progress):
         before, folder = tables_in_use(place / MANIFEST), place / TABLE_FOLDER
-        folder.mkdir(exist_ok=True)
+        make_folder(folder)
         missing = [digest for digest in names if not _holds(folder / f"{digest}.npy", digest)]
         partials = {folder / f".table.{os.getpid()}.{number}": digest for number, digest in enumerate(missing)}
         with written(folder, *partials):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+from os.path import exists, isdir, lexists, realpath
 from pathlib import Path
 
 from motionsplice.motion.clip_settings import FILE_NAME, ClipSettings, read_clip_settings, settings_for
@@ -42,16 +43,16 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
     found: dict[str, tuple[Path, str | None]] = {}
     others: list[str] = []
     for path in paths:
-        if not path.exists():
+        if not exists(path):
             raise ClipError("file or folder not found", file=str(path))
-        others += [file.name for file in other_files(path)] if path.is_dir() else []
-        for file in clip_files(path) if path.is_dir() else [path]:
+        others += [file.name for file in other_files(path)] if isdir(path) else []
+        for file in clip_files(path) if isdir(path) else [path]:
             for name, animation in (clips_of(file) or {file.stem: None}).items():  # an unread file fails under its name
                 if name.endswith(MIRRORED):
                     problem = f"no clip can be named {name!r}: that is the mirror image of another"
                     raise ClipError(problem, file=str(file), mend="Rename the file")
                 other, _ = found.setdefault(name, (file, animation))
-                if other.resolve() != file.resolve():
+                if realpath(other) != realpath(file):
                     raise ClipError(f"two clips are named {name!r}: {other} and {file}", mend="Rename one of them")
     if not found and others:
         raise ClipError(f"no clips found, and these cannot be read: {listed(others)}", mend="Export them as BVH or GLB")
@@ -59,7 +60,7 @@ def find_sources(paths: Iterable[Path], roles: Mapping[str, GivenRole], default:
         raise ClipError("no clips found", mend=f"Name files or folders of {', '.join(sorted(SUFFIXES))}")
     settings: dict[str, ClipSettings] = {}
     for folder in sorted({file.parent for file, _ in found.values()}):
-        if (folder / FILE_NAME).is_file():
+        if lexists(folder / FILE_NAME):  # a link that leads nowhere is an error, as its settings would be missing
             settings |= _settings_of(folder, clips_of, default)
     sources = [Source(name, *found[name], settings_for(name, settings, default)) for name in sorted(found)]
     return [replace(one, settings=replace(one.settings, roles=one.settings.roles or roles)) for one in sources]

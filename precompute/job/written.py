@@ -14,6 +14,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from os.path import exists
 from pathlib import Path
 from typing import Any
 
@@ -55,12 +56,22 @@ def put_tables(folder: Path, partials: Mapping[Path, str]) -> None:
     _sync(folder)
 
 
+def make_folder(folder: Path) -> None:
+    """Makes a folder, and those above it, if they are missing. Raises BankError."""
+    missing = [one for one in (folder, *folder.parents) if not exists(one)]
+    with written(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for one in missing:
+            _sync(one.parent)
+
+
 def write_synced(file: Path, data: bytes) -> None:
-    """Writes a file. Raises BankError."""
+    """Writes a file, whose name is on the disk after all other names in its folder. Raises BankError."""
     partial = file.with_name(f".{file.name}.{os.getpid()}")
     with written(file.parent, partial):
         partial.write_bytes(data)
         _sync(partial)
+        _sync(file.parent)
         partial.replace(file)
         _sync(file.parent)
 

@@ -38,7 +38,7 @@ MOST_AT_ONCE = 2**22  # numbers checked at a time, which bounds memory
 
 
 def check_fit(manifest: Manifest, tables: Tables, file: str) -> None:
-    """Checks that manifest and tables match, so that no kernel reads outside a table. Reads no table's contents.
+    """Checks that manifest and tables match, so that no kernel reads outside a table. Reads but one small table.
 
     Raises BankError.
     """
@@ -87,6 +87,8 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
             return f"table {name!r}: expected {np.dtype(kind)}{wanted}, found {table.dtype}{table.shape}"
         if not table.flags.aligned:
             return f"table {name!r} does not begin at a multiple of {table.itemsize} bytes in its file"
+    if fault := _fault("neutral", tables["neutral"], manifest):
+        return f"table 'neutral' {fault}"
     row = cell = stance = 0
     for clip in clips:
         follows = clip.first_row == row and clip.first_cell == cell and clip.stance in (-1, stance)

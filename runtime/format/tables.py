@@ -24,7 +24,7 @@ def table_files(folder: Path, manifest: Manifest) -> dict[str, Path]:
 
 
 def open_tables(files: Mapping[str, Path]) -> dict[str, NDArray[Any]]:
-    """Opens all tables of a bank, read-only. Raises BankError.
+    """Opens all tables of a bank, read-only. Raises BankError, or OSError if a file cannot be read.
 
     A SMALL bank is read into memory. Larger ones are mapped, so that processes share their pages; but who cuts a mapped
     file short while it is in use kills these processes.
@@ -38,6 +38,8 @@ def _opened(name: str, file: Path, small: bool) -> NDArray[Any]:
         return _read(file) if small else np.asarray(np.load(file, mmap_mode="r", allow_pickle=False))
     except FileNotFoundError:
         raise BankError(f"table {name!r} is missing", file=str(file), mend=REBUILD) from None
+    except OSError:
+        raise
     except Exception as error:  # NumPy parses a damaged header as Python source, which can raise almost anything
         raise BankError(f"table {name!r} is cut short or not an array: {error}", file=str(file), mend=REBUILD) from None
 

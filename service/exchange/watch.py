@@ -7,7 +7,7 @@ import logging
 from functools import partial
 from pathlib import Path
 
-from motionsplice.motion.errors import BankError, MotionError
+from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST, mark_of
 from motionsplice.service.exchange.background import in_background
@@ -17,12 +17,14 @@ from motionsplice.service.serving import Edition, Serving
 logger = logging.getLogger(__name__)
 
 INTERVAL = 0.5  # seconds between two checks
+LATER = 10  # checks, after which a bank that could not be read is tried again
 
 
 async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) -> None:
     """Serves each new bank once it is verified and its kernels are compiled. Runs until cancelled.
 
-    A damaged bank is refused, and checked again only when its manifest changes. The old bank stays in service.
+    A damaged bank is refused, and checked again only when its manifest changes; one that cannot be read, such as when
+    the process has too many files open, is tried again. The old bank stays in service.
     """
     path = serving.bank.path
     known: tuple[int, ...] | None = ()  # unknown, as the bank may have been replaced since it was opened
@@ -37,6 +39,9 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
         except MotionError as error:
             metrics.exchanges.labels("refused").inc()
             logger.warning("a new bank was refused", extra={"detail": str(error), "serving": serving.bank.digest})
+            if isinstance(error.__cause__, OSError):
+                known = ()
+                await asyncio.sleep(LATER * interval)
         except Exception:
             metrics.exchanges.labels("refused").inc()
             logger.exception("a new bank could not be opened")
@@ -49,11 +54,8 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
 
 def _open(path: Path, served: str) -> Edition | None:
     """Returns the bank on disk, or None if it is the one that is served. Raises BankError."""
-    try:
-        bank = Bank.open(path, verify=False)
-        if bank.digest == served:
-            return None
-        bank.verify()
-    except OSError as error:
-        raise BankError(f"the bank cannot be read: {error.strerror}", file=str(error.filename or path)) from None
+    bank = Bank.open(path, verify=False)
+    if bank.digest == served:
+        return None
+    bank.verify()
     return Edition.warm(bank)

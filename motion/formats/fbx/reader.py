@@ -19,7 +19,7 @@ from motionsplice.motion.quaternion import Floats
 
 WORKER = Path(__file__).with_name("worker.py")
 SECONDS, SECONDS_PER_BYTE = 20.0, 1e-5  # limits of a child: far more than it needs, since the machine may be busy
-MEMORY, MEMORY_PER_BYTE = 200_000_000, 120  # bytes, limits of a child: Python and ufbx take 40 MB
+MEMORY, MEMORY_PER_BYTE = 64 * 2**20, 64  # bytes that a child may take beside what Python takes
 STACK = (b"\0\1AnimStack", b'"AnimStack::')  # follows the name of a stack in binary files, precedes it in text
 EXPORT = "Export it again as FBX 2014 or newer"
 

@@ -57,11 +57,13 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
 
 
 def limit_memory(size: int) -> None:
-    """Limits the memory of this process to `size` bytes, and turns off core dumps, where the system can do so."""
+    """Lets this process take `size` bytes more than it has, and turns off core dumps, where the system can do so."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        with open("/proc/self/statm", "rb") as counts:
+            size += int(counts.read().split()[0]) * resource.getpagesize()
         resource.setrlimit(resource.RLIMIT_AS, (size, size))
 
 

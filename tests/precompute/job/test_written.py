@@ -45,4 +45,4 @@ def test_contents_are_on_the_disk_before_names_and_names_before_it_returns(
     monkeypatch.setattr(Path, "replace", renamed)
     write_tables(tmp_path, {"phase_of_frame": (7, [PHASES]), "neutral": (1, [np.array([2])])})
     write_synced(tmp_path / "manifest", b"current")
-    assert done == ["content", "content", "name", "name", "folder", "content", "name", "folder"]
+    assert done == ["content", "content", "name", "name", "folder", "content", "folder", "name", "folder"]

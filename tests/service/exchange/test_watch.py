@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import os
 import shutil
 import threading
 from collections.abc import Iterator
@@ -13,6 +15,7 @@ from bench.service.banks import put
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job.job import build_bank
+from motionsplice.runtime import bank as opening
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.format.manifest import MANIFEST
@@ -110,6 +113,21 @@ def test_a_damaged_bank_is_refused_and_the_old_one_stays_in_service(
             shutil.copy(file, place / "tables" / file.name)
         (place / MANIFEST).touch()
         assert player.event("bank")["bank"] == other.digest
+
+
+def test_a_bank_that_cannot_be_read_for_a_while_is_served_later(
+    service: Running, other: Bank, place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = refusals(service)
+    with monkeypatch.context() as exhausted:
+
+        def open_none(files: object) -> None:
+            raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+        exhausted.setattr(opening, "open_tables", open_none)
+        put(other.path, place)
+        eventually(lambda: refusals(service) > refused)
+    eventually(lambda: served(service) == other.digest)
 
 
 def test_twenty_exchanges_tear_no_frame(service: Running, bank: Bank, other: Bank, place: Path) -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
@@ -30,6 +31,7 @@ HURRY = 0.2  # of the seam's own strides, also a bound on that distance: the pha
 TRIED = 21  # counterparts, for each number of strides
 WIDEST_GAP = 0.5  # radians, root-mean-square over joints, from the last frame to its counterpart
 LEVEL = 0.17  # leg lengths: a smaller rise per loop is taken out, so that it does not add up over many loops
+SURE = 1e-9  # radians: more than rounding adds to a gap
 WIDEST_TURN = 1.2  # radians of any single joint, from the last frame to its counterpart
 NEWCOMER = 0.3  # how much a foot that touches down in the seam counts, beside one that stands at its beginning
 ABOUT_AS_GOOD = 1.25  # times the least gap: the longest loop within this is used
@@ -68,9 +70,55 @@ def _nearest_counterparts(clip: Clip, phase: Floats) -> tuple[NDArray[np.intp], 
     tried = np.interp(wanted, phase, np.arange(last + 1))
     usable = (wanted[:, TRIED // 2] >= phase[0]) & (tried >= 1.0).any(axis=1) & (tried <= last - count).any(axis=1)
     strides, tried = strides[usable], tried[usable]
-    gaps = np.where((tried >= 1.0) & (tried <= last - count), _gaps(clip, tried), np.inf)
+    gaps = np.full(tried.shape, np.inf)
+    worth = _perhaps_nearest(clip, tried, (tried >= 1.0) & (tried <= last - count))
+    gaps[worth] = _gaps(clip, tried[worth])
     rows, best = np.arange(len(strides)), gaps.argmin(axis=1)
     return strides, tried[rows, best], gaps[rows, best]
+
+
+def _perhaps_nearest(clip: Clip, tried: Floats, allowed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Returns which counterparts [n, k] may be the nearest of a row: but for SURE, no allowed one is nearer."""
+    gaps, widest = rough_gaps(clip.rotations, tried.ravel())
+    gaps, widest = gaps.reshape(tried.shape), widest.reshape(tried.shape)
+    usable = np.where(allowed & (widest <= WIDEST_TURN - SURE), gaps, np.inf)
+    nearest = usable.min(axis=1, initial=np.inf, keepdims=True)
+    return np.asarray(allowed & (widest <= WIDEST_TURN + SURE) & (gaps <= nearest + SURE))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def rough_gaps(rotations: Floats, frames: Floats) -> tuple[Floats, Floats]:
+    """Returns the gaps [n] of `_gaps`, up to rounding, and the widest turn [n] of a joint, for real-valued frames [n].
+
+    rotations: [F, J, 4] of a clip of two frames or more.
+    """
+    count, joints = rotations.shape[0], rotations.shape[1]
+    gaps, widest, at = np.empty(len(frames)), np.zeros(len(frames)), np.empty(4)
+    for k in range(len(frames)):
+        before = min(int(frames[k]), count - 2)
+        t, squares = frames[k] - before, 0.0
+        for joint in range(1, joints):
+            a, b, last = rotations[before, joint], rotations[before + 1, joint], rotations[count - 1, joint]
+            near, far = 0.0, 0.0  # squares of the difference and the sum of both, in one hemisphere
+            for i in range(4):
+                near += (b[i] - a[i]) ** 2
+                far += (b[i] + a[i]) ** 2
+            sign = 1.0 if near <= far else -1.0
+            angle = 2.0 * np.arctan2(np.sqrt(min(near, far)), np.sqrt(max(near, far)))
+            first, second = 1.0 - t, t
+            if angle > 1e-6:
+                first, second = np.sin((1.0 - t) * angle), np.sin(t * angle)
+            for i in range(4):
+                at[i] = first * a[i] + sign * second * b[i]
+            x = at[3] * last[0] - at[0] * last[3] - at[1] * last[2] + at[2] * last[1]
+            y = at[3] * last[1] - at[1] * last[3] - at[2] * last[0] + at[0] * last[2]
+            z = at[3] * last[2] - at[2] * last[3] - at[0] * last[1] + at[1] * last[0]
+            w = at[0] * last[0] + at[1] * last[1] + at[2] * last[2] + at[3] * last[3]
+            turn = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), abs(w))
+            widest[k] = max(widest[k], turn)
+            squares += turn * turn
+        gaps[k] = np.sqrt(squares / max(joints - 1, 1))
+    return gaps, widest
 
 
 def add_seam_to_start(clip: Clip, stride: float, roles: Roles) -> Seamed | None:

@@ -12,7 +12,7 @@ from motionsplice.motion.procedural.library import make
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
-from motionsplice.precompute.preparation.seam import Seamed, add_seam
+from motionsplice.precompute.preparation.seam import SURE, WIDEST_TURN, Seamed, _gaps, add_seam, rough_gaps
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
@@ -120,3 +120,15 @@ def test_an_action_continues_past_its_end_without_a_jump(bank: Bank) -> None:
     splice = Evaluator(bank).clip(Splice("walk", "wave"))
     own = max(np.percentile(accelerations(bank.motion(name)), 99) for name in ("walk", "wave"))
     assert accelerations(splice).max() < 2.0 * own
+
+
+@pytest.mark.parametrize("name", LOOPED)
+def test_rough_gaps_are_those_of_the_slow_twin(name: str) -> None:
+    clip = CLIPS[name]
+    frames = np.random.default_rng(1).uniform(0.0, clip.frame_count - 1.0, 60)
+    gaps, widest = rough_gaps(clip.rotations, frames)
+    turns = quaternion.angle(clip.sampled(frames)[1][:, 1:], clip.rotations[-1, 1:])
+    np.testing.assert_allclose(widest, turns.max(axis=1), atol=0.1 * SURE)
+    wanted = _gaps(clip, frames)
+    assert np.all(np.isinf(wanted) == (widest > WIDEST_TURN)) and np.isfinite(wanted).any()
+    np.testing.assert_allclose(gaps[np.isfinite(wanted)], wanted[np.isfinite(wanted)], atol=0.1 * SURE)

@@ -39,6 +39,7 @@ from motionsplice.runtime.format.manifest import (
 from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
+PIECE = 1024  # rows
 CELLS_PER_FRAME = 4  # of the inverse table: the slope of phase is at least a quarter of its mean
 
 
@@ -137,15 +138,17 @@ def _rows(
     offsets: Mapping[str, Floats],
     usages: Mapping[str, Floats],
 ) -> Iterator[NDArray[np.float32]]:
-    """Yields each clip's rows of a table, with its torso offsets and usage weights."""
+    """Yields each clip's rows of a table, with its torso offsets and usage weights, as many as stay in a core's cache."""
     for clip in clips:
-        rows = clip.fetch(half)
-        if clip.name in offsets:
-            rows = rows.copy()
-            layout.set_torso_offsets(half, rows, offsets[clip.name])
-        if clip.name in usages:
-            layout.set_usage(rows, usages[clip.name])
-        yield rows
+        rows, moved, usage = clip.fetch(half), offsets.get(clip.name), usages.get(clip.name)
+        for first in range(0, len(rows), PIECE):
+            some = slice(first, first + PIECE)
+            piece = rows[some] if moved is None and usage is None else rows[some].copy()
+            if moved is not None:
+                layout.set_torso_offsets(half, piece, moved[some])
+            if usage is not None:
+                layout.set_usage(piece, usage[some])
+            yield piece
 
 
 def _stances(layout: Layout, standing: Mapping[str, Measured]) -> Iterator[NDArray[np.float32]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 
@@ -108,11 +107,11 @@ def write_manifest(
             "end_parents": skeleton.end_parents.tolist(),
             "end_offsets": skeleton.end_offsets.tolist(),
         },
-        "roles": asdict(roles),
+        "roles": vars(roles),
         "mirror": None if mirror is None else {"twins": mirror.twins.tolist(), "turns": mirror.turns.tolist()},
-        "baseline": asdict(baseline),
-        "clips": [asdict(clip) for clip in clips],
-        "hands": [asdict(one) for one in hands],
+        "baseline": vars(baseline),
+        "clips": [vars(clip) for clip in clips],
+        "hands": [vars(one) for one in hands],
         "tables": dict(tables),
     }
     packed = msgpack.packb(body)

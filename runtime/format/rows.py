@@ -8,6 +8,7 @@ padded to whole vectors (docs/bank.md).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -87,6 +88,7 @@ class Layout:
     points: int
 
     @classmethod
+    @lru_cache(maxsize=16)
     def of(cls, skeleton: Skeleton, roles: Roles) -> Layout:
         above, points = skeleton.subtree(roles.pelvis), len(roles.upper_cloud)
         below = tuple(joint for joint in range(skeleton.joint_count) if joint not in above)

@@ -77,9 +77,10 @@ def follow_joints(
     positions: Floats,
     world: Floats,
 ) -> None:
-    """Fills `positions` [F, n, 3] of the joints needed[wanted], with `wanted` [n], and `world` [F, m, 4] of the first m.
+    """Fills `positions` [F, n, 3] of the joints needed[wanted], and `world` [F, m, 4] of the first m of them.
 
-    `needed` [k] are joints, the root first and parents before children. `parents` [k] and `wanted` are indices into it.
+    `needed` [k] are joints, the root first and parents before children. `parents` [k] and `wanted` [n] are indices
+    into it.
     """
     at, turn = np.empty((len(needed), 3)), np.empty((len(needed), 4))
     for frame in range(len(root_positions)):

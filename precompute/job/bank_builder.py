@@ -137,7 +137,7 @@ def _rows(
     offsets: Mapping[str, Floats],
     usages: Mapping[str, Floats],
 ) -> Iterator[NDArray[np.float32]]:
-    """Yields each clip's rows of a table, with its torso offsets and usage weights, as many as stay in a core's cache."""
+    """Yields each clip's rows of a table, with torso offsets and usage weights, in pieces that stay in a core's cache."""
     for clip in clips:
         rows, moved, usage = clip.fetch(half), offsets.get(clip.name), usages.get(clip.name)
         for first in range(0, len(rows), PIECE):

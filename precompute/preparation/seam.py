@@ -20,7 +20,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.kinematics import heading
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
-from motionsplice.precompute.body.contacts import foot_contacts, support
+from motionsplice.precompute.body.contacts import support
 from motionsplice.precompute.body.joint_paths import joint_paths
 from motionsplice.precompute.preparation.feet import feet_over_ground, root_steps
 
@@ -52,13 +52,16 @@ class Seamed:
     strides: int
 
 
-def add_seam(clip: Clip, phase: Floats, roles: Roles) -> Seamed:
-    """Adds a seam to a clip at `phase` [F], in cycles. Root motion continues in the direction of the last frame."""
+def add_seam(clip: Clip, phase: Floats, roles: Roles, standing: NDArray[np.uint8]) -> Seamed:
+    """Adds a seam to a clip at `phase` [F], in cycles. Root motion continues in the direction of the last frame.
+
+    standing: its `foot_contacts` [F].
+    """
     strides, counterparts, gaps = _nearest_counterparts(clip, phase)
     if gaps.min(initial=np.inf) > WIDEST_GAP:
         return Seamed(clip, phase, 0)
     longest = np.flatnonzero((gaps <= ABOUT_AS_GOOD * gaps.min()) | ((gaps <= GOOD) & (strides >= MANY)))[-1]
-    return _seamed(clip, phase, float(counterparts[longest]), int(strides[longest]), roles)
+    return _seamed(clip, phase, float(counterparts[longest]), int(strides[longest]), roles, standing)
 
 
 def _nearest_counterparts(clip: Clip, phase: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
@@ -121,7 +124,7 @@ def rough_gaps(rotations: Floats, frames: Floats) -> tuple[Floats, Floats]:
     return gaps, widest
 
 
-def add_seam_to_start(clip: Clip, stride: float, roles: Roles) -> Seamed | None:
+def add_seam_to_start(clip: Clip, stride: float, roles: Roles, standing: NDArray[np.uint8]) -> Seamed | None:
     """Adds a seam to a clip without a gait that leads back to its start; None if it ends in another pose.
 
     Such a clip has no phase of its own, so its phase becomes even, with a whole number of strides of about `stride`
@@ -131,7 +134,7 @@ def add_seam_to_start(clip: Clip, stride: float, roles: Roles) -> Seamed | None:
     if last - _seam_frames(clip) < start[0] or _gaps(clip, start)[0] > WIDEST_GAP:
         return None
     strides = max(1, round((last - start[0]) / clip.rate / stride))
-    return _seamed(clip, strides * np.arange(last + 1.0) / (last - start[0]), start[0], strides, roles)
+    return _seamed(clip, strides * np.arange(last + 1.0) / (last - start[0]), start[0], strides, roles, standing)
 
 
 def _gaps(clip: Clip, counterparts: Floats) -> Floats:
@@ -145,18 +148,24 @@ def _seam_frames(clip: Clip) -> int:
     return max(2, round(SEAM * clip.rate))
 
 
-def _seamed(clip: Clip, phase: Floats, counterpart: float, back: int, roles: Roles) -> Seamed:
+def _seamed(
+    clip: Clip, phase: Floats, counterpart: float, back: int, roles: Roles, standing: NDArray[np.uint8]
+) -> Seamed:
     """Adds the seam that leads from the last frame to its counterpart, `back` strides before it."""
     after = counterpart + np.arange(1.0, _seam_frames(clip) + 1.0)
-    positions, rotations = _carried_on(clip, counterpart, after, roles)
+    firmness = support(standing, clip.rate)
+    positions, rotations = _carried_on(clip, counterpart, after, firmness, roles)
     along = np.arange(clip.frame_count)
     apart = phase[-1] - back - np.interp(counterpart, along, phase)
     going_on = np.interp(after, along, phase) + back + settled(np.array([apart, apart]), len(after))
     return Seamed(clip.followed_by(positions, rotations), np.concatenate([phase, going_on]), back)
 
 
-def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> tuple[Floats, Floats]:
-    """Returns root positions and rotations of the frames `after` the counterpart, continuing the clip's end."""
+def _carried_on(clip: Clip, counterpart: float, after: Floats, firmness: Floats, roles: Roles) -> tuple[Floats, Floats]:
+    """Returns root positions and rotations of the frames `after` the counterpart, continuing the clip's end.
+
+    firmness: [F, 2] of `support`.
+    """
     before = max(1, min(round(BEFORE * clip.rate), int(counterpart)))
     positions, rotations = clip.sampled(np.concatenate([counterpart + np.arange(-before, 1.0), after]))
     ends = clip.frames(clip.frame_count - 1 - before, clip.frame_count)
@@ -173,18 +182,18 @@ def _carried_on(clip: Clip, counterpart: float, after: Floats, roles: Roles) -> 
     copied = _moved(clip, positions[before:], rotations[before:])
     laid = _moved(clip, copied.root_positions, np.concatenate([ends.rotations[-1:], bent]))
     slips = np.diff(feet_over_ground(laid, roles) - feet_over_ground(copied, roles), axis=0)
-    positions[before + 1 :, [0, 2]] += np.cumsum(_against(slips, clip, after, roles), axis=0)
+    positions[before + 1 :, [0, 2]] += np.cumsum(_against(slips, firmness, after), axis=0)
     return positions[before + 1 :], bent
 
 
-def _against(slips: Floats, clip: Clip, after: Floats, roles: Roles) -> Floats:
+def _against(slips: Floats, firmness: Floats, after: Floats) -> Floats:
     """Returns steps [n, 2] of the root against the slips [n, 2, 2] of the feet on the way to the frames `after` [n].
 
-    A foot that stands at the clip's end has been there for longer, and counts more than one that touches down later.
+    firmness: [F, 2] of `support`. A foot that stands at the clip's end has been there for longer, and counts more than
+    one that touches down later.
     """
-    stands = support(foot_contacts(clip, roles), clip.rate)
-    on_the_way = [np.interp(after - 0.5, np.arange(clip.frame_count), foot) for foot in stands.T]
-    return root_steps(slips, np.stack(on_the_way, axis=1), NEWCOMER + (1.0 - NEWCOMER) * stands[-1])
+    on_the_way = [np.interp(after - 0.5, np.arange(len(firmness)), foot) for foot in firmness.T]
+    return root_steps(slips, np.stack(on_the_way, axis=1), NEWCOMER + (1.0 - NEWCOMER) * firmness[-1])
 
 
 def bent_onto(ends: Floats, rotations: Floats) -> Floats:

@@ -102,9 +102,9 @@ class Clip:
             expected = f"root positions [{frames}, 3] and rotations [{frames}, {joints}, 4]"
             found = f"{list(self.root_positions.shape)} and {list(self.rotations.shape)}"
             raise ClipError(f"expected {expected}, found {found}", place=where)
-        if not np.isfinite(self.root_positions).all():
-            raise self._not_finite("root position", self.root_positions)
-        if np.abs(self.root_positions).max() > FARTHEST:
+        if not np.abs(self.root_positions).max() <= FARTHEST:  # also catches NaN
+            if not np.isfinite(self.root_positions).all():
+                raise self._not_finite("root position", self.root_positions)
             raise ClipError(
                 f"the root is farther than {FARTHEST:g} m from the origin", place=where, mend="Check the unit of length"
             )

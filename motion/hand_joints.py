@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import fields, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -81,6 +82,7 @@ def _spelled(name: str) -> str:
     return "".join(words_of(name)[0])
 
 
+@lru_cache(maxsize=16)
 def has_fingers(skeleton: Skeleton, roles: Roles) -> bool:
     """Returns whether either hand has fingers. A mitten, with or without a thumb, does not count."""
     return any(fingers_of(skeleton, roles, side) for side in SIDES)

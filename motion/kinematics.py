@@ -77,9 +77,10 @@ def follow_joints(
     positions: Floats,
     world: Floats,
 ) -> None:
-    """Fills `positions` [F, n, 3] and `world` [F, n, 4] for the joints needed[wanted], with `wanted` [n].
+    """Fills `positions` [F, n, 3] of the joints needed[wanted], and `world` [F, m, 4] of the first m of them.
 
-    `needed` [m] are joints, the root first and parents before children. `parents` [m] and `wanted` are indices into it.
+    `needed` [k] are joints, the root first and parents before children. `parents` [k] and `wanted` [n] are indices
+    into it.
     """
     at, turn = np.empty((len(needed), 3)), np.empty((len(needed), 4))
     for frame in range(len(root_positions)):
@@ -104,5 +105,6 @@ def follow_joints(
         for number in range(len(wanted)):
             for i in range(3):
                 positions[frame, number, i] = at[wanted[number], i]
+        for number in range(world.shape[1]):
             for i in range(4):
                 world[frame, number, i] = turn[wanted[number], i]

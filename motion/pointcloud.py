@@ -59,7 +59,7 @@ def _dots(rows: Floats, others: Floats, lags: range) -> Floats:
 
 
 def _later(rows: Floats, lags: range) -> Floats:
-    """Returns a view of the rows i + lag, for successive lags, with zeros after the last row. [n, ...] -> [n, ..., lags]."""
+    """Returns the rows i + lag, zeros after the last one, for successive lags: [n, ...] -> [n, ..., lags]."""
     padded = np.concatenate([rows, np.zeros((lags.stop - 1, *rows.shape[1:]))])
     return sliding_window_view(padded[lags.start :], len(lags), axis=0)
 

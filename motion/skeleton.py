@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,19 @@ class Skeleton:
         if not (np.isfinite(self.offsets).all() and np.isfinite(self.end_offsets).all()):
             raise ClipError("a bone offset is not a finite number")
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same rig, to the last bit."""
+        return self is other or (isinstance(other, Skeleton) and self._contents == other._contents)
+
+    def __hash__(self) -> int:
+        return hash(self._contents)
+
+    @cached_property
+    def _contents(self) -> tuple[tuple[str, ...], bytes, bytes, bytes, bytes]:
+        arrays = (self.parents, self.offsets, self.end_parents, self.end_offsets)
+        parents, offsets, end_parents, end_offsets = (array.tobytes() for array in arrays)
+        return self.names, parents, offsets, end_parents, end_offsets
+
     @property
     def joint_count(self) -> int:
         """The number of joints, J, without end sites."""
@@ -109,3 +122,9 @@ class Skeleton:
     def scaled(self, factor: float) -> Skeleton:
         """Returns the same rig, `factor` times as large."""
         return Skeleton(self.names, self.parents, self.offsets * factor, self.end_parents, self.end_offsets * factor)
+
+
+@lru_cache(maxsize=16)
+def shared(skeleton: Skeleton) -> Skeleton:
+    """Returns the first of equal skeletons, so that what is found of a rig is found once for its clips."""
+    return skeleton

@@ -34,7 +34,7 @@ from motionsplice.motion.roles import (
     find_roles,
     limbs_by_name,
 )
-from motionsplice.motion.skeleton import subtree
+from motionsplice.motion.skeleton import shared, subtree
 
 # The first frame is a bind pose if the step after it, in mean radians over the joints, exceeds this and is more than
 # twice as large as any other step.
@@ -203,7 +203,7 @@ def _other_body(nodes: Nodes, read: tuple[str, ...]) -> list[str]:
 
 def _clip(name: str, folded: Folded, rate: float, metres: float, skip: int) -> Clip:
     positions = folded.root_positions[skip:] * metres
-    return Clip(name, folded.skeleton.scaled(metres), rate, positions, folded.rotations[skip:])
+    return Clip(name, shared(folded.skeleton.scaled(metres)), rate, positions, folded.rotations[skip:])
 
 
 def _starts_with_a_pose(rotations: Floats) -> bool:

@@ -63,6 +63,8 @@ def onto_rig(clip: Clip, roles: Roles, rig: Rig, *, retargeting: bool = True) ->
 def _copied(clip: Clip, roles: Roles, rig: Rig) -> Clip:
     """Returns the clip with its rotations unchanged on the other skeleton. Raises SkeletonError if the rigs differ."""
     skeleton, skeleton_roles = rig.skeleton, rig.roles
+    if clip.skeleton == skeleton and roles == skeleton_roles:
+        return Clip.of_valid(clip.name, skeleton, clip.rate, clip.root_positions, clip.rotations)
     if has_fingers(skeleton, skeleton_roles):
         clip, roles = fingered(clip, roles, skeleton, skeleton_roles)
     match = _match(clip, roles, skeleton, skeleton_roles)

@@ -7,6 +7,7 @@ BVH files and 3ds Max's Biped do: their standing pose is found from a motion. So
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -34,6 +35,7 @@ def stands(skeleton: Skeleton, roles: Roles) -> bool:
     return _stands(skeleton, roles, _upright(skeleton, roles))
 
 
+@lru_cache(maxsize=16)
 def shown_by_motion(skeleton: Skeleton, roles: Roles) -> bool:
     """Returns whether the bind pose does not show the standing pose, so that a motion has to."""
     body = _upright(skeleton, roles)

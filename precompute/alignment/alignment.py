@@ -69,10 +69,11 @@ class Alignment:
         return float(np.sqrt(self.cost.max() / 3.0))
 
 
-def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
+def align(clip: Clip, roles: Roles, baseline: Baseline, standing: NDArray[np.uint8] | None = None) -> Alignment:
     """Aligns a clip to the baseline by winding it round the ring: by its legs and feet, then by its arms as well.
 
-    The clip must have the baseline's skeleton. Raises ClipError if it is shorter than SHORTEST_CLIP.
+    The clip must have the baseline's skeleton. standing: its `foot_contacts` [F], if they are known. Raises ClipError
+    if it is shorter than SHORTEST_CLIP.
     """
     if clip.duration < SHORTEST_CLIP:
         raise ClipError(
@@ -82,9 +83,8 @@ def align(clip: Clip, roles: Roles, baseline: Baseline) -> Alignment:
         )
     paths = paths_at_working_rate(clip, facing_joints(roles))
     knees = planar_distances(level(paths[:, :3]), level(baseline.clouds))
-    below = knees + contact_distances(
-        support_at_working_rate(clip, foot_contacts(clip, roles)), baseline.support, baseline.leg
-    )
+    standing = foot_contacts(clip, roles) if standing is None else standing
+    below = knees + contact_distances(support_at_working_rate(clip, standing), baseline.support, baseline.leg)
     cells, frames = below.shape[1], np.arange(len(paths))
     swing = arm_swing(paths_at_working_rate(clip, arm_joints(roles)))
     distances = below + swing_distances(swing, wind_steadily(below) / cells, cells, baseline.leg)

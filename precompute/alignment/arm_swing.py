@@ -47,8 +47,9 @@ def swing_distances(swing: Floats, phase: Floats, cells: int, leg: float) -> Flo
     motion = np.var(swing, axis=0) + (STILL * leg) ** 2
     explained = np.maximum(1.0 - np.mean((swing - waves @ mean) ** 2, axis=0) / motion, 0.0)
     trust = explained**2 * (1.0 - 1.0 / cycles)  # little repetition explains itself
-    apart = swing[:, None] - _waves(np.arange(cells) / cells) @ mean
-    return np.asarray((WEIGHT * leg) ** 2 * np.sum(trust / motion * apart**2, axis=2))
+    means, weights = _waves(np.arange(cells) / cells) @ mean, trust / motion
+    left, right = (weights[arm] * (swing[:, arm, None] - means[:, arm]) ** 2 for arm in range(2))
+    return np.asarray((WEIGHT * leg) ** 2 * (left + right))
 
 
 def _waves(phase: Floats) -> Floats:

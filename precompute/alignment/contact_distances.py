@@ -18,4 +18,5 @@ def contact_distances(support: Floats, ring: Floats, leg: float) -> Floats:
 
     support: [n, 2] how firmly both feet stand, 0 to 1. ring: [cells, 2], likewise. leg: leg length, metres.
     """
-    return np.asarray((WEIGHT * leg) ** 2 * np.sum((support[:, None] - ring) ** 2, axis=2))
+    left, right = ((support[:, foot, None] - ring[:, foot]) ** 2 for foot in range(2))
+    return np.asarray((WEIGHT * leg) ** 2 * (left + right))

@@ -23,7 +23,8 @@ def best_rotations(targets: Floats, sources: Floats) -> Floats:
     rotations, gaps = np.empty((len(targets), 4)), np.empty(len(targets))
     fit_blocks(correlations, bounds, rotations, gaps)
     unclear = gaps < LEAST_GAP
-    rotations[unclear] = horn_rotation(targets[unclear], sources[unclear])
+    if unclear.any():
+        rotations[unclear] = horn_rotation(targets[unclear], sources[unclear])
     return rotations
 
 

@@ -20,49 +20,46 @@ from motionsplice.precompute.body.turned_points import turned_points
 class Followed(Clip):
     """A clip whose joints with roles have been followed once, for all that ask for their paths."""
 
-    _followed: ClassVar[tuple[dict[int, int], Floats, Floats] | None] = None  # places of joints in the two arrays
+    _known: ClassVar[tuple[dict[int, int], Floats, Floats]] = ({}, np.empty((0, 0, 3)), np.empty((0, 0, 4)))
 
     @classmethod
     def of(cls, clip: Clip, roles: Roles) -> Followed:
-        """Follows the joints of a clip that have roles, and the pelvis's parent."""
+        """Follows the joints of a clip that have roles, and keeps the rotations of the pelvis and its parent."""
         one = cls.of_valid(clip.name, clip.skeleton, clip.rate, clip.root_positions, clip.rotations)
+        turning = (roles.pelvis, int(clip.skeleton.parents[roles.pelvis]))
         with_roles = {joint for role, joint in vars(roles).items() if role != "spine"} - {-1}  # -1: no such toe
-        joints = sorted({int(clip.skeleton.parents[roles.pelvis]), *roles.spine, *with_roles})
+        joints = list(dict.fromkeys((*turning, *roles.spine, *sorted(with_roles))))
         places = {joint: place for place, joint in enumerate(joints)}
-        object.__setattr__(one, "_followed", (places, *joint_transforms(clip, joints)))
+        object.__setattr__(one, "_known", (places, *joint_transforms(clip, joints, turning=len(turning))))
         return one
 
-    def places(self, joints: Sequence[int]) -> list[int] | None:
-        """Returns where joints are among those that have been followed; None if one of them is not."""
-        known = {} if self._followed is None else self._followed[0]
-        return [known[joint] for joint in joints] if known.keys() >= set(joints) else None
-
-    def positions(self, places: Sequence[int]) -> Floats:
-        assert self._followed is not None
-        return np.take(self._followed[1], places, axis=1)
-
-    def world(self, places: Sequence[int]) -> Floats:
-        assert self._followed is not None
-        return np.take(self._followed[2], places, axis=1)
+    def transforms(self, joints: Sequence[int], turning: int) -> tuple[Floats, Floats] | None:
+        """Returns what `joint_transforms` does, or None if it is not known."""
+        places, positions, world = self._known
+        at = [places.get(joint, len(places)) for joint in joints]
+        if max(at) == len(places) or max(at[:turning], default=-1) >= world.shape[1]:
+            return None
+        return np.take(positions, at, axis=1), world[:, at[:turning]]
 
 
 def joint_paths(clip: Clip, joints: Sequence[int]) -> Floats:
     """Returns the world positions [F, n, 3] of n joints of a clip, metres."""
-    if isinstance(clip, Followed) and (places := clip.places(joints)):
-        return clip.positions(places)
-    return joint_transforms(clip, joints)[0]
+    return joint_transforms(clip, joints, turning=0)[0]
 
 
-def joint_transforms(clip: Clip, joints: Sequence[int], step: int = 1) -> tuple[Floats, Floats]:
+def joint_transforms(
+    clip: Clip, joints: Sequence[int], step: int = 1, turning: int | None = None
+) -> tuple[Floats, Floats]:
     """Returns the world positions [F, n, 3] in metres and world rotations [F, n, 4] of n joints of a clip.
 
-    With a `step`, only every so many-th frame is computed. The results agree with `motion.kinematics.world_transforms`,
-    which computes all joints.
+    With a `step`, only every so many-th frame is computed; with `turning`, only the rotations of so many joints, the
+    first ones. The results agree with `motion.kinematics.world_transforms`, which computes all joints.
     """
-    if isinstance(clip, Followed) and step == 1 and (places := clip.places(joints)):
-        return clip.positions(places), clip.world(places)
+    turning = len(joints) if turning is None else turning
+    if isinstance(clip, Followed) and step == 1 and (known := clip.transforms(joints, turning)):
+        return known
     roots, rotations = (np.ascontiguousarray(rows[::step]) for rows in (clip.root_positions, clip.rotations))
-    positions, world = np.empty((len(roots), len(joints), 3)), np.empty((len(roots), len(joints), 4))
+    positions, world = np.empty((len(roots), len(joints), 3)), np.empty((len(roots), turning, 4))
     follow_joints(*_chains(clip.skeleton, tuple(joints)), roots, rotations, positions, world)
     return positions, world
 
@@ -78,5 +75,5 @@ def _chains(skeleton: Skeleton, joints: tuple[int, ...]) -> tuple[Integers, Inte
 
 def upper_joints(clip: Clip, roles: Roles, step: int = 1) -> Floats:
     """Returns the positions [F, n, 3] of the upper body's joints in the pelvis's frame at every `step`-th frame."""
-    positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis), step)
+    positions, world = joint_transforms(clip, clip.skeleton.subtree(roles.pelvis), step, turning=1)
     return turned_points(quaternion.conjugate(world[:, 0]), positions[:, 1:] - positions[:, :1])

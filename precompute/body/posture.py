@@ -45,7 +45,7 @@ def measure_torso(clip: Clip, roles: Roles) -> Torso:
     """
     pelvis_parent = int(clip.skeleton.parents[roles.pelvis])
     positions, world = joint_transforms(
-        clip, (roles.pelvis, pelvis_parent, roles.left_hip, roles.right_hip, *roles.upper_cloud)
+        clip, (roles.pelvis, pelvis_parent, roles.left_hip, roles.right_hip, *roles.upper_cloud), turning=2
     )
     hip_line = positions[:, 2] - positions[:, 3]
     if len(steep := np.flatnonzero(np.hypot(hip_line[:, 0], hip_line[:, 2]) < HIPS_APART)):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 
@@ -46,6 +45,7 @@ from motionsplice.runtime.format.manifest import (
 from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
+PIECE = 1024  # rows
 CELLS_PER_FRAME = 4  # of the inverse table: the slope of phase is at least a quarter of its mean
 
 
@@ -114,11 +114,11 @@ def write_manifest(
             "end_parents": skeleton.end_parents.tolist(),
             "end_offsets": skeleton.end_offsets.tolist(),
         },
-        "roles": asdict(roles),
+        "roles": vars(roles),
         "mirror": None if mirror is None else {"twins": mirror.twins.tolist(), "turns": mirror.turns.tolist()},
-        "baseline": asdict(baseline),
-        "clips": [asdict(clip) for clip in clips],
-        "hands": [asdict(one) for one in hands],
+        "baseline": vars(baseline),
+        "clips": [vars(clip) for clip in clips],
+        "hands": [vars(one) for one in hands],
         "tables": dict(tables),
     }
     packed = msgpack.packb(body)
@@ -144,15 +144,17 @@ def _rows(
     offsets: Mapping[str, Floats],
     usages: Mapping[str, Floats],
 ) -> Iterator[NDArray[np.float32]]:
-    """Yields each clip's rows of a table, with its torso offsets and usage weights."""
+    """Yields each clip's rows of a table, with torso offsets and usage weights, in pieces that stay in a core's cache."""
     for clip in clips:
-        rows = clip.fetch(half)
-        if clip.name in offsets:
-            rows = rows.copy()
-            layout.set_torso_offsets(half, rows, offsets[clip.name])
-        if clip.name in usages:
-            layout.set_usage(rows, usages[clip.name])
-        yield rows
+        rows, moved, usage = clip.fetch(half), offsets.get(clip.name), usages.get(clip.name)
+        for first in range(0, len(rows), PIECE):
+            some = slice(first, first + PIECE)
+            piece = rows[some] if moved is None and usage is None else rows[some].copy()
+            if moved is not None:
+                layout.set_torso_offsets(half, piece, moved[some])
+            if usage is not None:
+                layout.set_usage(piece, usage[some])
+            yield piece
 
 
 def _stances(layout: Layout, standing: Mapping[str, Measured]) -> Iterator[NDArray[np.float32]]:

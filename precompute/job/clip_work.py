@@ -121,11 +121,15 @@ class Readings:
 
     They stay in memory as far as they fit into `room`, in bytes. Others go into the cache, and so do all those that a
     worker process has read, as its copy of this has no room.
+
+    results: what this process has found and stored, by the keys of the entries, without the large arrays; a worker's
+    stays there.
     """
 
     def __init__(self, cache: Cache, room: int = ROOM) -> None:
         self.cache, self._room = cache, room
         self._kept: dict[str, Reading] = {}
+        self.results: dict[str, Any] = {}
 
     def __reduce__(self) -> tuple[type[Readings], tuple[Cache, int]]:
         return Readings, (self.cache, 0)
@@ -178,11 +182,16 @@ class StrideSearch:
             ring = find_baseline(reading.clip, reading.roles)
         except BaselineError:
             ring = None
-        self.cache.store(self.key(one), *pack_stride(StrideSearched(Rig.of(reading.clip, reading.roles), ring)))
+        key, searched = self.key(one), StrideSearched(Rig.of(reading.clip, reading.roles), ring)
+        self.cache.store(key, *pack_stride(searched))
+        self.readings.results[key] = searched
 
     def load(self, one: Identified) -> StrideSearched | None:
-        name = one.source.name
-        return self.cache.load(self.key(one), lambda fields, arrays: unpack_stride(name, fields, arrays))
+        name, key = one.source.name, self.key(one)
+        found: StrideSearched | None = self.readings.results.get(key)
+        if found is None:
+            return self.cache.load(key, lambda fields, arrays: unpack_stride(name, fields, arrays))
+        return found if found.ring is None else replace(found, ring=replace(found.ring, name=name))
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,17 +237,29 @@ class Preparation:
         made = replace(made, notes=(*reading.notes, *made.notes), file_warnings=reading.warnings)
         if cut is not None:  # the whole clip says all of these
             made = replace(made, notes=(), file_warnings=())
-        self.cache.store(self.key(one), *pack_prepared(made))
+        key = self.key(one)
+        self.cache.store(key, *pack_prepared(made))
+        self.readings.results[key] = replace(made, fetch=partial(self._fetch, one))
 
     def load(self, one: Identified) -> PreparedClip | None:
-        name, settings = one.source.name, one.source.settings
+        name, settings, key = one.source.name, one.source.settings, self.key(one)
         fetch = partial(self._fetch, one)
-        found = self.cache.load(self.key(one), lambda fields, arrays: unpack_prepared(name, fetch, fields, arrays))
+        found: PreparedClip | None = self.readings.results.get(key)
+        if found is None:
+            found = self.cache.load(key, lambda fields, arrays: unpack_prepared(name, fetch, fields, arrays))
         if found is None:
             return None
-        neutral = settings.neutral or ""
-        found = replace(found, kind=settings.kind, neutral=neutral, mask=settings.mask, tags=settings.tags)
-        return replace(found, source=one.file_digest, cut=one.source.cut)
+        return replace(
+            found,
+            name=name,
+            fetch=fetch,
+            kind=settings.kind,
+            neutral=settings.neutral or "",
+            mask=settings.mask,
+            tags=settings.tags,
+            source=one.file_digest,
+            cut=one.source.cut,
+        )
 
     def _fetch(self, one: Identified, name: str) -> NDArray[Any]:
         """Returns a large array of a result, made again if the entry is damaged. Raises MotionError."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
@@ -92,7 +92,7 @@ def pack_rig(rig: Rig) -> Fields:
         "offsets": skeleton.offsets.tolist(),
         "end_parents": skeleton.end_parents.tolist(),
         "end_offsets": skeleton.end_offsets.tolist(),
-        "roles": asdict(rig.roles),
+        "roles": vars(rig.roles),
         "pose": None if rig.pose is None else rig.pose.tolist(),
     }
 

@@ -16,6 +16,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.precompute.alignment.alignment import Alignment, align
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.alignment.whole_cycle import find_period, played_on
+from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.preparation.seam import SEAM, Seamed, add_seam, add_seam_to_start, bent_onto, settled
 
 UNEVEN = 0.1  # strides: how far a cycle may be from a whole number of strides
@@ -46,10 +47,11 @@ def loop(clip: Clip, roles: Roles, baseline: Baseline) -> Looped:
     whole = None if period is None else _with_itself(clip, period, roles, baseline)
     if whole is not None:
         return whole
-    alignment = align(clip, roles, baseline)
-    seamed = None if alignment.has_gait else add_seam_to_start(clip, baseline.end - baseline.start, roles)
+    standing = foot_contacts(clip, roles)
+    alignment = align(clip, roles, baseline, standing)
+    seamed = None if alignment.has_gait else add_seam_to_start(clip, baseline.end - baseline.start, roles, standing)
     if seamed is None:
-        seamed = add_seam(clip, alignment.phase, roles)
+        seamed = add_seam(clip, alignment.phase, roles, standing)
     alignment = replace(alignment, phase=seamed.phase[: clip.frame_count])
     return Looped(alignment, seamed, (seamed.clip, seamed.phase), 0)
 

@@ -33,7 +33,8 @@ class MeanStride:
 
         Every part of the stride has the same weight, however fast the clip passes it.
         """
-        weight = np.sqrt(np.gradient(phase) / np.mean(np.gradient(phase)))[:, None]
+        pace = np.gradient(phase)
+        weight = np.sqrt(pace / np.mean(pace))[:, None]
         waves = _waves(phase) * weight
         normal = waves.T @ waves + STEADYING * len(phase) * np.diag([0.0] + [1.0] * (2 * HARMONICS))
         found = np.linalg.solve(normal, waves.T @ (clouds.reshape(len(clouds), -1) * weight))

@@ -8,6 +8,7 @@ padded to whole vectors (docs/bank.md).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -87,6 +88,7 @@ class Layout:
     points: int
 
     @classmethod
+    @lru_cache(maxsize=16)
     def of(cls, skeleton: Skeleton, roles: Roles) -> Layout:
         above, points = skeleton.subtree(roles.pelvis), len(roles.upper_cloud)
         below = tuple(joint for joint in range(skeleton.joint_count) if joint not in above)
@@ -108,12 +110,14 @@ class Layout:
 
     def pack(self, roots: Floats, rotations: Floats, torso: TorsoRows) -> dict[str, Float32s]:
         """Returns rows [n, columns] of both tables for n frames: roots [n, 3] metres, rotations [n, J, 4], torsos."""
-        sizes, packed = 0.5 * np.sum(torso.clouds**2, axis=(1, 2)), {}
-        numbers = [np.ascontiguousarray(one, np.float64) for one in (roots, sizes, rotations, *torso)]
+        sizes = 0.5 * np.sum(torso.clouds**2, axis=(1, 2))
+        roots, rotations = np.ascontiguousarray(roots, np.float64), np.ascontiguousarray(rotations, np.float64)
+        clouds, frames, offsets = (np.ascontiguousarray(one, np.float64) for one in torso)
+        packed = {name: np.zeros((len(roots), half.columns), np.float32) for name, half in self.halves.items()}
         for name, half in self.halves.items():
-            packed[name] = np.zeros((len(roots), half.columns), np.float32)
-            joints = np.array(half.joints, np.int64)
-            fill_rows(packed[name], *numbers, self.pelvis, joints, self.cloud_width, half.first_plane, half.width)
+            joints = np.array((self.pelvis, *half.joints), np.int64)
+            planes = (self.cloud_width, half.first_plane, half.width)
+            fill_rows(packed[name], roots, sizes, rotations, clouds, frames, offsets, joints, planes)
         return packed
 
     def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
@@ -181,16 +185,15 @@ def fill_rows(
     clouds: Floats,
     frames: Floats,
     offsets: Floats,
-    pelvis: int,
     joints: NDArray[np.int64],
-    cloud_width: int,
-    first_plane: int,
-    width: int,
+    planes: tuple[int, int, int],
 ) -> None:
-    """Fills rows [n, columns] of zeros of a table with `joints`; roots, rotations and torsos as in `Layout.pack`.
+    """Fills rows [n, columns] of zeros of a table; roots, rotations and torsos as in `Layout.pack`.
 
-    sizes: [n] half the sum of a cloud's squares. The other numbers are those of `Layout` and `Half`.
+    sizes: [n] half the sum of a cloud's squares. joints: the pelvis, then those of the table. planes: the width of the
+    cloud's planes, the first column of the rotations' planes, and their width.
     """
+    cloud_width, first_plane, width = planes
     for row in range(len(rows)):
         for i in range(3):
             rows[row, ROOT + i] = roots[row, i]
@@ -199,10 +202,10 @@ def fill_rows(
         rows[row, SIZE] = sizes[row]
         for i in range(4):
             plane = first_plane + i * width
-            rows[row, plane + PELVIS] = rotations[row, pelvis, i]
+            rows[row, plane + PELVIS] = rotations[row, joints[0], i]
             rows[row, plane + POSTURE_FRAME] = frames[row, i]
             rows[row, plane + TORSO_OFFSET] = offsets[row, i]
-            for number in range(len(joints)):
-                rows[row, plane + FIRST_JOINT + number] = rotations[row, joints[number], i]
-        for lane in range(FIRST_JOINT + len(joints), width):  # no joint: the identity
+            for number in range(1, len(joints)):
+                rows[row, plane + FIRST_JOINT - 1 + number] = rotations[row, joints[number], i]
+        for lane in range(FIRST_JOINT - 1 + len(joints), width):  # no joint: the identity
             rows[row, first_plane + 3 * width + lane] = 1.0

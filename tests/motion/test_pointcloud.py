@@ -65,5 +65,6 @@ def test_horn_agrees_with_scipys_least_squares(seed: int) -> None:
 def test_lag_distances_are_the_distances_of_pairs(seed: int, first: int, count: int) -> None:
     a = clouds(seed, 10)
     for lag, distances in enumerate(planar_lag_distances(a, range(first, first + count)), first):
-        np.testing.assert_allclose(distances[: max(10 - lag, 0)], planar_distance(a[: max(10 - lag, 0)], a[lag:]), atol=1e-9)
-        assert np.all(np.isinf(distances[max(10 - lag, 0) :]))
+        pairs = max(10 - lag, 0)
+        np.testing.assert_allclose(distances[:pairs], planar_distance(a[:pairs], a[lag:]), atol=1e-9)
+        assert np.all(np.isinf(distances[pairs:]))

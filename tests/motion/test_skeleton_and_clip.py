@@ -4,14 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.clip import Clip
+from motionsplice.motion.clip import Clip, unevenness
 from motionsplice.motion.errors import ClipError
 from motionsplice.motion.kinematics import end_positions, joint_positions, world_transforms
-from motionsplice.motion.skeleton import Skeleton
+from motionsplice.motion.skeleton import Skeleton, shared
 
 
 def arm(count: int = 3) -> Skeleton:
@@ -123,3 +125,26 @@ def test_frames_that_follow_are_checked_and_lie_in_one_hemisphere() -> None:
         clip.followed_by(clip.root_positions[:2], np.zeros((2, 3, 4)))
     with pytest.raises(ClipError, match="farther than"):
         clip.followed_by(np.full((1, 3), 1e300), clip.rotations[:1])
+
+
+def test_skeletons_are_equal_by_their_contents_and_shared() -> None:
+    skeleton = arm()
+    same, other = replace(skeleton, offsets=skeleton.offsets.copy()), skeleton.scaled(2.0)
+    assert same == skeleton
+    assert hash(same) == hash(skeleton)
+    assert other != skeleton
+    assert shared(same) is shared(skeleton)
+    assert shared(other) == other
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["", "long", "turned", "nan"]))
+def test_unevenness_is_that_of_the_slow_twin(seed: int, flaw: str) -> None:
+    rng = np.random.default_rng(seed)
+    rotations = quaternion.normalise(rng.normal(size=(5, 3, 4)) + 3.0)
+    at = tuple(rng.integers(0, (5, 3)))
+    rotations[at] *= {"": 1.0, "long": 1.01, "turned": -1.0, "nan": np.nan}[flaw]
+    error, least = unevenness(rotations)
+    errors = np.abs(np.linalg.norm(rotations, axis=-1) - 1.0)
+    products = np.sum(rotations[1:] * rotations[:-1], axis=-1)
+    assert error == (np.inf if flaw == "nan" else pytest.approx(errors.max(), abs=1e-15))
+    assert least == pytest.approx(np.nanmin(products))

@@ -51,10 +51,10 @@ def distances_to(candidate: Baseline, strides: list[Baseline]) -> list[float]:
 def test_the_choice_is_that_of_the_slow_twin_which_leaves_out_nothing(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
     gaits = [0.4 * rng.normal(size=(6, 3, 3)) for _ in range(2)]
-    strides = [
-        made_up(f"{k % 7}-{k}", int(rng.integers(10, 18)), rng.random(), gaits[rng.integers(2)], 0.02 * rng.random(), rng)
-        for k in range(count)
-    ]
+    strides = []
+    for k in range(count):
+        cells, loop, gait = int(rng.integers(10, 18)), rng.random(), gaits[rng.integers(2)]
+        strides.append(made_up(f"{k % 7}-{k}", cells, loop, gait, 0.02 * rng.random(), rng))
     strides.append(replace(strides[0], name="the same"))
     candidates = sorted(strides, key=lambda one: (one.loop, one.name))[:MOST_CANDIDATES]
     wanted = min(candidates, key=lambda one: (round(sum(distances_to(one, strides)), DECIMALS), one.name))

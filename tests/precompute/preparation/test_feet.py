@@ -58,7 +58,8 @@ def test_support_rises_within_the_time_of_loading(rate: float) -> None:
 def test_a_foot_that_stands_in_a_seam_does_not_slide(name: str) -> None:
     """Without the root steps, the slow walk slides by 8 cm here."""
     clip, walk = make(name, seconds=6.0), make("walk", seconds=6.0)
-    seamed = add_seam(clip, align(clip, ROLES, find_baseline(walk, ROLES)).phase, ROLES)
+    phase = align(clip, ROLES, find_baseline(walk, ROLES)).phase
+    seamed = add_seam(clip, phase, ROLES, foot_contacts(clip, ROLES))
     assert max(slides(seamed.clip, clip.frame_count - 1)) < 0.015
 
 

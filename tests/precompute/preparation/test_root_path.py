@@ -9,6 +9,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles
 from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.body.contacts import foot_contacts
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.seam import Seamed, add_seam
 
@@ -19,7 +20,7 @@ BASELINE = find_baseline(WALK, ROLES)
 
 def seamed(name: str, seed: int = 2) -> Seamed:
     clip = make(name, seed=seed)
-    return add_seam(clip, align(clip, ROLES, BASELINE).phase, ROLES)
+    return add_seam(clip, align(clip, ROLES, BASELINE).phase, ROLES, foot_contacts(clip, ROLES))
 
 
 def path_of(one: Seamed, roles: Roles = ROLES) -> Floats:

@@ -9,10 +9,12 @@ from bench.quality.measures import accelerations
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.procedural.library import make
+from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
-from motionsplice.precompute.preparation.seam import Seamed, add_seam
+from motionsplice.precompute.body.contacts import foot_contacts
+from motionsplice.precompute.preparation.seam import SURE, WIDEST_TURN, Seamed, _gaps, add_seam, rough_gaps
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
@@ -23,8 +25,9 @@ RING = find_baseline(CLIPS["walk"], ROLES)
 LOOPED = ("walk", "run", "carry_box", "wave", "side_step")
 
 
-def seamed(clip: Clip) -> Seamed:
-    return add_seam(clip, align(clip, ROLES, RING).phase, ROLES)
+def seamed(clip: Clip, phase: Floats | None = None) -> Seamed:
+    phase = align(clip, ROLES, RING).phase if phase is None else phase
+    return add_seam(clip, phase, ROLES, foot_contacts(clip, ROLES))
 
 
 @pytest.mark.parametrize("name", LOOPED)
@@ -67,7 +70,7 @@ def test_a_seam_goes_on_at_the_pace_of_the_last_frames_not_of_a_noisy_one() -> N
     disturbed = quaternion.about([1.0, 0.0, 0.0], noise)
     rotations[-1, ROLES.left_shoulder] = quaternion.multiply(rotations[-1, ROLES.left_shoulder], disturbed)
     phase = align(clip, ROLES, RING).phase
-    smooth, noisy = (add_seam(one, phase, ROLES).clip for one in (clip, replace(clip, rotations=rotations)))
+    smooth, noisy = (seamed(one, phase).clip for one in (clip, replace(clip, rotations=rotations)))
     apart = quaternion.angle(smooth.rotations[clip.frame_count :], noisy.rotations[clip.frame_count :])
     assert apart.max() < 2.0 * noise
 
@@ -76,7 +79,7 @@ def test_a_seam_finds_the_nearest_pose_although_the_phase_is_a_little_off() -> N
     clip, strayed = CLIPS["walk"], 0.02
     phase = align(clip, ROLES, RING).phase
     off = phase + strayed * (phase - phase[0]) / (phase[-1] - phase[0])  # the end is said to be later than it is
-    true, found = (add_seam(clip, one, ROLES) for one in (phase, off))
+    true, found = (seamed(clip, one) for one in (phase, off))
     assert true.strides == found.strides
     assert quaternion.angle(true.clip.rotations, found.clip.rotations).max() < 0.02
     assert np.diff(found.phase).min() > 0.0
@@ -103,7 +106,7 @@ def test_a_clip_with_unlike_strides_has_no_seam() -> None:
     bent = clip.rotations.copy()
     turn = quaternion.about([0.0, 0.0, 1.0], np.linspace(0.0, 6.0, clip.frame_count))
     bent[:, 1:] = quaternion.multiply(bent[:, 1:], turn[:, None])
-    assert add_seam(replace(clip, rotations=bent), align(clip, ROLES, RING).phase, ROLES).strides == 0
+    assert seamed(replace(clip, rotations=bent), align(clip, ROLES, RING).phase).strides == 0
 
 
 def test_one_arm_in_another_place_prevents_a_seam() -> None:
@@ -112,7 +115,7 @@ def test_one_arm_in_another_place_prevents_a_seam() -> None:
     turn = quaternion.about([0.0, 0.0, 1.0], 2.0 * (np.arange(clip.frame_count) > clip.frame_count - 25))
     raised[:, ROLES.left_shoulder] = quaternion.multiply(raised[:, ROLES.left_shoulder], turn)
     assert seamed(clip).strides > 0
-    assert add_seam(replace(clip, rotations=raised), align(clip, ROLES, RING).phase, ROLES).strides == 0
+    assert seamed(replace(clip, rotations=raised), align(clip, ROLES, RING).phase).strides == 0
 
 
 def test_an_action_continues_past_its_end_without_a_jump(bank: Bank) -> None:
@@ -120,3 +123,16 @@ def test_an_action_continues_past_its_end_without_a_jump(bank: Bank) -> None:
     splice = Evaluator(bank).clip(Splice("walk", "wave"))
     own = max(np.percentile(accelerations(bank.motion(name)), 99) for name in ("walk", "wave"))
     assert accelerations(splice).max() < 2.0 * own
+
+
+@pytest.mark.parametrize("name", LOOPED)
+def test_rough_gaps_are_those_of_the_slow_twin(name: str) -> None:
+    clip = CLIPS[name]
+    frames = np.random.default_rng(1).uniform(0.0, clip.frame_count - 1.0, 60)
+    gaps, widest = rough_gaps(clip.rotations, frames)
+    turns = quaternion.angle(clip.sampled(frames)[1][:, 1:], clip.rotations[-1, 1:])
+    np.testing.assert_allclose(widest, turns.max(axis=1), atol=0.1 * SURE)
+    wanted = _gaps(clip, frames)
+    np.testing.assert_array_equal(np.isinf(wanted), widest > WIDEST_TURN)
+    assert np.isfinite(wanted).any()
+    np.testing.assert_allclose(gaps[np.isfinite(wanted)], wanted[np.isfinite(wanted)], atol=0.1 * SURE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError
@@ -18,6 +19,9 @@ from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.rest_pose import with_own_bind
 from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import Roles
+from motionsplice.motion.storage.place import Place
+
+At = TypeVar("At", bound=Place)
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 SCENES = (*GLTF, ".fbx")
@@ -36,17 +40,17 @@ OTHERS = re.compile(  # motion files of other programs
 )
 
 
-def clip_files(folder: Path) -> list[Path]:
+def clip_files(folder: At) -> list[At]:
     """Returns the motion files in a folder, in order of name, without hidden files, such as macOS' `._walk.bvh`."""
     return sorted(file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES and file.name[0] != ".")
 
 
-def other_files(folder: Path) -> list[Path]:
+def other_files(folder: At) -> list[At]:
     """Returns the motion files in a folder that cannot be read, in order of name."""
     return sorted(file for file in folder.iterdir() if OTHERS.fullmatch(file.suffix) and file.name[0] != ".")
 
 
-def clips_in(path: Path) -> dict[str, str | None]:
+def clips_in(path: Place) -> dict[str, str | None]:
     """Returns the names of the clips in a file, each with its animation; None for a file that holds one motion.
 
     A glTF or FBX file with several animations holds a clip `file:animation` for each. Raises FormatError.
@@ -60,7 +64,7 @@ def write_clip(path: Path, clip: Clip, roles: Roles) -> None:
     path.write_bytes(WRITERS[path.suffix.lower()](clip, roles))
 
 
-def files_behind(path: Path) -> tuple[Path, ...]:
+def files_behind(path: At) -> tuple[At, ...]:
     """Returns all files that `read_clip` reads for `path`. Raises FormatError if a skeleton file is missing."""
     if path.suffix.lower() == ".amc" and path.exists():
         return path, _skeleton_file(path)
@@ -69,18 +73,18 @@ def files_behind(path: Path) -> tuple[Path, ...]:
     return (path,)
 
 
-def clip_name(path: Path, animation: str | None) -> str:
+def clip_name(path: Place, animation: str | None) -> str:
     return path.stem if animation is None else f"{path.stem}:{animation}"
 
 
-def _animations(path: Path) -> list[str]:
+def _animations(path: Place) -> list[str]:
     suffix = path.suffix.lower()
     if suffix == ".fbx":
         return fbx_reader.animation_names(read_bytes(path))
     return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
-def parse(path: Path, animation: str | None, root: str | None = None, *, still: bool = False) -> Parsed:
+def parse(path: Place, animation: str | None, root: str | None = None, *, still: bool = False) -> Parsed:
     """Returns what a file says: of several skeletons the one with the joint `root`, else the largest.
 
     If `still`, a scene without animations gives one frame at rest. Raises FormatError.
@@ -115,7 +119,7 @@ def _parsed(scene: Scene, root: str | None) -> Parsed:
     return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes, up="y")
 
 
-def _beside(path: Path, name: str) -> Path:
+def _beside(path: At, name: str) -> At:
     """Returns a file in the same folder or below it. Raises FormatError for others, which a hostile file may name."""
     file = path.parent / name
     try:
@@ -127,12 +131,12 @@ def _beside(path: Path, name: str) -> Path:
     return file
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: Place) -> bytes:
     """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty."""
     try:
-        if not path.exists():
-            raise FormatError("no such file", file=str(path), mend="Check the path")
         data = path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        raise FormatError("no such file", file=str(path), mend="Check the path") from None
     except OSError as error:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None
     if not data or data.isspace():
@@ -143,7 +147,7 @@ def read_bytes(path: Path) -> bytes:
     return data
 
 
-def _skeleton_file(path: Path) -> Path:
+def _skeleton_file(path: At) -> At:
     """Returns the ASF file of an AMC file: `16.asf` for `16_15.amc`, or else the only one in the folder."""
     name = path.stem.rpartition("_")[0] or path.stem
     beside = sorted(file for file in path.parent.iterdir() if file.suffix.lower() == ".asf")

@@ -122,7 +122,9 @@ def time_lengths() -> list[Timing]:
             read = time.perf_counter()
             made = prepare(reading.clip, rig.roles, rig, ring)
             aligned = time.perf_counter()
-            write_bank(bank, rig, ring, [neutral, replace(made, kind="action", neutral="neutral")])
+            write_bank(
+                bank, rig, ring, {"neutral": neutral, made.name: replace(made, kind="action", neutral="neutral")}
+            )
             written = time.perf_counter()
             shutil.rmtree(bank)
             for what, taken in {

@@ -30,6 +30,7 @@ WORST_LOOP = 0.15  # largest distance of a stride's ends, divided by the distanc
 LEAST_SWING = 0.05  # leg lengths: the least distance between the two halves of a stride
 OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
 MOST_CANDIDATES = 16  # strides that are compared with all others
+AT_A_TIME = 256  # strides: their distances from a candidate take 20 kB each
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,20 +137,17 @@ def most_typical(strides: Sequence[Baseline]) -> Baseline:
     sum is over distances, not their squares, and each counts at most OTHER_GAIT. Otherwise one run among walks would
     favour a stride halfway between walk and run, which is like neither, and jumps and dances would count most.
     """
-
-    twice = [level(np.tile(stride.clouds / stride.leg, (2, 1, 1))) for stride in strides]
-    all_strides, ends = np.concatenate(twice), np.cumsum([len(clouds) for clouds in twice])
-
-    def apart(candidate: Baseline) -> float:
-        ring = level(candidate.clouds / candidate.leg)
-        total = 0.0
-        for distances in np.split(planar_distances(all_strides, ring), ends[:-1]):
-            wound = wind(distances) % len(ring)
-            total += min(float(np.sqrt(distances[np.arange(len(wound)), wound].mean())), OTHER_GAIT)
-        return total
-
     candidates = sorted(strides, key=lambda stride: (stride.loop, stride.name))[:MOST_CANDIDATES]
-    return min(candidates, key=lambda stride: (apart(stride), stride.name))
+    rings = [level(candidate.clouds / candidate.leg) for candidate in candidates]
+    apart = [0.0] * len(rings)
+    for first in range(0, len(strides), AT_A_TIME):
+        twice = [level(np.tile(one.clouds / one.leg, (2, 1, 1))) for one in strides[first : first + AT_A_TIME]]
+        together, ends = np.concatenate(twice), np.cumsum([len(clouds) for clouds in twice])
+        for number, ring in enumerate(rings):
+            for distances in np.split(planar_distances(together, ring), ends[:-1]):
+                wound = wind(distances) % len(ring)
+                apart[number] += min(float(np.sqrt(distances[np.arange(len(wound)), wound].mean())), OTHER_GAIT)
+    return min(zip(apart, candidates, strict=True), key=lambda pair: (pair[0], pair[1].name))[1]
 
 
 def _ring(clip: Clip, roles: Roles, standing: NDArray[np.uint8], stride: slice) -> tuple[Floats, Floats]:

@@ -16,6 +16,7 @@ from motionsplice.motion.storage.place import Place, place_of, read_ahead
 from motionsplice.motion.storage.remote import Remote
 from motionsplice.precompute.hands.settings import HandsOnBody
 from motionsplice.precompute.job.bank_builder import write_bank
+from motionsplice.precompute.job.bank_clips import BankClips
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
 from motionsplice.precompute.job.cache import CacheError
 from motionsplice.precompute.job.clip_work import (
@@ -43,7 +44,7 @@ from motionsplice.precompute.job.hand_work import (
     with_fingers,
 )
 from motionsplice.precompute.job.hybrids import Hybrids, cuts_key, fail_whole, hands_on_stretches, hybrids_among
-from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
+from motionsplice.precompute.job.neutrals import fail_without_neutral, labels_of
 from motionsplice.precompute.job.outcome import Outcome, Progress
 from motionsplice.precompute.job.processes import in_processes
 from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
@@ -239,12 +240,11 @@ class Job:
     ) -> str:
         """Writes the bank, and returns its digest."""
         preparation.cache.read_ahead(preparation.key(one) for one in aligned.values())
-        prepared = [load_or_run(preparation, one) for one in aligned.values()]
-        prepared = [replace(one, stretches=tuple(self.hybrids.get(one.name, ()))) for one in prepared]
+        clips, ring = BankClips(preparation, aligned, self.hybrids), preparation.ring
+        clips = replace(clips, labels=labels_of(clips, ring.name))
         hands = [load_or_run(laying, task) for task in tasks.values()]
-        hands += hands_on_stretches(hands, prepared, preparation.rig)
-        ring = preparation.ring
-        return write_bank(folder, preparation.rig, ring, with_neutrals(prepared, ring.name), hands)
+        hands += hands_on_stretches(hands, clips, preparation.rig)
+        return write_bank(folder, preparation.rig, ring, clips, hands)
 
     def _do(self, stage: str, work: Work[Task, object], tasks: Mapping[str, Task]) -> set[str]:
         """Does the work on tasks whose results are not cached, and returns their names."""

@@ -7,7 +7,7 @@ COPY motion motion
 COPY runtime runtime
 COPY precompute precompute
 COPY service service
-RUN python -m venv /opt/motionsplice && /opt/motionsplice/bin/pip install --no-cache-dir '.[fbx]'
+RUN python -m venv /opt/motionsplice && /opt/motionsplice/bin/pip install --no-cache-dir '.[cluster,fbx,s3]'
 # Kernels are compiled for any x86-64 with AVX2, so that the cache fits wherever the image runs; --build-arg
 # CPU=generic is for other processors.
 ARG CPU=haswell

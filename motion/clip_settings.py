@@ -25,12 +25,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from pathlib import Path
 from typing import Any
 
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from motionsplice.motion.parts import MASKS
 from motionsplice.motion.roles import GivenRole, read_roles_file
+from motionsplice.motion.storage.place import Place
 from motionsplice.motion.toml_file import read_toml
 
 FILE_NAME = "clips.toml"
@@ -91,7 +91,7 @@ class ClipSettings:
 DEFAULT_SETTINGS = ClipSettings()
 
 
-def read_clip_settings(file: Path, default: ClipSettings = DEFAULT_SETTINGS) -> dict[str, ClipSettings]:
+def read_clip_settings(file: Place, default: ClipSettings = DEFAULT_SETTINGS) -> dict[str, ClipSettings]:
     """Reads a `clips.toml`.
 
     Args:
@@ -119,7 +119,7 @@ def _with_those_of_file(name: str, entries: Mapping[str, Any]) -> Any:
     return {**shared, **own} if isinstance(own, Mapping) and isinstance(shared, Mapping) else own
 
 
-def _settings(name: str, entry: Any, file: Path, default: ClipSettings) -> ClipSettings:
+def _settings(name: str, entry: Any, file: Place, default: ClipSettings) -> ClipSettings:
     where = f"clip {name!r}"
     if not isinstance(entry, Mapping):
         raise SettingsError(
@@ -157,7 +157,7 @@ def _settings(name: str, entry: Any, file: Path, default: ClipSettings) -> ClipS
     return replace(settings, roles=_roles(file, roles, where)) if roles else settings
 
 
-def _roles(file: Path, name: str, where: str) -> Mapping[str, GivenRole]:
+def _roles(file: Place, name: str, where: str) -> Mapping[str, GivenRole]:
     try:
         return read_roles_file(file.parent / name)
     except SettingsError as error:

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
 
@@ -14,6 +13,7 @@ from motionsplice.motion.animals import not_human
 from motionsplice.motion.errors import RoleError, SettingsError, did_you_mean
 from motionsplice.motion.role_names import OPTIONAL, PAIRED, roles_by_name
 from motionsplice.motion.skeleton import Integers, Skeleton, chain
+from motionsplice.motion.storage.place import Place
 from motionsplice.motion.toml_file import read_toml
 
 Side = Literal["left", "right"]
@@ -182,7 +182,7 @@ def check_limbs(names: Sequence[str], parents: Integers, found: Mapping[str, int
                 )
 
 
-def read_roles_file(file: Path) -> dict[str, GivenRole]:
+def read_roles_file(file: Place) -> dict[str, GivenRole]:
     """Reads a TOML file with one table, `[roles]`: joint names by role.
 
     Raises SettingsError if the file cannot be read or an entry is invalid. The message names the file and the key.

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import tomllib
-from pathlib import Path
 from typing import Any
 
 from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.storage.place import Place
 
 COLON = 'Write a name with a colon in quotes, as ["moves:run"]'
 
 
-def read_toml(file: Path) -> dict[str, Any]:
+def read_toml(file: Place) -> dict[str, Any]:
     """Returns the tables and values of a file. Raises SettingsError, naming the file."""
     try:
         return tomllib.loads(file.read_text(encoding="utf-8"))

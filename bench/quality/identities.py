@@ -95,7 +95,7 @@ def _bank(folder: Path, like: Bank, baseline: Clip, *clips: Clip) -> Bank:
     names = {clip.name: clip for clip in (baseline, *clips)}
     prepared = [prepare(clip, like.roles, rig, ring) for clip in names.values()]
     settled = [replace(one, neutral=one.name) for one in prepared]
-    write_bank(folder, rig, ring, settled)
+    write_bank(folder, rig, ring, {one.name: one for one in settled})
     return Bank.open(folder)
 
 

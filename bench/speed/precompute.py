@@ -34,7 +34,8 @@ from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.job.bank_builder import write_bank
-from motionsplice.precompute.job.job import CACHE, build_bank
+from motionsplice.precompute.job.destination import CACHE
+from motionsplice.precompute.job.job import build_bank
 from motionsplice.precompute.job.processes import end_with_parent
 from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.runtime.bank import Bank
@@ -121,7 +122,9 @@ def time_lengths() -> list[Timing]:
             read = time.perf_counter()
             made = prepare(reading.clip, rig.roles, rig, ring)
             aligned = time.perf_counter()
-            write_bank(bank, rig, ring, [neutral, replace(made, kind="action", neutral="neutral")])
+            write_bank(
+                bank, rig, ring, {"neutral": neutral, made.name: replace(made, kind="action", neutral="neutral")}
+            )
             written = time.perf_counter()
             shutil.rmtree(bank)
             for what, taken in {

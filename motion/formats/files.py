@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from os.path import exists, isdir, realpath  # those of Path raise what is no error of ours for some odd folders
 from pathlib import Path
 
 from motionsplice.motion.clip import Clip
@@ -19,6 +18,7 @@ from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.rest_pose import with_own_bind
 from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import Roles
+from motionsplice.motion.storage.place import At, Place, exists, is_dir, resolved
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 SCENES = (*GLTF, ".fbx")
@@ -37,7 +37,7 @@ OTHERS = re.compile(  # motion files of other programs
 )
 
 
-def clip_files(folder: Path) -> list[Path]:
+def clip_files(folder: At) -> list[At]:
     """Returns the motion files in a folder, in order of name, without hidden files, such as macOS' `._walk.bvh`.
 
     Raises FormatError.
@@ -45,12 +45,12 @@ def clip_files(folder: Path) -> list[Path]:
     return [file for file in listing(folder) if file.suffix.lower() in SUFFIXES and file.name[0] != "."]
 
 
-def other_files(folder: Path) -> list[Path]:
+def other_files(folder: At) -> list[At]:
     """Returns the motion files in a folder that cannot be read, in order of name."""
     return [file for file in listing(folder) if OTHERS.fullmatch(file.suffix) and file.name[0] != "."]
 
 
-def listing(folder: Path) -> list[Path]:
+def listing(folder: At) -> list[At]:
     """Returns what is in a folder, in order of name. Raises FormatError."""
     try:
         return sorted(folder.iterdir())
@@ -58,7 +58,7 @@ def listing(folder: Path) -> list[Path]:
         raise FormatError(f"the folder cannot be read: {error.strerror}", file=str(folder)) from None
 
 
-def clips_in(path: Path) -> dict[str, str | None]:
+def clips_in(path: Place) -> dict[str, str | None]:
     """Returns the names of the clips in a file, each with its animation; None for a file that holds one motion.
 
     A glTF or FBX file with several animations holds a clip `file:animation` for each. Raises FormatError.
@@ -72,7 +72,7 @@ def write_clip(path: Path, clip: Clip, roles: Roles) -> None:
     path.write_bytes(WRITERS[path.suffix.lower()](clip, roles))
 
 
-def files_behind(path: Path) -> tuple[Path, ...]:
+def files_behind(path: At) -> tuple[At, ...]:
     """Returns all files that `read_clip` reads for `path`. Raises FormatError if a skeleton file is missing."""
     if path.suffix.lower() == ".amc" and exists(path):
         return path, _skeleton_file(path)
@@ -81,24 +81,24 @@ def files_behind(path: Path) -> tuple[Path, ...]:
     return (path,)
 
 
-def clip_name(path: Path, animation: str | None) -> str:
+def clip_name(path: Place, animation: str | None) -> str:
     return path.stem if animation is None else f"{path.stem}:{animation}"
 
 
-def _animations(path: Path) -> list[str]:
+def _animations(path: Place) -> list[str]:
     suffix = path.suffix.lower()
     if suffix == ".fbx":
         return fbx_reader.animation_names(read_bytes(path))
     return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
-def parse(path: Path, animation: str | None, root: str | None = None, *, still: bool = False) -> Parsed:
+def parse(path: Place, animation: str | None, root: str | None = None, *, still: bool = False) -> Parsed:
     """Returns what a file says: of several skeletons the one with the joint `root`, else the largest.
 
     If `still`, a scene without animations gives one frame at rest. Raises FormatError.
     """
     suffix = path.suffix.lower()
-    if isdir(path):
+    if is_dir(path):
         raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
     if suffix == ".asf":
         raise FormatError("this is a skeleton without a motion", mend="Give the .amc beside it")
@@ -127,11 +127,11 @@ def _parsed(scene: Scene, root: str | None) -> Parsed:
     return Parsed(nodes, scene.rate, scene.unit, scene.roles, notes, up="y")
 
 
-def _beside(path: Path, name: str) -> Path:
+def _beside(path: At, name: str) -> At:
     """Returns a file in the same folder or below it. Raises FormatError for others, which a hostile file may name."""
     file = path.parent / name
     try:
-        is_inside = Path(realpath(file)).is_relative_to(realpath(path.parent))
+        is_inside = resolved(file).is_relative_to(resolved(path.parent))
     except ValueError:
         raise FormatError(f"it refers to {name!r}, which cannot be a file's name", mend="Export it again") from None
     if not is_inside:
@@ -139,17 +139,17 @@ def _beside(path: Path, name: str) -> Path:
     return file
 
 
-def read_bytes(path: Path) -> bytes:
+def read_bytes(path: Place) -> bytes:
     """Returns the bytes of a file. Raises FormatError if it is missing, unreadable or empty.
 
     A pipe or a device, which may never end, is refused too.
     """
     try:
-        if not path.exists():
-            raise FormatError("no such file", file=str(path), mend="Check the path")
-        if not (path.is_file() or path.is_dir()):
+        if isinstance(path, Path) and path.exists() and not (path.is_file() or path.is_dir()):
             raise FormatError("this is a pipe or a device, not a file", file=str(path))
         data = path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        raise FormatError("no such file", file=str(path), mend="Check the path") from None
     except OSError as error:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None
     if not data or data.isspace():
@@ -160,7 +160,7 @@ def read_bytes(path: Path) -> bytes:
     return data
 
 
-def _skeleton_file(path: Path) -> Path:
+def _skeleton_file(path: At) -> At:
     """Returns the ASF file of an AMC file: `16.asf` for `16_15.amc`, or else the only one in the folder."""
     name = path.stem.rpartition("_")[0] or path.stem
     beside = [file for file in listing(path.parent) if file.suffix.lower() == ".asf"]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 
@@ -35,6 +34,7 @@ from motionsplice.motion.roles import (
     limbs_by_name,
 )
 from motionsplice.motion.skeleton import shared, subtree
+from motionsplice.motion.storage.place import Place, place_of
 
 # The first frame is a bind pose if the step after it, in mean radians over the joints, exceeds this and is more than
 # twice as large as any other step.
@@ -63,7 +63,7 @@ class Reading:
 
 
 def read_clip(
-    path: str | PathLike[str],
+    path: str | PathLike[str] | Place,
     *,
     animation: str | None = None,
     skip_frames: int = 0,
@@ -82,7 +82,7 @@ def read_clip(
     from it are left out.
 
     Args:
-        path: The file.
+        path: The file, or its URL, such as `s3://bucket/walk.bvh`.
         animation: The name of the animation, for a glTF or FBX file that has several.
         skip_frames: The number of leading frames to leave out because they are not motion, such as a T-pose.
         unit: The file's unit of length: "m", "dm", "cm", "mm", "in", "ft", "cmu" (0.0254 / 0.45 m), or metres per unit
@@ -115,7 +115,7 @@ def read_clip(
         print(reading.clip.frame_count, reading.clip.rate, reading.warnings)
         ```
     """
-    path = Path(path)
+    path = place_of(path)
     asked = ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, mirror=mirror)
     check_up(up)
     if rate is not None and not 0.0 < rate < math.inf:
@@ -123,7 +123,7 @@ def read_clip(
     return _read(path, animation, asked, roles, still=False)
 
 
-def read_rig(path: Path, roles: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Reading:
+def read_rig(path: Place, roles: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Reading:
     """Reads a file for its rig: a motion file, or a character without a motion, which gives one frame at rest.
 
     Raises as `read_clip` does.
@@ -133,7 +133,7 @@ def read_rig(path: Path, roles: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Read
 
 
 def _read(
-    path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], *, still: bool
+    path: Place, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], *, still: bool
 ) -> Reading:
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
@@ -143,7 +143,7 @@ def _read(
 
 
 def _understood(
-    path: Path, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], parsed: Parsed
+    path: Place, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], parsed: Parsed
 ) -> Reading:
     nodes, given = parsed.nodes, {**parsed.roles, **given}
     if not 0 <= asked.skip_frames < len(nodes.rotations):

@@ -22,6 +22,8 @@ from motionsplice.commands.progress_file import ProgressFile
 from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import MotionError
+from motionsplice.motion.storage.place import place_of
+from motionsplice.motion.storage.remote import Remote
 from motionsplice.runtime.bank import Bank
 
 if TYPE_CHECKING:
@@ -42,8 +44,10 @@ def register(app: typer.Typer) -> None:
 
 
 def precompute_command(
-    clips: Annotated[list[Path], typer.Argument(help="Motion files (.bvh, .fbx, .glb, ...), or folders of them.")],
-    out: Annotated[Path, typer.Option(help="The bank to write, a folder.")],
+    clips: Annotated[
+        list[str], typer.Argument(help="Motion files (.bvh, .fbx, .glb, ...), folders of them, or their URLs.")
+    ],
+    out: Annotated[str, typer.Option(help="The bank to write, a folder or a URL.")],
     baseline: Annotated[
         str, typer.Option(help="The clip to whose stride all clips are aligned; auto: the most typical stride.")
     ] = AUTOMATIC,
@@ -78,10 +82,11 @@ def precompute_command(
     from motionsplice.precompute.hands.settings import HandsOnBody
 
     file = ProgressFile(progress) if progress is not None else None
+    places, bank = [place_of(one) for one in clips], place_of(out)
     try:
         outcome = run(
-            clips,
-            out,
+            places,
+            bank,
             baseline=None if baseline == AUTOMATIC else baseline,
             jobs=jobs,
             scheduler=scheduler,
@@ -98,10 +103,12 @@ def precompute_command(
         raise
     if file is not None:
         file.finish(outcome)
-    print_work(outcome, out)
-    print_left_out(clips)
-    if not outcome.unchanged:
-        built = Bank.open(out)
+    print_work(outcome, bank)
+    print_left_out(places)
+    if isinstance(bank, Remote):
+        console.print(f"bank {outcome.digest}", highlight=False)
+    elif not outcome.unchanged:
+        built = Bank.open(bank)
         show_tables(built)
         print_retargeted(built, skeleton)
     print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed")
@@ -112,8 +119,8 @@ def precompute_command(
 
 
 def run(
-    clips: list[Path],
-    out: Path,
+    clips: Sequence[Path | Remote],
+    out: Path | Remote,
     *,
     baseline: str | None = None,
     jobs: int | None = None,
@@ -171,7 +178,7 @@ def stages(file: ProgressFile | None = None) -> Iterator[Callable[[str, int, int
         yield show
 
 
-def print_work(outcome: Outcome, out: Path) -> None:
+def print_work(outcome: Outcome, out: Path | Remote) -> None:
     """Prints how many clips were processed, and how many were reused or failed."""
     count = f"{len(outcome.clips)} clip{'s' * (len(outcome.clips) != 1)}"
     if outcome.unchanged:
@@ -182,7 +189,7 @@ def print_work(outcome: Outcome, out: Path) -> None:
     console.print(line + failed, highlight=False, soft_wrap=True)
 
 
-def print_left_out(clips: list[Path]) -> None:
+def print_left_out(clips: Sequence[Path | Remote]) -> None:
     """Prints which motion files in the folders cannot be read."""
     from motionsplice.motion.errors import listed
     from motionsplice.motion.formats.files import other_files
@@ -209,8 +216,8 @@ def print_retargeted(bank: Bank, skeleton: Path | None) -> None:
 
 
 def install_command(
-    bank: Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")],
-    place: Annotated[Path, typer.Argument(help="The folder to copy it to; it may hold a bank that is served.")],
+    bank: Annotated[str, typer.Argument(help="A bank, as `precompute` wrote it: a folder or a URL.")],
+    place: Annotated[str, typer.Argument(help="The folder or URL to copy it to; it may hold a bank that is served.")],
 ) -> None:
     """Copy a bank to where it is served, in place of an older one.
 
@@ -220,7 +227,7 @@ def install_command(
     from motionsplice.precompute.job.install import install_bank
 
     with stages() as show:
-        digest = install_bank(bank, place, show)
+        digest = install_bank(place_of(bank), place_of(place), show)
     console.print(f"{place}: bank {digest}", highlight=False, soft_wrap=True)
 
 

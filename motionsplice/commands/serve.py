@@ -12,6 +12,8 @@ from pydantic import SecretStr
 from rich.console import Console
 from rich.table import Table
 
+from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.storage.place import place_of
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import PREFIX, Settings
 
@@ -23,13 +25,25 @@ def register(app: typer.Typer) -> None:
     app.command("serve", epilog=EPILOG)(serve_command)
 
 
-def serve_command(bank: Path, **flags: Any) -> None:
+def serve_command(bank: str, **flags: Any) -> None:
     """Serve a bank's clips, poses, splices and streams over HTTP until stopped.
 
     Settings are also read from the environment, as MOTIONSPLICE_HOST and so on. Flags override it.
     """
     given = {name: value for name, value in flags.items() if value is not None}
-    start(bank, Settings(**given))
+    settings, place = Settings(**given), place_of(bank)
+    if isinstance(place, Path):
+        start(place, settings)
+        return
+    from motionsplice.commands.copied_bank import copied, folder_for
+
+    if settings.clips is not None:
+        mend = "Serve a folder, or run `motionsplice precompute --out URL` where the clips are"
+        problem = "uploaded clips cannot be added to a bank at a URL"
+        raise SettingsError(problem, file=f"--clips {settings.clips}", mend=mend)
+    folder = folder_for(place, settings.copies)
+    with copied(place, folder, follow=settings.watch):
+        start(folder, settings)
 
 
 def start(bank: Path, settings: Settings) -> None:
@@ -52,7 +66,7 @@ def start(bank: Path, settings: Settings) -> None:
 def _signature() -> inspect.Signature:
     """Returns a flag for each setting. All are optional, since the environment may set them."""
     hints = get_type_hints(Settings)
-    argument = Annotated[Path, typer.Argument(help="A bank, as `precompute` wrote it.")]
+    argument = Annotated[str, typer.Argument(help="A bank, as `precompute` wrote it: a folder or a URL.")]
     parameters = [inspect.Parameter("bank", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=argument)]
     for name, field in Settings.model_fields.items():
         kind = _flag_type(hints[name])

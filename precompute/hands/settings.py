@@ -14,11 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, get_args
 
 from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
 from motionsplice.motion.roles import SIDES, Side
+from motionsplice.motion.storage.place import Place
 from motionsplice.motion.toml_file import read_toml
 from motionsplice.precompute.hands.align import BANDS
 from motionsplice.precompute.hands.banded_warp import FramePair
@@ -94,7 +94,7 @@ class HandsOnBody:
         return cls(body, hands)
 
 
-def read_hand_settings(file: Path) -> list[HandsOnBody]:
+def read_hand_settings(file: Place) -> list[HandsOnBody]:
     """Reads the entries of a `hands.toml`. Raises SettingsError with the entry and the key."""
     document = read_toml(file)
     entries = document.get("hands")

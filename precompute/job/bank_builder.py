@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
+from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 
 import msgpack
 import numpy as np
-from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SkeletonError
 from motionsplice.motion.mirror import Mirror
@@ -20,18 +20,18 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.hands.rows import LaidHands
-from motionsplice.precompute.job.standing import standing_of
+from motionsplice.precompute.job.standing import StandingActions
 from motionsplice.precompute.job.written import (
-    Parts,
+    Piece,
     make_folder,
     remove_others,
     tables_in_use,
+    write_rows,
     write_synced,
-    write_tables,
 )
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured
-from motionsplice.precompute.preparation.torso_offset import believed, shoulder_motion, torso_offsets
+from motionsplice.precompute.preparation.torso_offset import MeanStride, believed, shoulder_motion, torso_offsets
 from motionsplice.runtime.format.manifest import (
     FORMAT,
     MANIFEST,
@@ -46,6 +46,7 @@ from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
 PIECE = 1024  # rows
+MOST_NEUTRALS = 1000  # that are kept while clips are written, 2 kB each
 CELLS_PER_FRAME = 4  # of the inverse table: the slope of phase is at least a quarter of its mean
 
 
@@ -53,41 +54,33 @@ def write_bank(
     path: Path,
     rig: Rig,
     baseline: Baseline,
-    prepared: Sequence[PreparedClip],
+    prepared: Mapping[str, PreparedClip],
     hands: Sequence[LaidHands] = (),
 ) -> str:
     """Writes a bank of at least one clip, with hands on some of them, to the folder `path` and returns its digest.
 
-    Tables are written first. Renaming the manifest then makes the new bank current, so a reader sees either the old
-    bank or the new one. The old bank's tables stay until the next bank is written; older tables are removed.
+    Tables are written first, clip by clip: each clip is asked for twice, and may be forgotten then. Renaming the
+    manifest makes the new bank current, so a reader sees either the old bank or the new one. The old bank's tables stay
+    until the next bank is written; older tables are removed.
     """
-    clips, layout = sorted(prepared, key=lambda one: one.name), Layout.of(rig.skeleton, rig.roles)
+    layout = Layout.of(rig.skeleton, rig.roles)
     laid = sorted(hands, key=lambda one: (one.name, one.body))
-    laid_rows = sum(len(one.rows) for one in laid)
-    standing = standing_of(clips, rig.skeleton, rig.roles)
-    usages = {name: one.standing.usage for name, one in standing.items()}
-    folder, offsets = path / TABLE_FOLDER, _torso_offsets(clips, standing)
+    laid_rows, stances = sum(len(one.rows) for one in laid), 0
+    rows: dict[str, int] = {}
+    for name in sorted(prepared):
+        one = prepared[name]
+        rows[name] = len(one.phase)
+        stances += one.stands
+    all_rows = sum(rows.values())
+    lengths = dict.fromkeys(TABLES, all_rows) | {"frame_of_phase": CELLS_PER_FRAME * all_rows, "stances": stances}
+    lengths |= dict.fromkeys(("postures", "neutral"), len(rows)) | dict.fromkeys(("hands", "hand_frames"), laid_rows)
+    folder, clips = path / TABLE_FOLDER, _Clips(layout, prepared, list(rows), StandingActions(prepared, rig))
     make_folder(folder)
-    rows, numbers = sum(len(one.phase) for one in clips), {one.name: number for number, one in enumerate(clips)}
-    parts: dict[str, Parts] = {
-        "lower": (rows, _rows("lower", layout, clips, offsets, {})),
-        "upper": (rows, _rows("upper", layout, clips, offsets, usages)),
-        "phase_of_frame": (rows, (one.phase for one in clips)),
-        "frame_of_phase": (CELLS_PER_FRAME * rows, (frame_of_phase(one.phase) for one in clips)),
-        "paths": (rows, (one.path for one in clips)),
-        "contacts": (rows, (one.contacts for one in clips)),
-        "feet": (rows, (one.feet for one in clips)),
-        "postures": (len(clips), (one.posture[None] for one in clips)),
-        "neutral": (len(clips), (np.array([numbers[one.neutral]]) for one in clips)),
-        "stances": (len(standing), _stances(layout, standing)),
-        "hands": (laid_rows, [np.zeros((0, layout.hands.columns)), *(one.rows for one in laid)]),
-        "hand_frames": (laid_rows, [np.zeros((0, 2)), *(one.frames for one in laid)]),
-    }
-    digests = write_tables(folder, {name: parts[name] for name in TABLES})
+    digests = write_rows(folder, lengths, chain(_none_of(layout), _hands_rows(laid), clips.rows()))
     stride = BaselineEntry(baseline.name, baseline.start, baseline.end, baseline.loop, len(baseline.clouds))
     before = tables_in_use(path / MANIFEST)
-    entries, laid_entries = _entries(clips, offsets, standing), _hands_entries(laid)
-    digest = write_manifest(path, rig.skeleton, rig.roles, _mirror(rig), stride, entries, digests, laid_entries)
+    laid_entries = _hands_entries(laid)
+    digest = write_manifest(path, rig.skeleton, rig.roles, _mirror(rig), stride, clips.entries, digests, laid_entries)
     remove_others(path, before | set(digests.values()))
     return digest
 
@@ -117,11 +110,20 @@ def write_manifest(
         "roles": vars(roles),
         "mirror": None if mirror is None else {"twins": mirror.twins.tolist(), "turns": mirror.turns.tolist()},
         "baseline": vars(baseline),
-        "clips": [vars(clip) for clip in clips],
-        "hands": [vars(one) for one in hands],
-        "tables": dict(tables),
     }
-    packed = msgpack.packb(body)
+    packer, packed = msgpack.Packer(), bytearray()
+    packed += packer.pack_map_header(len(body) + 3)
+    for key, value in body.items():
+        packed += packer.pack(key) + packer.pack(value)
+    for key, entries in (("clips", clips), ("hands", hands)):
+        packed += packer.pack(key) + packer.pack_array_header(len(entries))
+        for one in entries:  # thousands of maps at once would take several times the memory
+            packed += packer.pack(vars(one))
+    packed += packer.pack("tables") + packer.pack(dict(tables))
+    return _put_manifest(path, bytes(packed))
+
+
+def _put_manifest(path: Path, packed: bytes) -> str:
     digest = content_digest(packed)
     manifest = {"format": FORMAT, "version": VERSION, "digest": digest, "body": packed}
     write_synced(path / MANIFEST, msgpack.packb(manifest))
@@ -137,72 +139,117 @@ def _mirror(rig: Rig) -> Mirror | None:
         return None
 
 
-def _rows(
-    half: str,
-    layout: Layout,
-    clips: Sequence[PreparedClip],
-    offsets: Mapping[str, Floats],
-    usages: Mapping[str, Floats],
-) -> Iterator[NDArray[np.float32]]:
-    """Yields each clip's rows of a table, with torso offsets and usage weights, in pieces that stay in a core's cache."""
-    for clip in clips:
-        rows, moved, usage = clip.fetch(half), offsets.get(clip.name), usages.get(clip.name)
-        for first in range(0, len(rows), PIECE):
+class _Clips:
+    """The clips of a bank, turned one by one into rows of its tables and entries of its manifest."""
+
+    def __init__(
+        self, layout: Layout, clips: Mapping[str, PreparedClip], names: Sequence[str], standing: StandingActions
+    ) -> None:
+        self.entries: list[ClipEntry] = []
+        self._layout, self._clips, self._standing = layout, clips, standing
+        self._numbers = {name: number for number, name in enumerate(names)}
+        self._neutral = lru_cache(MOST_NEUTRALS)(self._neutral_of)
+
+    def rows(self) -> Iterator[Piece]:
+        """Yields the rows of each clip in all tables but those of hands, and appends its entry."""
+        row = stances = 0
+        for name in self._numbers:
+            one = self._clips[name]
+            stands = self._standing.measured(one)
+            turns = self._torso_offsets(one) if stands is None else stands.standing.turns
+            yield from self._halves(one, turns, None if stands is None else stands.standing.usage)
+            yield self._others(one)
+            if stands is not None:
+                yield {"stances": self._layout.pack_stance(stands.standing.stance)}
+            self.entries.append(_entry(one, row, turns, stands, stances))
+            row += len(one.phase)
+            stances += stands is not None
+
+    def _halves(self, one: PreparedClip, turns: Floats | None, usage: Floats | None) -> Iterator[Piece]:
+        """Yields the rows of both halves with torso offsets and usage weights, as many as stay in a core's cache."""
+        halves = {half: one.fetch(half) for half in ("lower", "upper")}
+        for first in range(0, len(one.phase), PIECE):
             some = slice(first, first + PIECE)
-            piece = rows[some] if moved is None and usage is None else rows[some].copy()
-            if moved is not None:
-                layout.set_torso_offsets(half, piece, moved[some])
+            pieces = {half: rows[some] if turns is None else rows[some].copy() for half, rows in halves.items()}
+            if turns is not None:
+                for half, rows in pieces.items():
+                    self._layout.set_torso_offsets(half, rows, turns[some])
             if usage is not None:
-                layout.set_usage(piece, usage[some])
-            yield piece
+                self._layout.set_usage(pieces["upper"], usage[some])
+            yield pieces
+
+    def _others(self, one: PreparedClip) -> Piece:
+        return {
+            "phase_of_frame": one.phase,
+            "frame_of_phase": frame_of_phase(one.phase),
+            "paths": one.path,
+            "contacts": one.contacts,
+            "feet": one.feet,
+            "postures": one.posture[None],
+            "neutral": np.array([self._numbers[one.neutral]]),
+        }
+
+    def _torso_offsets(self, one: PreparedClip) -> Floats | None:
+        """Returns the torso offsets [rows, 4] of a clip; None if it is its own neutral."""
+        if one.neutral == one.name:
+            return None
+        stride, noise = self._neutral(one.neutral)
+        return believed(_beyond(one, stride), one.frame_count, noise)
+
+    def _neutral_of(self, name: str) -> tuple[MeanStride, float]:
+        """Returns the mean stride of a neutral, and how much of what goes beyond it is noise, radians."""
+        neutral = self._clips[name]
+        return neutral.stride, shoulder_motion(_beyond(neutral, neutral.stride)[: neutral.frame_count])
 
 
-def _stances(layout: Layout, standing: Mapping[str, Measured]) -> Iterator[NDArray[np.float32]]:
-    """Yields the rows of the table `stances`."""
-    yield np.zeros((0, layout.upper.columns), np.float32)
-    for one in standing.values():
-        yield layout.pack_stance(one.standing.stance)
+def _beyond(one: PreparedClip, stride: MeanStride) -> Floats:
+    return torso_offsets(one.fetch("upright"), one.phase, one.rate, stride, one.period)
 
 
-def _entries(
-    clips: Sequence[PreparedClip], offsets: Mapping[str, Floats], standing: Mapping[str, Measured]
-) -> list[ClipEntry]:
-    entries, row, stances = [], 0, {name: number for number, name in enumerate(standing)}
-    for one in clips:
-        rows, moved, stands = len(one.phase), offsets.get(one.name), standing.get(one.name)
-        entries.append(
-            ClipEntry(
-                name=one.name,
-                kind=one.kind,
-                tags=one.tags,
-                rate=one.rate,
-                first_row=row,
-                frame_count=one.frame_count,
-                row_count=rows,
-                first_cell=CELLS_PER_FRAME * row,
-                cell_count=CELLS_PER_FRAME * rows,
-                first_phase=float(one.phase[0]),
-                last_phase=float(one.phase[-1]),
-                cycles=one.alignment.cycles,
-                loop=one.strides,
-                gait=one.alignment.has_gait,
-                mean_mismatch=one.alignment.mean_mismatch,
-                worst_mismatch=one.alignment.worst_mismatch,
-                shoulder_motion=0.0 if moved is None else shoulder_motion(moved[: one.frame_count]),
-                repetition=one.repetition,
-                stance=stances.get(one.name, -1),
-                parts=UPPER_BODY if stands is None else stands.standing.parts,
-                uses=() if stands is None else stands.uses,
-                stretches=one.stretches,
-                enters=0.0 if one.cut is None else one.cut.enters,
-                leaves=0.0 if one.cut is None else one.cut.leaves,
-                warnings=one.warnings if stands is None else (*one.warnings, *stands.warnings),
-                notes=(*one.notes, *_notes(one, stands)),
-                source=one.source,
-            )
-        )
-        row += rows
-    return entries
+def _none_of(layout: Layout) -> Iterator[Piece]:
+    """Yields no rows of those tables that may be empty, but their columns."""
+    yield {
+        "stances": np.zeros((0, layout.upper.columns)),
+        "hands": np.zeros((0, layout.hands.columns)),
+        "hand_frames": np.zeros((0, 2)),
+    }
+
+
+def _hands_rows(laid: Sequence[LaidHands]) -> Iterator[Piece]:
+    return ({"hands": one.rows, "hand_frames": one.frames} for one in laid)
+
+
+def _entry(one: PreparedClip, row: int, turns: Floats | None, stands: Measured | None, stance: int) -> ClipEntry:
+    rows = len(one.phase)
+    return ClipEntry(
+        name=one.name,
+        kind=one.kind,
+        tags=one.tags,
+        rate=one.rate,
+        first_row=row,
+        frame_count=one.frame_count,
+        row_count=rows,
+        first_cell=CELLS_PER_FRAME * row,
+        cell_count=CELLS_PER_FRAME * rows,
+        first_phase=float(one.phase[0]),
+        last_phase=float(one.phase[-1]),
+        cycles=one.alignment.cycles,
+        loop=one.strides,
+        gait=one.alignment.has_gait,
+        mean_mismatch=one.alignment.mean_mismatch,
+        worst_mismatch=one.alignment.worst_mismatch,
+        shoulder_motion=0.0 if turns is None else shoulder_motion(turns[: one.frame_count]),
+        repetition=one.repetition,
+        stance=-1 if stands is None else stance,
+        parts=UPPER_BODY if stands is None else stands.standing.parts,
+        uses=() if stands is None else stands.uses,
+        stretches=one.stretches,
+        enters=0.0 if one.cut is None else one.cut.enters,
+        leaves=0.0 if one.cut is None else one.cut.leaves,
+        warnings=one.warnings if stands is None else (*one.warnings, *stands.warnings),
+        notes=(*one.notes, *_notes(one, stands)),
+        source=one.source,
+    )
 
 
 def _notes(one: PreparedClip, stands: Measured | None) -> tuple[str, ...]:
@@ -236,25 +283,6 @@ def _hands_entries(laid: Sequence[LaidHands]) -> list[HandsEntry]:
         )
         row += len(one.rows)
     return entries
-
-
-def _torso_offsets(clips: Sequence[PreparedClip], standing: Mapping[str, Measured]) -> dict[str, Floats]:
-    """Returns torso offsets [rows, 4] by clip name, of standing actions and of clips that are not their own neutral."""
-    by_name = {one.name: one for one in clips}
-
-    def beyond(one: PreparedClip, neutral: PreparedClip) -> Floats:
-        return torso_offsets(one.fetch("upright"), one.phase, one.rate, neutral.stride, one.period)
-
-    @cache
-    def noise(name: str) -> float:
-        neutral = by_name[name]
-        return shoulder_motion(beyond(neutral, neutral)[: neutral.frame_count])
-
-    return {name: one.standing.turns for name, one in standing.items()} | {
-        one.name: believed(beyond(one, by_name[one.neutral]), one.frame_count, noise(one.neutral))
-        for one in clips
-        if one.neutral != one.name and one.name not in standing
-    }
 
 
 def frame_of_phase(phase: Floats) -> Floats:

@@ -36,17 +36,17 @@ def typical_stride(search: StrideSearch, walks: Clips, failed: Mapping[str, Moti
     if not walks:
         problem = "all clips are actions or hands, so none can be the baseline"
         raise BaselineError(problem, mend="Add a plain walk of a few steps, or name a clip with --baseline")
-    searched = [load_or_run(search, walk).found() for walk in walks.values()]
-    strides = {found.ring.name: found for found in searched if found is not None}
-    if not strides:
-        problem = "none of the clips can be the baseline, because none has a stride"
-        raise BaselineError(problem, mend=_reasons(failed) or "Add a plain walk of a few steps")
     key = search.choice_key(walks)
-    chosen = search.cache.load(key, lambda fields, _: strides[fields["name"]])
-    if chosen is None:
-        chosen = strides[most_typical([found.ring for found in strides.values()]).name]
-        search.cache.store(key, {"name": chosen.ring.name}, {})
-    return chosen
+    name = search.cache.load(key, lambda fields, _: str(fields["name"]) if fields["name"] in walks else None)
+    if name is None:
+        search.cache.read_ahead(search.key(walk) for walk in walks.values())
+        rings = [ring for walk in walks.values() if (ring := load_or_run(search, walk).ring) is not None]
+        if not rings:
+            problem = "none of the clips can be the baseline, because none has a stride"
+            raise BaselineError(problem, mend=_reasons(failed) or "Add a plain walk of a few steps")
+        name = most_typical(rings).name
+        search.cache.store(key, {"name": name}, {})
+    return named_stride(name, search, walks, failed)
 
 
 def _reasons(failed: Mapping[str, MotionError]) -> str:

@@ -8,14 +8,12 @@ for what it does not hold. The folder may be deleted at any time.
 from __future__ import annotations
 
 import math
-import os
 import re
 import struct
 import zlib
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-from io import BufferedReader
+from io import SEEK_END, BufferedIOBase
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 from uuid import uuid4
@@ -53,15 +51,23 @@ class CacheError(MotionError):
     """The cache cannot be written. It is no fault of a clip, so the whole job fails and the bank stays as it was."""
 
 
-@dataclass(frozen=True)
 class Cache:
     """Entries in one folder, which the first entry creates."""
 
-    folder: Path
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @property
+    def place(self) -> str:
+        """Where the entries are, for messages."""
+        return str(self.folder)
 
     def holds(self, key: str) -> bool:
         """Returns whether an entry exists. It may still be damaged."""
         return self._file(key).exists()
+
+    def read_ahead(self, keys: Iterable[str]) -> None:
+        """Announces entries that are loaded soon, to those caches that are slow to answer. This is none."""
 
     def load(self, key: str, unpack: Callable[[Fields, Arrays], Result]) -> Result | None:
         """Returns what `unpack` makes of an entry. Only the arrays that `unpack` uses are read.
@@ -69,7 +75,7 @@ class Cache:
         Returns None if the entry is missing, damaged, or of another kind.
         """
         try:
-            with self._file(key).open("rb") as source:
+            with self._open(key) as source:
                 entry = _Entry(source)
                 return unpack(entry.fields, entry)
         except Exception:  # any damaged entry can be made again
@@ -81,7 +87,7 @@ class Cache:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with partial.open("wb") as sink:
-                _write(sink, fields, {name: np.ascontiguousarray(array) for name, array in arrays.items()})
+                write_entry(sink, fields, arrays)
             partial.replace(self._file(key))
         except OSError as error:
             with suppress(OSError):
@@ -99,6 +105,9 @@ class Cache:
                 with suppress(OSError):  # the next job removes it
                     file.unlink()
 
+    def _open(self, key: str) -> BufferedIOBase:
+        return self._file(key).open("rb")
+
     def _file(self, key: str) -> Path:
         return self.folder / f"{key}.entry"
 
@@ -106,8 +115,9 @@ class Cache:
 class _Entry(Mapping[str, NDArray[Any]]):
     """An entry in an open file. An array is read when it is asked for. Raises ValueError and others if damaged."""
 
-    def __init__(self, source: BufferedReader) -> None:
-        self._source, size = source, os.fstat(source.fileno()).st_size
+    def __init__(self, source: BufferedIOBase) -> None:
+        self._source, size = source, source.seek(0, SEEK_END)
+        source.seek(0)
         magic, length, checksum = START.unpack(source.read(START.size))
         self._first, self._room = START.size + length, size - START.size - length
         if magic != MAGIC or self._room < 0:
@@ -136,8 +146,9 @@ class _Entry(Mapping[str, NDArray[Any]]):
         return len(self._arrays)
 
 
-def _write(sink: BinaryIO, fields: Fields, arrays: Arrays) -> None:
-    """Writes an entry whose arrays are contiguous."""
+def write_entry(sink: BinaryIO, fields: Fields, arrays: Arrays) -> None:
+    """Writes an entry."""
+    arrays = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     described, place = dict[str, Any](), 0  # places are counted from the end of the head
     for name, array in arrays.items():
         described[name] = (place, array.dtype.str, array.shape, zlib.crc32(array.data))

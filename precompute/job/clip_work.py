@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from motionsplice.motion.errors import BaselineError, ClipError, MotionError
 from motionsplice.motion.formats.files import files_behind, read_bytes
 from motionsplice.motion.formats.reading import Reading, read_clip
 from motionsplice.motion.retarget.rig import Rig
+from motionsplice.motion.storage.place import Place
 from motionsplice.precompute.alignment.baseline import Baseline, find_baseline
 from motionsplice.precompute.job.cache import Cache, digest_of_array, key_of
 from motionsplice.precompute.job.entries import (
@@ -80,7 +80,7 @@ def load_or_run(work: Work[Task, Result], one: Task) -> Result:
 def _unreadable(cache: Cache) -> MotionError:
     """Returns the error for an entry that cannot be read back right after it was written."""
     mend = "Check the disk, then delete the folder and start again"
-    return MotionError("the cache cannot be read back after writing", file=str(cache.folder), mend=mend)
+    return MotionError("the cache cannot be read back after writing", file=cache.place, mend=mend)
 
 
 class Contents(NamedTuple):
@@ -90,7 +90,7 @@ class Contents(NamedTuple):
     digests: tuple[str, ...]
 
 
-def contents_of(file: Path) -> Contents:
+def contents_of(file: Place) -> Contents:
     """Reads a file and those that are read with it, without parsing them. Raises MotionError."""
     try:
         contents = [read_bytes(one) for one in files_behind(file)]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import chain
-from os.path import lexists
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from motionsplice.motion.hand_joints import fingered, has_fingers
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.skeleton import Skeleton
+from motionsplice.motion.storage.place import is_named
 from motionsplice.precompute.hands.rows import LaidHands, lay_hands
 from motionsplice.precompute.hands.settings import FILE_NAME, HandSettings, HandsOnBody, read_hand_settings
 from motionsplice.precompute.job.cache import Arrays, Cache, Fields, key_of
@@ -31,7 +31,7 @@ def all_hands(given: Sequence[HandsOnBody], sources: Sequence[Source]) -> list[H
     clip, or a hands clip that is also a body.
     """
     files = {source.file.parent / FILE_NAME for source in sources}
-    listed = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if lexists(file)))
+    listed = list(chain.from_iterable(read_hand_settings(file) for file in sorted(files) if is_named(file)))
     found = {(one.body, one.hands): one for one in (*given, *listed)}
     names = {source.name for source in sources}
     hands = {one.hands for one in found.values()}

@@ -46,12 +46,10 @@ def fail_whole(hybrids: Hybrids, failed: dict[str, MotionError]) -> None:
             failed |= dict.fromkeys((name, *stretches), reasons[0])
 
 
-def hands_on_stretches(hands: Sequence[LaidHands], clips: Sequence[PreparedClip], rig: Rig) -> list[LaidHands]:
+def hands_on_stretches(hands: Sequence[LaidHands], clips: Mapping[str, PreparedClip], rig: Rig) -> list[LaidHands]:
     """Returns hands on hybrids as hands on each of their stretches."""
-    by_name, layout = {one.name: one for one in clips}, Layout.of(rig.skeleton, rig.roles)
-    return [
-        hands_on_stretch(laid, by_name[name], layout, rig) for laid in hands for name in by_name[laid.body].stretches
-    ]
+    layout = Layout.of(rig.skeleton, rig.roles)
+    return [hands_on_stretch(laid, clips[name], layout, rig) for laid in hands for name in clips[laid.body].stretches]
 
 
 def _actions(clips: Clips) -> Clips:

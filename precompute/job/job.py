@@ -6,20 +6,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing, suppress
 from dataclasses import dataclass, field, replace
-from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import TypeVar
 
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
-from motionsplice.motion.errors import BankError, BaselineError, MotionError
+from motionsplice.motion.errors import BaselineError, MotionError
+from motionsplice.motion.storage.place import Place, place_of, read_ahead
+from motionsplice.motion.storage.remote import Remote
 from motionsplice.precompute.hands.settings import HandsOnBody
-from motionsplice.precompute.job.alone import alone_in
 from motionsplice.precompute.job.bank_builder import write_bank
+from motionsplice.precompute.job.bank_clips import BankClips
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
-from motionsplice.precompute.job.cache import Cache, CacheError
+from motionsplice.precompute.job.cache import CacheError
 from motionsplice.precompute.job.clip_work import (
     Clips,
+    Contents,
     Identified,
     Preparation,
     Readings,
@@ -29,6 +31,7 @@ from motionsplice.precompute.job.clip_work import (
     identify,
     load_or_run,
 )
+from motionsplice.precompute.job.destination import Destination, destination
 from motionsplice.precompute.job.entries import FoundStride
 from motionsplice.precompute.job.executor import in_executor
 from motionsplice.precompute.job.hand_work import (
@@ -41,23 +44,21 @@ from motionsplice.precompute.job.hand_work import (
     with_fingers,
 )
 from motionsplice.precompute.job.hybrids import Hybrids, cuts_key, fail_whole, hands_on_stretches, hybrids_among
-from motionsplice.precompute.job.neutrals import fail_without_neutral, with_neutrals
+from motionsplice.precompute.job.neutrals import fail_without_neutral, labels_of
 from motionsplice.precompute.job.outcome import Outcome, Progress
 from motionsplice.precompute.job.processes import in_processes
 from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
 from motionsplice.precompute.job.sources import find_sources
 from motionsplice.precompute.job.standing import fail_with_missing_limbs
 from motionsplice.precompute.job.workers import Outcomes, WorkerDiedError, one_after_another
-from motionsplice.runtime.bank import Bank
 
 Task = TypeVar("Task", Identified, HandsTask)
-CACHE = "cache"  # a folder in the bank's
 WORTH_A_PROCESS = 24_000_000  # bytes of clips: fewer are read and aligned in the time in which a process starts
 
 
 def build_bank(
-    paths: Iterable[str | PathLike[str]],
-    out: str | PathLike[str],
+    paths: Iterable[str | PathLike[str] | Remote],
+    out: str | PathLike[str] | Remote,
     *,
     baseline: str | None = None,
     roles: Mapping[str, str | Sequence[str]] | None = None,
@@ -75,9 +76,9 @@ def build_bank(
     was killed, works only on what is new.
 
     Args:
-        paths: Motion files, or folders of them. A `clips.toml` beside a file has its settings, and a `hands.toml` the
-            hands that are laid on bodies.
-        out: Folder of the bank.
+        paths: Motion files, or folders of them, on this machine or at URLs, such as `s3://bucket/clips`. A `clips.toml`
+            beside a file has its settings, and a `hands.toml` the hands that are laid on bodies.
+        out: Folder of the bank, or its URL.
         baseline: Name of the clip whose stride all others are aligned to; None takes the locomotion with the most
             typical stride.
         roles: Joints by role, for rigs whose names do not show them.
@@ -97,11 +98,13 @@ def build_bank(
         MotionError: If there is nothing to read, the baseline is unusable, two clips have one name, hands or their
             body are missing, or the executor is lost.
     """
-    if isinstance(paths, str | PathLike):
+    if isinstance(paths, str | PathLike | Remote):
         paths = [paths]
-    files = [Path(path) for path in paths]
+    files = [place_of(path) for path in paths]
     rig = None if skeleton is None else Path(skeleton)
-    return Job(files, Path(out), baseline, roles or {}, hands, settings, rig, retarget, jobs, executor, progress).run()
+    return Job(
+        files, place_of(out), baseline, roles or {}, hands, settings, rig, retarget, jobs, executor, progress
+    ).run()
 
 
 @dataclass(eq=False)
@@ -112,8 +115,8 @@ class Job:
     stretches of each hybrid action, which are among the clips too.
     """
 
-    paths: Iterable[Path]
-    out: Path
+    paths: Iterable[Path | Remote]
+    out: Path | Remote
     baseline: str | None
     roles: Mapping[str, str | Sequence[str]]
     hands: Sequence[HandsOnBody]
@@ -131,12 +134,12 @@ class Job:
     def run(self) -> Outcome:
         """Runs all stages, after any other job for the same folder. Raises MotionError."""
         pairs = self.find_clips()
-        with alone_in(self.out, self.progress):
-            return self.build(pairs)
+        with destination(self.out, self.progress) as place:
+            return self.build(pairs, place)
 
-    def build(self, pairs: Sequence[HandsOnBody]) -> Outcome:
+    def build(self, pairs: Sequence[HandsOnBody], place: Destination) -> Outcome:
         """Runs the stages that follow `find_clips`. Raises MotionError."""
-        cache = Cache(self.out / CACHE)
+        cache = place.cache
         clips, hands = Readings(cache), HandsReading(cache)
         search = StrideSearch(clips)
         candidates = self.find_strides(search)
@@ -148,9 +151,9 @@ class Job:
         tasks = self.lay_hands(laying, tasks_of(pairs, aligned, self.hand_clips))
         recipe = preparation.recipe(aligned, recipe_of(laying, tasks))
         digest = cache.load(recipe, lambda fields, _: str(fields["bank"]))
-        unchanged = digest is not None and _holds_bank(self.out, digest)
+        unchanged = digest is not None and place.holds(digest)
         if digest is None or not unchanged:
-            digest = self.write(preparation, aligned, laying, tasks)
+            digest = place.write(lambda folder: self.write(folder, preparation, aligned, laying, tasks))
             with suppress(MotionError):  # the bank is in place; the next run writes it again
                 cache.store(recipe, {"bank": digest}, {})
         used |= {work.key(one) for work in (search, preparation) for one in self.clips.values()}
@@ -162,12 +165,14 @@ class Job:
     def find_clips(self) -> list[HandsOnBody]:
         """Finds the files, digests them and separates the hands clips. Returns which hands go on which bodies."""
         sources = find_sources(self.paths, self.roles, self.settings)
-        contents = cache(contents_of)  # a file may hold many clips
+        files = list(dict.fromkeys(source.file for source in sources))  # a file may hold many clips
+        contents = dict(zip(files, read_ahead(_contents_or_error, files, lambda file: file), strict=True))
         for source in sources:
-            try:
-                self.clips[source.name] = identify(source, contents(source.file))
-            except MotionError as error:
-                self.failed[source.name] = error
+            found = contents[source.file]
+            if isinstance(found, MotionError):
+                self.failed[source.name] = found
+            else:
+                self.clips[source.name] = identify(source, found)
         pairs = all_hands(self.hands, sources)
         names = sorted({pair.hands for pair in pairs} & self.clips.keys())
         self.hand_clips = {name: self.clips.pop(name) for name in names}
@@ -226,15 +231,20 @@ class Job:
         return self._without_failed(tasks)
 
     def write(
-        self, preparation: Preparation, aligned: Clips, laying: HandsLaying, tasks: Mapping[str, HandsTask]
+        self,
+        folder: Path,
+        preparation: Preparation,
+        aligned: Clips,
+        laying: HandsLaying,
+        tasks: Mapping[str, HandsTask],
     ) -> str:
         """Writes the bank, and returns its digest."""
-        prepared = [load_or_run(preparation, one) for one in aligned.values()]
-        prepared = [replace(one, stretches=tuple(self.hybrids.get(one.name, ()))) for one in prepared]
+        preparation.cache.read_ahead(preparation.key(one) for one in aligned.values())
+        clips, ring = BankClips(preparation, aligned, self.hybrids), preparation.ring
+        clips = replace(clips, labels=labels_of(clips, ring.name))
         hands = [load_or_run(laying, task) for task in tasks.values()]
-        hands += hands_on_stretches(hands, prepared, preparation.rig)
-        ring = preparation.ring
-        return write_bank(self.out, preparation.rig, ring, with_neutrals(prepared, ring.name), hands)
+        hands += hands_on_stretches(hands, clips, preparation.rig)
+        return write_bank(folder, preparation.rig, ring, clips, hands)
 
     def _do(self, stage: str, work: Work[Task, object], tasks: Mapping[str, Task]) -> set[str]:
         """Does the work on tasks whose results are not cached, and returns their names."""
@@ -265,9 +275,8 @@ class Job:
         return source.settings.kind == "locomotion" if self.baseline is None else source.name == self.baseline
 
 
-def _holds_bank(path: Path, digest: str) -> bool:
-    """Whether the folder holds the bank of this digest, complete and undamaged."""
+def _contents_or_error(file: Place) -> Contents | MotionError:
     try:
-        return Bank.open(path).digest == digest
-    except BankError:
-        return False
+        return contents_of(file)
+    except MotionError as error:
+        return error

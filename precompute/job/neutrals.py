@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
 from motionsplice.precompute.job.clip_work import Clips
-from motionsplice.precompute.preparation.neutral import nearest_gait
+from motionsplice.precompute.preparation.neutral import ShownGait, nearest_gaits
 from motionsplice.precompute.preparation.prepared import PreparedClip
 
 
@@ -21,29 +21,53 @@ def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
             del neutrals[name]
 
 
-def with_neutrals(prepared: Sequence[PreparedClip], baseline: str) -> list[PreparedClip]:
-    """Returns each clip with its neutral, and whether it is a standing action.
+@dataclass(frozen=True, slots=True)
+class Label:
+    """What a clip is in its bank: its neutral, and whether it is a standing action. warning: empty if there is none."""
+
+    neutral: str
+    stands: bool = False
+    warning: str = ""
+
+    def on(self, one: PreparedClip) -> PreparedClip:
+        """Returns the clip with this label."""
+        warnings = (*one.file_warnings, self.warning) if self.warning else one.file_warnings
+        return replace(one, neutral=self.neutral, stands=self.stands, file_warnings=warnings)
+
+
+def labels_of(clips: Mapping[str, PreparedClip], baseline: str) -> dict[str, Label]:
+    """Returns the label of each clip. Looks at each once.
 
     The neutral is the clip that its settings name. Without one, a locomotion is its own neutral, and an action's is the
     locomotion nearest in gait, or the baseline if there are no locomotions. An action stands if it has no gait, or if
     its named neutral has none. Its neutral is a clip without a gait, or itself: then its own frames at rest count.
     A hybrid does not stand itself. Its stretches have its neutral, those of them that stand or walk as this does.
     """
-    gaits = {one.name: one.alignment.has_gait for one in prepared}
-    locomotions = {one.name: one for one in prepared if one.kind == "locomotion"}
-    candidates = locomotions or {one.name: one for one in prepared if one.name == baseline}
-
-    def neutral_of(one: PreparedClip) -> str:
-        return one.neutral or (one.name if one.kind == "locomotion" else nearest_gait(one, candidates))
-
-    def labelled(one: PreparedClip) -> PreparedClip:
-        if one.cut is not None and gaits.get(one.neutral) != gaits[one.name]:
-            one = replace(one, neutral="")
-        if one.kind == "locomotion" or one.stretches or (gaits[one.name] and gaits.get(one.neutral, True)):
-            return replace(one, neutral=neutral_of(one))
-        if one.neutral and gaits[one.neutral]:
-            warning = f"stands, so {one.neutral!r}, which walks, cannot be its neutral; its own frames at rest are used"
-            return replace(one, neutral=one.name, stands=True, file_warnings=(*one.file_warnings, warning))
-        return replace(one, neutral=one.neutral or one.name, stands=True)
-
-    return [labelled(one) for one in prepared]
+    walks: dict[str, bool] = {}
+    named: dict[str, str] = {}
+    cuts, hybrids, actions = set[str](), set[str](), dict[str, ShownGait]()
+    locomotions, only = list[ShownGait](), list[ShownGait]()
+    for name, one in clips.items():
+        walks[name], named[name] = one.alignment.has_gait, one.neutral
+        cuts |= {name} if one.cut is not None else set()
+        hybrids |= {name} if one.stretches else set()
+        if one.kind == "locomotion":
+            locomotions.append(ShownGait.of(one))
+        else:
+            actions[name] = ShownGait.of(one)
+            only += [actions[name]] if name == baseline else []
+    labels: dict[str, Label] = {}
+    nearest: list[str] = []
+    for name, neutral in named.items():
+        if name in cuts and walks.get(neutral) != walks[name]:
+            neutral = ""
+        if name not in actions or name in hybrids or (walks[name] and walks.get(neutral, True)):
+            labels[name] = Label(neutral or name)
+            nearest += [name] if not neutral and name in actions else []
+        elif neutral and walks[neutral]:
+            warning = f"stands, so {neutral!r}, which walks, cannot be its neutral; its own frames at rest are used"
+            labels[name] = Label(name, stands=True, warning=warning)
+        else:
+            labels[name] = Label(neutral or name, stands=True)
+    found = nearest_gaits([actions[name] for name in nearest], locomotions or only)
+    return labels | {name: Label(neutral) for name, neutral in zip(nearest, found, strict=True)}

@@ -1,15 +1,14 @@
-"""The standing actions of a bank: which clips they are, and how each departs from its stance."""
+"""The standing actions of a bank, and how each departs from its stance."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from functools import lru_cache
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import MotionError, SettingsError
 from motionsplice.motion.parts import MASKS, chains_to_limbs
 from motionsplice.motion.retarget.rig import Rig
-from motionsplice.motion.roles import Roles
-from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.job.clip_work import Clips
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured, measure_standing
@@ -28,19 +27,23 @@ def fail_with_missing_limbs(clips: Clips, rig: Rig, failed: dict[str, MotionErro
                     failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=mend)
 
 
-def standing_of(clips: Sequence[PreparedClip], skeleton: Skeleton, roles: Roles) -> dict[str, Measured]:
-    """Measures the standing actions among all clips of a bank. Returns them by name, in the order of the clips."""
-    by_name = {one.name: one for one in clips}
-    return {one.name: _measured(one, by_name, skeleton, roles) for one in clips if one.stands}
+class StandingActions:
+    """Measures the standing actions among the clips of a bank, one after the other."""
 
+    def __init__(self, clips: Mapping[str, PreparedClip], rig: Rig) -> None:
+        self._skeleton, self._roles = rig.skeleton, rig.roles
+        # The next action by name often has the same idle. Its frames are not kept beyond that.
+        self._frames_of = lru_cache(maxsize=1)(lambda name: self._motion(clips[name], seam=False))
 
-def _measured(one: PreparedClip, clips: Mapping[str, PreparedClip], skeleton: Skeleton, roles: Roles) -> Measured:
-    idle = None if one.neutral == one.name else clips[one.neutral]
-    shown = None if idle is None else _motion(idle, skeleton, roles).frames(0, idle.frame_count)
-    return measure_standing(_motion(one, skeleton, roles), one.frame_count, shown, one.mask, roles, one.cut)
+    def measured(self, one: PreparedClip) -> Measured | None:
+        """Returns how a clip departs from its stance; None if it does not stand."""
+        if not one.stands:
+            return None
+        idle = None if one.neutral == one.name else self._frames_of(one.neutral)
+        return measure_standing(self._motion(one), one.frame_count, idle, one.mask, self._roles, one.cut)
 
-
-def _motion(one: PreparedClip, skeleton: Skeleton, roles: Roles) -> Clip:
-    """Returns a prepared clip and its seam in their editable form."""
-    roots, rotations = Layout.of(skeleton, roles).motion(one.fetch("lower"), one.fetch("upper"))
-    return Clip(one.name, skeleton, one.rate, roots, rotations)
+    def _motion(self, one: PreparedClip, *, seam: bool = True) -> Clip:
+        """Returns a prepared clip, with its seam or without, in its editable form."""
+        layout = Layout.of(self._skeleton, self._roles)
+        clip = Clip(one.name, self._skeleton, one.rate, *layout.motion(one.fetch("lower"), one.fetch("upper")))
+        return clip if seam else clip.frames(0, one.frame_count)

@@ -13,10 +13,10 @@ import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from os.path import exists
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # other files in the folder are never r
 OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})(\.\d+)+")
 
 Parts = tuple[int, Iterable[NDArray[Any]]]  # the number of rows, and the rows in pieces of any size
+Piece = Mapping[str, NDArray[Any]]  # rows by the name of their table
 
 
 def write_tables(folder: Path, tables: Mapping[str, Parts]) -> dict[str, str]:
@@ -37,12 +38,24 @@ def write_tables(folder: Path, tables: Mapping[str, Parts]) -> dict[str, str]:
 
     Only one part is held in memory at a time.
     """
-    partials = [folder / f".table.{os.getpid()}.{number}" for number in range(len(tables))]
+    lengths = {name: length for name, (length, _) in tables.items()}
+    return write_rows(folder, lengths, ({name: part} for name, (_, parts) in tables.items() for part in parts))
+
+
+def write_rows(folder: Path, lengths: Mapping[str, int], pieces: Iterable[Piece]) -> dict[str, str]:
+    """Writes tables side by side, as `write_tables` does. Each piece has the next rows of one table or of several.
+
+    lengths: the number of rows of each table, which must have one piece at least.
+    """
+    partials = [folder / f".table.{os.getpid()}.{number}" for number in range(len(lengths))]
     with written(folder, *partials):
-        digests = {
-            name: _write_table(partial, TABLES[name][0], *parts)
-            for partial, (name, parts) in zip(partials, tables.items(), strict=True)
-        }
+        with ExitStack() as files:
+            opened = zip(partials, lengths.items(), strict=True)
+            tables = {name: _Table(files.enter_context(file.open("wb")), name, rows) for file, (name, rows) in opened}
+            for piece in pieces:
+                for name, part in piece.items():
+                    tables[name].append(part)
+        digests = {name: table.digest.hexdigest() for name, table in tables.items()}
         put_tables(folder, dict(zip(partials, digests.values(), strict=True)))
     return digests
 
@@ -112,20 +125,25 @@ def written(folder: Path, *partials: Path) -> Iterator[None]:
                 partial.unlink()
 
 
-def _write_table(file: Path, kind: type, length: int, parts: Iterable[NDArray[Any]]) -> str:
-    """Writes a table of `length` rows, and returns its digest."""
-    digest = hashlib.blake2b(digest_size=16)
-    with file.open("wb") as sink:
-        for number, part in enumerate(parts):
-            data: NDArray[Any] = np.ascontiguousarray(part, kind)
-            if number == 0:
-                head, header = io.BytesIO(), np.lib.format.header_data_from_array_1_0(data)
-                np.lib.format.write_array_header_1_0(head, header | {"shape": (length, *data.shape[1:])})
-                sink.write(head.getvalue())
-                digest.update(head.getvalue())
-            sink.write(data.data)
-            digest.update(data.data)
-    return digest.hexdigest()
+class _Table:
+    """A table of `length` rows that is being written."""
+
+    def __init__(self, sink: BinaryIO, name: str, length: int) -> None:
+        self._sink, self._kind, self._length, self._begun = sink, TABLES[name][0], length, False
+        self.digest = hashlib.blake2b(digest_size=16)
+
+    def append(self, part: NDArray[Any]) -> None:
+        data: NDArray[Any] = np.ascontiguousarray(part, self._kind)
+        if not self._begun:
+            head, header = io.BytesIO(), np.lib.format.header_data_from_array_1_0(data)
+            np.lib.format.write_array_header_1_0(head, header | {"shape": (self._length, *data.shape[1:])})
+            self._write(head.getbuffer())
+            self._begun = True
+        self._write(data.data)
+
+    def _write(self, data: memoryview) -> None:
+        self._sink.write(data)
+        self.digest.update(data)
 
 
 def _sync(path: Path) -> None:

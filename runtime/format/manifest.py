@@ -202,19 +202,22 @@ class Manifest:
     @classmethod
     def read(cls, folder: Path) -> Manifest:
         """Reads the manifest of the bank in a folder. Raises BankError, naming the file."""
-        file = folder / MANIFEST
+        return cls.parse(_read(folder), str(folder / MANIFEST))
+
+    @classmethod
+    def parse(cls, data: bytes, file: str) -> Manifest:
+        """Parses the bytes of a manifest. Raises BankError, naming the file."""
         try:
-            data = _read(folder)
-            digest, body = _body(data, str(file))
+            digest, body = _body(data, file)
             tables = {name: _digest(name, body["tables"][name]) for name in TABLES}
             return cls(data, digest, *_contents(body), tables)
         except (KeyError, TypeError, ValueError, AttributeError, OverflowError, msgpack.UnpackException) as error:
             problem = f"the manifest has a missing or invalid field ({type(error).__name__}: {error})"
-            raise BankError(problem, file=str(file), mend=REBUILD) from None
+            raise BankError(problem, file=file, mend=REBUILD) from None
         except BankError as error:
-            raise error.within(str(file)) from None
+            raise error.within(file) from None
         except MotionError as error:
-            raise BankError(error.problem, file=str(file), mend=REBUILD) from None
+            raise BankError(error.problem, file=file, mend=REBUILD) from None
 
 
 Entry = TypeVar("Entry", ClipEntry, BaselineEntry, HandsEntry, Roles)

@@ -10,7 +10,8 @@ from motionsplice.motion.errors import BankError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job.alone import LOCK
-from motionsplice.precompute.job.job import CACHE, build_bank
+from motionsplice.precompute.job.destination import CACHE
+from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST
 from motionsplice.runtime.format.tables import TABLE_FOLDER

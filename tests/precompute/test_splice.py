@@ -38,7 +38,7 @@ def bank_of(folder: Path, *clips: Clip) -> Bank:
     ring, rig = find_baseline(clips[0], ROLES), Rig(clips[0].skeleton, ROLES)
     prepared = [prepare(clip, ROLES, rig, ring) for clip in {clip.name: clip for clip in clips}.values()]
     settled = [replace(one, neutral=clips[0].name) for one in prepared]
-    write_bank(folder, rig, ring, settled)
+    write_bank(folder, rig, ring, {one.name: one for one in settled})
     return Bank.open(folder)
 
 

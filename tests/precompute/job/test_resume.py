@@ -17,7 +17,8 @@ from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import clip_work, job
 from motionsplice.precompute.job.alone import LOCK
 from motionsplice.precompute.job.clip_work import Identified, Preparation
-from motionsplice.precompute.job.job import CACHE, build_bank
+from motionsplice.precompute.job.destination import CACHE
+from motionsplice.precompute.job.job import build_bank
 from motionsplice.precompute.job.outcome import Outcome
 from motionsplice.runtime.bank import Bank
 from tests.conftest import CLIPS

@@ -1,0 +1,109 @@
+"""Files at URLs, in fsspec's file system in memory."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from motionsplice.motion.errors import FormatError
+from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import clip_files, files_behind
+from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.procedural.library import make
+from motionsplice.motion.storage.place import place_of, read_ahead
+from motionsplice.motion.storage.remote import Remote, StorageError
+
+fsspec = pytest.importorskip("fsspec", reason="the extra motionsplice[cluster] is not installed")
+
+
+@pytest.fixture
+def memory() -> Iterator[Any]:
+    system = fsspec.filesystem("memory")
+    names = ("walk.bvh", "16.asf", "16_15.amc", "more/a.bvh")
+    system.pipe({f"/clips/{name}": name.encode() for name in names})
+    yield system
+    system.rm("/", recursive=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("clips/walk.bvh", Path("clips/walk.bvh")),
+        ("C:/clips", Path("C:/clips")),
+        ("file:///srv/my%20clips", Path("/srv/my clips")),
+        (Path("clips"), Path("clips")),
+        ("s3://bucket/clips/", Remote("s3://bucket/clips")),
+        (Remote("gs://bucket/a"), Remote("gs://bucket/a")),
+    ],
+)
+def test_a_path_is_a_path_and_a_url_a_url(text: str, place: object) -> None:
+    assert place_of(text) == place
+
+
+def test_a_folder_is_listed_once_by_all_that_were_found_in_it(memory: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    lists = list[str]()
+    ls = type(memory).ls
+
+    def noting(self: Any, path: str, **how: Any) -> Any:
+        lists.append(path)
+        return ls(self, path, **how)
+
+    monkeypatch.setattr(type(memory), "ls", noting)
+    folder = Remote("memory://clips")
+    assert [file.name for file in clip_files(folder)] == ["16_15.amc", "walk.bvh"]
+    assert (folder / "walk.bvh").is_file()
+    assert not (folder / "clips.toml").is_file()
+    assert (folder / "more").is_dir()
+    first = clip_files(folder)[0]
+    assert [file.name for file in files_behind(first)] == ["16_15.amc", "16.asf"]
+    assert lists.count("/clips") == 1
+    assert pickle.loads(pickle.dumps(first)).parent.is_dir()
+    assert lists.count("/clips") == 2
+
+
+def test_names_are_those_of_paths(memory: Any) -> None:
+    file = Remote("memory://clips/more/a.b.bvh")
+    path = Path("/clips/more/a.b.bvh")
+    for part in ("name", "stem", "suffix"):
+        assert getattr(file, part) == getattr(path, part)
+    assert file.parent.name == path.parent.name
+    outside = file.parent / "../../other/b.bin"
+    assert outside.resolve() == Remote("memory://other/b.bin")
+    assert not outside.resolve().is_relative_to(file.parent)
+    assert (file.parent / "x/b.bin").resolve().is_relative_to(file.parent)
+    assert not Remote("memory://clips/more2").is_relative_to(Remote("memory://clips/more"))
+
+
+def test_a_clip_is_read_from_a_url(memory: Any) -> None:
+    walk = make("walk", seconds=2.0)
+    memory.pipe("/clips/walk.bvh", dump_bvh(walk))
+    assert read_clip("memory://clips/walk.bvh", unit="m").clip.frame_count == walk.frame_count
+    with pytest.raises(FormatError, match=r"memory://clips/absent\.bvh: no such file"):
+        read_clip("memory://clips/absent.bvh")
+
+
+def test_files_are_read_ahead_in_order(memory: Any) -> None:
+    memory.pipe({f"/many/{number:03}": str(number).encode() for number in range(300)})
+    files = sorted(Remote("memory://many").iterdir())
+    assert read_ahead(Remote.read_bytes, files, lambda file: file) == [str(number).encode() for number in range(300)]
+
+
+def test_a_mark_changes_when_a_file_is_written_anew(memory: Any) -> None:
+    file = Remote("memory://clips/walk.bvh")
+    before = file.mark()
+    assert before == file.mark()
+    file.write_bytes(b"another walk")
+    assert before != file.mark()
+    file.parent.remove(["walk.bvh"])
+    assert file.mark() is None
+
+
+@pytest.mark.parametrize("url", ["pigeon://loft/clips", "s3://bucket/clips"])
+def test_storage_that_cannot_be_used_is_named(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "s3fs", None)
+    with pytest.raises(StorageError, match=f"^{url}: {url.partition(':')[0]}:// cannot be used: "):
+        Remote(url).exists()

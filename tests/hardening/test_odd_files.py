@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -55,8 +56,10 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture
 def clips(tmp_path: Path) -> Path:
     """A folder with a walk, which anybody may enter."""
-    for folder in (tmp_path.parents[1], tmp_path.parent, tmp_path):
-        folder.chmod(0o755)
+    shared = Path(tempfile.gettempdir()).resolve()
+    for folder in (tmp_path, *tmp_path.parents):
+        if shared in folder.resolve().parents:
+            folder.chmod(0o755)
     folder = tmp_path / "clips"
     folder.mkdir()
     (folder / "walk.bvh").write_bytes(dump_bvh(CLIP))
@@ -120,7 +123,7 @@ def test_a_buffer_that_is_a_link_in_a_circle_is_refused(clips: Path) -> None:
     begin = text.index(b'"loop#')
     (clips / "walk.gltf").write_bytes(text[:begin] + b'"loop.bin"' + text[text.index(b'"', begin + 1) + 1 :])
     (clips / "loop.bin").symlink_to("loop.bin")
-    with pytest.raises(FormatError, match="no such file"):
+    with pytest.raises(FormatError, match="loop.bin: the file cannot be read: Too many"):
         read_clip(clips / "walk.gltf")
     (clips / "walk.bvh").unlink()
     with pytest.raises(MotionError):

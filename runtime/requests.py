@@ -79,7 +79,7 @@ class Requests:
     """
 
     def __init__(self, records: NDArray[np.void]) -> None:
-        check_array("requests", records, REQUEST, (len(records),))
+        check_array("requests", records, REQUEST, (len(records),), written=False)
         self.records = records
         self.locomotion: NDArray[np.int32] = records["locomotion"]
         self.action: NDArray[np.int32] = records["action"]
@@ -137,13 +137,22 @@ class Poses:
         return Poses.__new__(Poses)._set(self.root_positions[first:end], self.rotations[first:end])
 
 
-def check_array(what: str, array: NDArray[Any], kind: np.dtype[Any], shape: tuple[int, ...]) -> None:
-    """Checks dtype, shape and contiguity, so that kernels write into this array, not a copy, and are not recompiled.
+def check_array(
+    what: str, array: NDArray[Any], kind: np.dtype[Any], shape: tuple[int, ...], *, written: bool = True
+) -> None:
+    """Checks dtype, shape, contiguity and alignment, and whether it may be written: nothing after it does.
 
     Raises SettingsError.
     """
-    if array.shape != shape or array.dtype != kind or not array.flags.c_contiguous:
-        found = f"{array.dtype}{list(array.shape)}" + ("" if array.flags.c_contiguous else ", not contiguous")
+    flags = array.flags
+    fits = array.shape == shape and array.dtype == kind and flags.c_contiguous and flags.aligned
+    if not fits or (written and not flags.writeable):
+        faults = {
+            "not contiguous": not flags.c_contiguous,
+            "not aligned": not flags.aligned,
+            "read-only": written and not flags.writeable,
+        }
+        found = ", ".join([f"{array.dtype}{list(array.shape)}", *(name for name, is_so in faults.items() if is_so)])
         raise SettingsError(
             f"{what}: expected a contiguous array {kind}{list(shape)}, found {found}",
             mend="Create arrays with Evaluator.poses, Requests.empty and Memory.begin",

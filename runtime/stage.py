@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
+
 import numpy as np
 
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import clock_kernels, pose_kernels
 from motionsplice.runtime.characters.arrays import CLOCK_SIZE, StageArrays, ground, mixing
 from motionsplice.runtime.characters.chains import chains_of
 from motionsplice.runtime.characters.legs import legs_of
 from motionsplice.runtime.characters.limbs import limbs_of
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.simd.entry import entry_of
 from motionsplice.runtime.simd.handle import handle_of
 
 
@@ -42,6 +47,17 @@ class Stage:
             clock=np.zeros(CLOCK_SIZE),
         )
         self._handle = handle_of(self.arrays)
+
+    @cached_property
+    def _advance(self) -> Callable[..., int]:
+        """The kernel that advances characters. `Characters` checks their state where it comes from outside."""
+        return entry_of(clock_kernels.advance, self._handle, np.zeros(0), 0.0)
+
+    @cached_property
+    def _evaluate(self) -> Callable[..., None]:
+        """The kernel that evaluates characters."""
+        out = self.evaluator.poses(0)
+        return entry_of(pose_kernels.evaluate_characters, self._handle, np.zeros(0), 0.0, out.root_positions, out.flat)
 
     def __reduce__(self) -> tuple[type[Stage], tuple[Evaluator]]:
         """Copies and pickles are made anew, as those of the evaluator."""

@@ -42,7 +42,7 @@ from motionsplice.runtime.characters.turning_kernels import (
     turn_pelvis,
 )
 from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action, shows_own
-from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
+from motionsplice.runtime.format.rows import FIRST_JOINT, LINE, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
@@ -53,6 +53,7 @@ from motionsplice.runtime.kernels.posture import turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample, sample_planes
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
+from motionsplice.runtime.simd.prefetch import prefetch
 
 Rotation = tuple[Real, Real, Real, Real]
 
@@ -95,9 +96,12 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
                     set_pelvis(bank, s, c, k, block, mixing, character, rotations)
                 elif mixing.finish[k] >= MIXED:
                     turn_pelvis(bank, s, c, k, block, mixing, character, rotations)
-                    if mixing.finish[k] == LIMBS:
-                        turn_limbs(bank, limbs, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
+            k = ZERO
+            for character in range(first, stop):
+                if mixing.finish[k] == LIMBS:
+                    turn_limbs(bank, limbs, s, row_at(character), k, block, mixing, character, rotations)
+                k += lanes_of(s, row_at(character))
         for character in range(first, stop):
             c = row_at(character)
             if s[c + col.AIMED] > 0.0:
@@ -125,7 +129,7 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
         row, _ = row_of(bank, clip, s[slot + col.FRAME])
         fetch_ahead(bank.lower, row)
         if own:
-            fetch_ahead(bank.upper, row)
+            fetch_planes(bank, row)
             fetch_worn(bank, s, c, clip, row)
     for number in range(int(s[c + col.ACTIONS])):
         slot = action_slot(c, number)
@@ -133,6 +137,14 @@ def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
             row, _ = row_of_action(bank, s, slot)
             fetch_ahead(bank.upper, row)
             fetch_worn(bank, s, c, int(s[slot + col.CLIP]), row)
+
+
+@inlined
+def fetch_planes(bank: BankArrays, row: Index) -> None:
+    """Prefetches the rotations of a row of `upper` and of the next one, without their clouds."""
+    for column in range(bank.rig[arrays.FIRST_PLANE], np.uint64(bank.upper.shape[1]), np.uint64(LINE)):
+        prefetch(bank.upper, row, column)
+        prefetch(bank.upper, row + ONE, column)
 
 
 @inlined

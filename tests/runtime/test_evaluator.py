@@ -8,7 +8,7 @@ from motionsplice.motion.errors import MotionError, SettingsError, TimeRangeErro
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.requests import POSTURES, Memory, Poses, Requests
+from motionsplice.runtime.requests import POSTURES, REQUEST, Memory, Poses, Requests
 from motionsplice.runtime.splice import Splice
 
 
@@ -160,10 +160,21 @@ def test_arrays_of_wrong_type_shape_or_layout_are_refused(bank: Bank) -> None:
         lambda: Requests(Requests.empty(4).records[::2]),
         lambda: Requests(np.zeros(2, [("locomotion", np.int64)])),
         lambda: Memory(np.zeros((2, 9)), 0.1),
+        lambda: Memory(np.frombuffer(bytes(160)).reshape(2, 10), 0.1),
+        lambda: Memory(np.frombuffer(bytearray(161), offset=1).reshape(2, 10), 0.1),
         lambda: evaluator.world_positions(evaluator.poses(2), np.empty((2, joints, 4), np.float32)),
     ):
         with pytest.raises(SettingsError, match="expected a contiguous array"):
             make()
+
+
+def test_requests_may_be_read_only(bank: Bank) -> None:
+    evaluator, requests = Evaluator(bank), Requests.empty(2)
+    requests.time[:] = 0.5
+    expected, found = evaluator.poses(2), evaluator.poses(2)
+    evaluator.evaluate(requests, expected)
+    evaluator.evaluate(Requests(np.frombuffer(requests.records.tobytes(), REQUEST)), found)
+    assert found.rotations.tobytes() == expected.rotations.tobytes()
 
 
 def test_an_empty_batch_is_valid(bank: Bank) -> None:

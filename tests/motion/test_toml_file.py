@@ -16,6 +16,7 @@ DEEP = 10_000
         (b"a = " + b"9" * 5000, "not TOML: Exceeds the limit"),
         (b"a = " + b"[" * DEEP + b"]" * DEEP, "nested too deeply"),
         (b"a = " + b"{b = " * DEEP + b"1" + b"}" * DEEP, "nested too deeply"),
+        (b"".join(b"[%d.a.b.c.d]\n" % number for number in range(15_000)), "more than one table or list in 16 bytes"),
         (b"a = \xff", "not TOML: .* can't decode"),
         (b"[walk", "not TOML: Expected .* end of a table declaration.*Write a name with a colon in quotes"),
     ],

@@ -32,7 +32,7 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz fuzz-cpp quality soak supply supply pictures clean
+.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz fuzz-cpp quality soak supply pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from os.path import exists, isdir, isfile
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ COLON = 'Write a name with a colon in quotes, as ["moves:run"]'
 
 def read_toml(file: Path) -> dict[str, Any]:
     """Returns the tables and values of a file. Raises SettingsError, naming the file."""
+    if exists(file) and not (isfile(file) or isdir(file)):
+        raise SettingsError("this is a pipe or a device, not a file", file=str(file))
     try:
         text = file.read_text(encoding="utf-8")
         if sum(map(text.count, ".[{")) > FREE + len(text) // BYTES:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -34,3 +35,6 @@ def test_what_cannot_be_read_is_refused_by_name(tmp_path: Path) -> None:
     for file, problem in ((loop, "symbolic links"), (tmp_path, "a directory"), (tmp_path / "no", "No such file")):
         with pytest.raises(SettingsError, match=f"the file cannot be read: .*{problem}"):
             read_toml(file)
+    os.mkfifo(tmp_path / "pipe.toml")
+    with pytest.raises(SettingsError, match=r"pipe\.toml: this is a pipe or a device"):
+        read_toml(tmp_path / "pipe.toml")

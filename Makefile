@@ -32,7 +32,7 @@ LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job 
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow
 
-.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz fuzz-cpp quality soak supply supply pictures clean
+.PHONY: demo test test-kernels test-plain check docs lowest newest oracles clients generators viewer fuzz fuzz-cpp quality soak supply pictures clean
 
 demo: $(VENV)/ready            ## set up, splice the built-in motions, show the results, serve them
 	$(BIN)/motionsplice demo demo
@@ -88,6 +88,7 @@ tests/oracles/node_modules: tests/oracles/package-lock.json
 	touch $@
 
 fuzz: $(VENV)/ready-fuzz       ## RUNS inputs through every door, guided by coverage; hours by default; Linux
+	$(BIN)/python -m tests.hardening.fuzz.bulk
 	$(BIN)/python -m tests.hardening.fuzz --runs $(RUNS)
 
 fuzz-cpp: $(VENV)/ready        ## a million damaged banks through the evaluator in C++, under sanitizers; needs clang
@@ -115,13 +116,13 @@ quality: $(VENV)/ready        ## judge splices against the truth: built-in motio
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
 
-soak: $(VENV)/ready           ## an hour: jobs killed, disks that fail, power cuts, damaged banks; the service under load
+soak: $(VENV)/ready           ## two hours: jobs killed, disks that fail, power cuts, damaged banks; the service under load
 	$(BIN)/python -m tests.hardening.killed --kills 500
 	$(BIN)/python -m tests.hardening.failing_disk
 	$(BIN)/python -m tests.hardening.power_loss --variants 20
 	$(BIN)/python -m tests.hardening.damaged_banks --flips 10000
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m tests.hardening.damaged_banks --flips 100
-	$(BIN)/python -m bench.service streams stalled connects exchange --soak --check
+	$(BIN)/python -m bench.service streams stalled connects exchange descriptors --soak --check
 
 supply: $(VENV)/ready         ## of what users install: pinned versions, licences, an SBOM, known vulnerabilities; needs PyPI
 	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra fbx pyproject.toml -o constraints.txt

@@ -123,12 +123,12 @@ def _settings(name: str, entry: Any, file: Place, default: ClipSettings) -> Clip
     where = f"clip {name!r}"
     if not isinstance(entry, Mapping):
         raise SettingsError(
-            f"expected a table, found {entry!r}", file=str(file), place=where, mend=f"Begin it with [{name}]"
+            f"expected a table, found {entry!r:.80}", file=str(file), place=where, mend=f"Begin it with [{name}]"
         )
     keys = [field.name for field in fields(ClipSettings)]
     for key in entry:
         if key not in keys:
-            raise SettingsError(f"unknown key {key!r}", file=str(file), place=where, mend=did_you_mean(key, keys))
+            raise SettingsError(f"unknown key {key!r:.80}", file=str(file), place=where, mend=did_you_mean(key, keys))
     tags, roles = entry.get("tags", list(default.tags)), entry.get("roles")
     given = {key: entry[key] for key in entry if key != "roles"}
     settings = replace(default, **{**given, "tags": tuple(tags) if isinstance(tags, list) else ()})
@@ -152,7 +152,7 @@ def _settings(name: str, entry: Any, file: Place, default: ClipSettings) -> Clip
     if invalid:
         key = invalid[0]
         raise SettingsError(
-            f"invalid value {key} = {entry[key]!r}", file=str(file), place=where, mend=f"Use {VALUES[key]}"
+            f"invalid value {key} = {entry[key]!r:.80}", file=str(file), place=where, mend=f"Use {VALUES[key]}"
         )
     return replace(settings, roles=_roles(file, roles, where)) if roles else settings
 

@@ -199,7 +199,7 @@ def read_roles_file(file: Place) -> dict[str, GivenRole]:
     for role, name in roles.items():
         names = name if isinstance(name, list) and role == "spine" else [name]
         if not all(isinstance(joint, str) for joint in names):
-            problem = f"{role} = {name!r} is not the name of a joint"
+            problem = f"{role} = {name!r:.80} is not the name of a joint"
             raise SettingsError(problem, file=str(file), mend="Write the joint's name in quotes")
     return roles
 
@@ -208,7 +208,7 @@ def _check_known(given: Mapping[str, GivenRole]) -> None:
     known = (*LIMBS, *OPTIONAL, "pelvis", "spine")
     for role in given:
         if role not in known:
-            raise SettingsError(f"unknown role {role!r}", mend=did_you_mean(role, known))
+            raise SettingsError(f"unknown role {role!r:.80}", mend=did_you_mean(role, known))
 
 
 def _joint(role: str, name: GivenRole, names: tuple[str, ...]) -> int:

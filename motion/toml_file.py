@@ -6,15 +6,22 @@ import tomllib
 from typing import Any
 
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.storage.place import Place
+from motionsplice.motion.storage.place import Place, may_never_end
 
+BYTES = 16  # of text for each table or list, at least: one that takes two bytes may take a thousand in memory
+FREE = 50_000  # tables and lists that a small file may have
 COLON = 'Write a name with a colon in quotes, as ["moves:run"]'
 
 
 def read_toml(file: Place) -> dict[str, Any]:
     """Returns the tables and values of a file. Raises SettingsError, naming the file."""
+    if may_never_end(file):
+        raise SettingsError("this is a pipe or a device, not a file", file=str(file))
     try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
+        text = file.read_text(encoding="utf-8")
+        if sum(map(text.count, ".[{")) > FREE + len(text) // BYTES:
+            raise SettingsError(f"more than one table or list in {BYTES} bytes", file=str(file))
+        return tomllib.loads(text)
     except OSError as error:
         raise SettingsError(f"the file cannot be read: {error.strerror}", file=str(file)) from None
     except RecursionError:

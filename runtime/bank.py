@@ -47,9 +47,9 @@ class Bank(Contents):
     def open(cls, path: str | PathLike[str], *, verify: bool = True) -> Bank:
         """Opens the bank in a folder.
 
-        Without `verify` only the manifest and the headers of mapped tables are read, so a large bank opens at once.
-        Shapes and row numbers are checked in any case: a damaged table can spoil poses, but cannot make a kernel read
-        outside the tables. `verify` may be called later.
+        Without `verify` only the manifest, the headers of mapped tables and one small table are read, so a large bank
+        opens at once. Shapes and row numbers are checked in any case: a damaged table can spoil poses, but cannot make
+        a kernel read outside the tables. `verify` may be called later.
 
         Args:
             path: The bank's folder.

@@ -91,10 +91,8 @@ class Contents:
         try:
             return self._numbers[name]
         except KeyError:
-            problem, mend = (
-                f"the bank has no clip {name!r:.200}",
-                did_you_mean(name, [clip.name for clip in self.clips]),
-            )
+            problem = f"the bank has no clip {name!r:.200}"
+            mend = did_you_mean(name, [clip.name for clip in self.clips])
             if self.mirror is None and name.removesuffix(MIRRORED) in self._numbers:
                 mend = "Its rig has no mirror image, because left and right limbs hang on different joints"
             raise UnknownClipError(problem, mend=mend) from None

@@ -18,7 +18,7 @@ from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.rest_pose import with_own_bind
 from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import Roles
-from motionsplice.motion.storage.place import At, Place, exists, is_dir, resolved
+from motionsplice.motion.storage.place import At, Place, exists, is_dir, may_never_end, resolved
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 SCENES = (*GLTF, ".fbx")
@@ -145,7 +145,7 @@ def read_bytes(path: Place) -> bytes:
     A pipe or a device, which may never end, is refused too.
     """
     try:
-        if isinstance(path, Path) and path.exists() and not (path.is_file() or path.is_dir()):
+        if may_never_end(path):
             raise FormatError("this is a pipe or a device, not a file", file=str(path))
         data = path.read_bytes()
     except (FileNotFoundError, NotADirectoryError):

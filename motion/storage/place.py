@@ -69,6 +69,11 @@ def is_named(place: Place) -> bool:
     return os.path.lexists(place) if isinstance(place, Path) else place.exists()
 
 
+def may_never_end(place: Place) -> bool:
+    """Whether it is a pipe or a device."""
+    return exists(place) and isinstance(place, Path) and not (os.path.isfile(place) or os.path.isdir(place))
+
+
 def resolved(place: At) -> At:
     return type(place)(os.path.realpath(place)) if isinstance(place, Path) else place.resolve()
 

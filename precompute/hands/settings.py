@@ -119,7 +119,7 @@ def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
     known = ("body", "hands", "hand", "wrist", "turn", "bands", "pairs")
     for key in entry:
         if key not in known:
-            raise SettingsError(f"unknown key {key!r}", file=file, place=where, mend=did_you_mean(key, known))
+            raise SettingsError(f"unknown key {key!r:.80}", file=file, place=where, mend=did_you_mean(key, known))
     for key, wanted in (("body", "a clip"), ("hands", "a hands clip")):
         if key not in entry:
             mend = f'Add {key} = "NAME", the name of {wanted}'
@@ -136,7 +136,7 @@ def _entry(number: int, entry: Mapping[str, Any], file: str) -> HandsOnBody:
     ):
         if not valid:
             raise SettingsError(
-                f"{key} = {entry.get(key)!r} is not valid", file=file, place=where, mend=f"{key} must be {wanted}"
+                f"{key} = {entry.get(key)!r:.80} is not valid", file=file, place=where, mend=f"{key} must be {wanted}"
             )
     try:
         parsed = tuple(FramePair.parse(pair) for pair in pairs)

@@ -38,7 +38,7 @@ def _opened(name: str, file: Path, small: bool) -> NDArray[Any]:
         return _read(file) if small else np.asarray(np.load(file, mmap_mode="r", allow_pickle=False))
     except FileNotFoundError:
         raise BankError(f"table {name!r} is missing", file=str(file), mend=REBUILD) from None
-    except OSError:
+    except OSError:  # it may be whole
         raise
     except Exception as error:  # NumPy parses a damaged header as Python source, which can raise almost anything
         raise BankError(f"table {name!r} is cut short or not an array: {error}", file=str(file), mend=REBUILD) from None

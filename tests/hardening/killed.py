@@ -22,7 +22,7 @@ import typer
 from motionsplice.cli import run
 from tests.hardening.replacement import IN_MEMORY, DisturbedError, Replacement
 
-TIMED = 5  # undisturbed jobs; the moments lie within the time of the middle one
+TIMED = 3  # undisturbed jobs; the moments lie within the time of the middle one
 FORK = get_context("fork")  # a job begins with all that is imported and compiled
 
 

@@ -27,21 +27,21 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Replacement:
 
 
 def test_killed_jobs_leave_the_old_or_the_new_bank(replacement: Replacement, tmp_path: Path) -> None:
-    assert killed.check(replacement, tmp_path / "bank", 6, seed=1).total() == 6
+    assert killed.check(replacement, tmp_path / "bank", 4, seed=1).total() == 4
 
 
 def test_a_power_cut_leaves_the_old_or_the_new_bank(replacement: Replacement, tmp_path: Path) -> None:
-    assert power_loss.check(replacement, tmp_path, 2, every=8) > 20
+    assert power_loss.check(replacement, tmp_path, 2, every=12) > 14
 
 
 def test_a_power_cut_leaves_no_part_of_a_first_bank(first: Replacement, tmp_path: Path) -> None:
-    assert power_loss.check(first, tmp_path, 2, every=8) > 20
+    assert power_loss.check(first, tmp_path, 2, every=12) > 14
 
 
 def test_what_fails_on_the_disk_is_a_typed_error_and_leaves_the_old_or_the_new_bank(
     replacement: Replacement, tmp_path: Path
 ) -> None:
-    assert failing_disk.check(replacement, tmp_path / "bank", [errno.ENOSPC], every=12) > 8
+    assert failing_disk.check(replacement, tmp_path / "bank", [errno.ENOSPC], every=16) > 8
 
 
 def test_a_bank_that_is_not_synced_is_found(

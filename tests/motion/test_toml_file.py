@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ DEEP = 10_000
         (b"a = " + b"9" * 5000, "not TOML: Exceeds the limit"),
         (b"a = " + b"[" * DEEP + b"]" * DEEP, "nested too deeply"),
         (b"a = " + b"{b = " * DEEP + b"1" + b"}" * DEEP, "nested too deeply"),
+        (b"".join(b"[%d.a.b.c.d]\n" % number for number in range(15_000)), "more than one table or list in 16 bytes"),
         (b"a = \xff", "not TOML: .* can't decode"),
         (b"[walk", "not TOML: Expected .* end of a table declaration.*Write a name with a colon in quotes"),
     ],
@@ -33,3 +35,6 @@ def test_what_cannot_be_read_is_refused_by_name(tmp_path: Path) -> None:
     for file, problem in ((loop, "symbolic links"), (tmp_path, "a directory"), (tmp_path / "no", "No such file")):
         with pytest.raises(SettingsError, match=f"the file cannot be read: .*{problem}"):
             read_toml(file)
+    os.mkfifo(tmp_path / "pipe.toml")
+    with pytest.raises(SettingsError, match=r"pipe\.toml: this is a pipe or a device"):
+        read_toml(tmp_path / "pipe.toml")

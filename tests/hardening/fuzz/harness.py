@@ -59,7 +59,7 @@ class Visitor:
 
     def __init__(self, door: Door, saved: Path | None = None) -> None:
         self.tally = Tally()
-        self._door, self._saved = door, saved
+        self.door, self._saved = door, saved
         self._folder = Path(tempfile.mkdtemp(dir=IN_MEMORY if IN_MEMORY.is_dir() else None))
         _return_large_blocks()
         for data in (b"", bytes(range(256))):  # loads what is loaded at first use, and compiles the kernels
@@ -70,9 +70,9 @@ class Visitor:
 
     def visit(self, data: bytes) -> None:
         """Makes an input from bytes, sends it through the door and counts the outcome."""
-        files = self._door.make(Draw(data))
+        files = self.door.make(Draw(data))
         before = time.process_time()
-        with _limited(FREE + self._door.per_byte * sum(map(len, files.values()))):
+        with _limited(FREE + self.door.per_byte * sum(map(len, files.values()))):
             problem, is_bad = self._outcome(files)
         taken = time.process_time() - before
         if taken > MOST_SECONDS:
@@ -81,7 +81,7 @@ class Visitor:
         tally.inputs += 1
         tally.slowest = max(tally.slowest, taken)
         tally.passed += not problem
-        tally.passed_first += not self._door.early.match(problem)
+        tally.passed_first += not self.door.early.match(problem)
         words = re.sub(r"'[^']*'|\"[^\"]*\"|-?\d[\w.+-]*", "…", problem)[:WIDTH] if not is_bad else problem
         tally.outcomes[words or "passed"] += 1
         if is_bad and words not in tally.bad:
@@ -92,7 +92,7 @@ class Visitor:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             try:
-                self._door.enter(files, self._folder)
+                self.door.enter(files, self._folder)
             except MotionError as error:
                 str(error).encode()  # as printing does
                 return error.problem or "a problem without words", not error.problem

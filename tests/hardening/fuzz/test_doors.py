@@ -17,7 +17,7 @@ from tests.hardening.fuzz.door import DOORS, Door, Files, door_of
 from tests.hardening.fuzz.draw import Draw
 from tests.hardening.fuzz.harness import Tally, Visitor
 
-INPUTS = 100
+INPUTS = 60
 LONGEST = 4096  # bytes of choices
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import follow_joints
+from motionsplice.motion.followed_joints import follow_joints
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Integers, Skeleton

@@ -35,6 +35,7 @@ from motionsplice.runtime.format.manifest import (
     HandsEntry,
     content_digest,
 )
+from motionsplice.runtime.format.packed_rows import packed_stance
 from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
@@ -137,7 +138,7 @@ def _rows(
     offsets: Mapping[str, Floats],
     usages: Mapping[str, Floats],
 ) -> Iterator[NDArray[np.float32]]:
-    """Yields each clip's rows of a table, with torso offsets and usage weights, in pieces that stay in a core's cache."""
+    """Yields clips' rows of a table, with torso offsets and usage weights, in pieces that stay in a core's cache."""
     for clip in clips:
         rows, moved, usage = clip.fetch(half), offsets.get(clip.name), usages.get(clip.name)
         for first in range(0, len(rows), PIECE):
@@ -154,7 +155,7 @@ def _stances(layout: Layout, standing: Mapping[str, Measured]) -> Iterator[NDArr
     """Yields the rows of the table `stances`."""
     yield np.zeros((0, layout.upper.columns), np.float32)
     for one in standing.values():
-        yield layout.pack_stance(one.standing.stance)
+        yield packed_stance(layout, one.standing.stance)
 
 
 def _entries(

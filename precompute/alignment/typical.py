@@ -48,16 +48,15 @@ def distance_to_all(rings: Floats, ends: NDArray[np.int64], ring: Floats, enough
     rings: [n, 3, 3] the clouds of all strides about their means, one stride after the other, each up to one of `ends`.
     A stride is no nearer than its clouds are to those that are most like them, whatever their order.
     """
-    least, grids, total, first = np.empty(len(ends)), np.empty((len(rings), len(ring))), 0.0, 0
+    least, total, first = np.empty(len(ends)), 0.0, 0
     for k in range(len(ends)):
-        floor_of_all = 0.0
+        squares = 0.0
         for i in range(first, ends[k]):
             nearest = np.inf
             for j in range(len(ring)):
-                grids[i, j] = _squared_distance(rings[i], ring[j])
-                nearest = min(nearest, grids[i, j])
-            floor_of_all += nearest
-        least[k] = min(np.sqrt(floor_of_all / (ends[k] - first)), OTHER_GAIT)
+                nearest = min(nearest, _squared_distance(rings[i], ring[j]))
+            squares += nearest
+        least[k] = min(np.sqrt(squares / (ends[k] - first)), OTHER_GAIT)
         total += least[k]
         first = ends[k]
     first = 0
@@ -67,7 +66,9 @@ def distance_to_all(rings: Floats, ends: NDArray[np.int64], ring: Floats, enough
         if least[k] < OTHER_GAIT:
             cells = ends[k] - first
             twice = np.empty((2 * cells, len(ring)))
-            twice[:cells] = twice[cells:] = grids[first : ends[k]]
+            for i in range(cells):
+                for j in range(len(ring)):
+                    twice[i, j] = twice[i + cells, j] = _squared_distance(rings[first + i], ring[j])
             wound = walk_ring(twice, 0.0, 0.0, MOST_ADVANCE, MOST_ZERO_STEPS)
             squares = 0.0
             for i in range(2 * cells):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import ClassVar
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from motionsplice.precompute.body.turned_points import turned_points
 class Followed(Clip):
     """A clip whose joints with roles have been followed once, for all that ask for their paths."""
 
-    _known: ClassVar[tuple[dict[int, int], Floats, Floats]] = ({}, np.empty((0, 0, 3)), np.empty((0, 0, 4)))
+    _known: tuple[dict[int, int], Floats, Floats] = ({}, np.empty((0, 0, 3)), np.empty((0, 0, 4)))
 
     @classmethod
     def of(cls, clip: Clip, roles: Roles) -> Followed:

@@ -30,6 +30,7 @@ from motionsplice.precompute.preparation.feet import standing_feet
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
+from motionsplice.runtime.format.packed_rows import packed
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
@@ -160,7 +161,7 @@ def _draw(skeleton: Skeleton, roles: Roles, size: Size, random: np.random.Genera
     torso = measure_torso(clip, roles)
     offsets = quaternion.about(axes[roles.pelvis], 0.1 * np.sin(2.0 * np.pi * phase))
     layout = Layout.of(skeleton, roles)
-    rows = layout.pack(roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
+    rows = packed(layout, roots, rotations, TorsoRows(torso.clouds, torso.frames, offsets))
     layout.set_usage(rows["upper"], size.standing * (0.5 + 0.5 * np.sin(2.0 * np.pi * phase))[:, None] * np.ones(PARTS))
     path = np.column_stack([np.zeros((size.rows, 2)), roots[:, 2], np.zeros(size.rows)])
     feet = np.where(phase % 1.0 < 0.6, LEFT_FOOT, 0) | np.where((phase + 0.5) % 1.0 < 0.6, RIGHT_FOOT, 0)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from motionsplice.motion import quaternion
@@ -175,21 +174,7 @@ def _is_even(rotations: Floats) -> bool:
     """Returns whether rotations [F, J, 4] are certainly as a clip has them."""
     if rotations.dtype != np.float64 or not rotations.flags.c_contiguous:
         return False
+    from motionsplice.motion.evenness import unevenness  # Numba takes half a second, and `inspect` needs none
+
     error, least = unevenness(rotations)
     return error < 0.5 * ROUNDING and least > ROUNDING
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def unevenness(rotations: Floats) -> tuple[float, float]:
-    """Returns the largest error of a rotation's length, and the least product of successive frames; inf for NaN."""
-    error, least = 0.0, np.inf
-    for frame in range(len(rotations)):
-        for joint in range(rotations.shape[1]):
-            x, y, z, w = rotations[frame, joint]
-            off = abs(np.sqrt(x * x + y * y + z * z + w * w) - 1.0)
-            if not off <= error:
-                error = off if off > error else np.inf
-            if frame > 0:
-                a, b, c, d = rotations[frame - 1, joint]
-                least = min(least, x * a + y * b + z * c + w * d)
-    return error, least

@@ -19,6 +19,7 @@ from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.job.bank_builder import frame_of_phase
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry, Manifest
+from motionsplice.runtime.format.packed_rows import packed, packed_stance
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
 CLOUDS = ("torso", "line", "point")
@@ -52,8 +53,8 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str, hy
         rows = frames + seam
         phase = draw.uniform(0.0, 1.0) + np.cumsum(draw.uniform(0.05, 0.4, rows))
         torso = TorsoRows(_cloud(draw, clouds, rows, points), *(_rotations(draw, rows, 1)[:, 0] for _ in range(2)))
-        packed = layout.pack(draw.normal(size=(rows, 3)), _rotations(draw, rows, joints), torso)
-        for name, values in packed.items():
+        both = packed(layout, draw.normal(size=(rows, 3)), _rotations(draw, rows, joints), torso)
+        for name, values in both.items():
             tables[name].append(np.asarray(values))
         tables["phase_of_frame"].append(phase)
         tables["frame_of_phase"].append(frame_of_phase(phase))
@@ -65,7 +66,7 @@ def random_bank(seed: int, joints: int, clips: int, points: int, clouds: str, hy
         stands = number % 3 == 1
         layout.set_usage(np.asarray(tables["upper"][-1]), stands * draw.uniform(0.0, 1.0, (rows, PARTS)))
         if stands:
-            tables["stances"].append(layout.pack_stance(_rotations(draw, 1, joints)[0]).astype(np.float64))
+            tables["stances"].append(packed_stance(layout, _rotations(draw, 1, joints)[0]).astype(np.float64))
         if number % 2:
             tables["hands"].append(layout.pack_hands(_rotations(draw, rows, joints)).astype(np.float64))
             tables["hand_frames"].append(np.cumsum(draw.uniform(0.0, 2.0, (rows, 2)), axis=0))

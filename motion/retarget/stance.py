@@ -32,14 +32,16 @@ LOWEST = 30.0  # percent of the frames, those in which an ankle is lowest: there
 
 def stands(skeleton: Skeleton, roles: Roles) -> bool:
     """Returns whether the thighs point down in the bind pose, once it is turned upright."""
-    return _stands(skeleton, roles, _upright(skeleton, roles))
+    at = bind_positions(skeleton)
+    thighs = at[[roles.left_knee, roles.right_knee]] - at[[roles.left_hip, roles.right_hip]]
+    down = -quaternion.rotate(_upright(skeleton, roles), thighs)[:, 1]
+    return bool(np.all(down >= LEAST_DOWN * np.linalg.norm(thighs, axis=1)))
 
 
 @lru_cache(maxsize=16)
 def shown_by_motion(skeleton: Skeleton, roles: Roles) -> bool:
     """Returns whether the bind pose does not show the standing pose, so that a motion has to."""
-    body = _upright(skeleton, roles)
-    return not _stands(skeleton, roles, body) or bool(_steep_feet(skeleton, roles, body))
+    return not stands(skeleton, roles) or bool(_steep_feet(skeleton, roles, _upright(skeleton, roles)))
 
 
 def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) -> Floats:
@@ -52,7 +54,7 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
     their mean. If only feet point down in the bind pose, they alone are found from the motion.
     """
     pose = np.tile(_upright(skeleton, roles), (skeleton.joint_count, 1))
-    standing = _stands(skeleton, roles, pose[0])
+    standing = stands(skeleton, roles)
     sides = _steep_feet(skeleton, roles, pose[0]) if standing else SIDES
     if motion is None or not sides:
         return pose
@@ -69,14 +71,6 @@ def standing_pose(skeleton: Skeleton, roles: Roles, motion: Clip | None = None) 
         if joint in free and quaternion.angle(mean := _mean(motion.rotations[:, joint]), quaternion.IDENTITY) > FAR:
             pose[joint] = quaternion.multiply(pose[parent], mean)
     return pose
-
-
-def _stands(skeleton: Skeleton, roles: Roles, body: Floats) -> bool:
-    """Returns whether the thighs point down in the bind pose, turned upright by `body` [4]."""
-    at = bind_positions(skeleton)
-    thighs = at[[roles.left_knee, roles.right_knee]] - at[[roles.left_hip, roles.right_hip]]
-    down = -quaternion.rotate(body, thighs)[:, 1]
-    return bool(np.all(down >= LEAST_DOWN * np.linalg.norm(thighs, axis=1)))
 
 
 def ahead(skeleton: Skeleton, joint: int) -> Floats:

@@ -50,13 +50,13 @@ def distance_to_all(rings: Floats, ends: NDArray[np.int64], ring: Floats, enough
     """
     least, total, first = np.empty(len(ends)), 0.0, 0
     for k in range(len(ends)):
-        floor_of_all = 0.0
+        squares = 0.0
         for i in range(first, ends[k]):
             nearest = np.inf
             for j in range(len(ring)):
                 nearest = min(nearest, _squared_distance(rings[i], ring[j]))
-            floor_of_all += nearest
-        least[k] = min(np.sqrt(floor_of_all / (ends[k] - first)), OTHER_GAIT)
+            squares += nearest
+        least[k] = min(np.sqrt(squares / (ends[k] - first)), OTHER_GAIT)
         total += least[k]
         first = ends[k]
     first = 0
@@ -66,9 +66,9 @@ def distance_to_all(rings: Floats, ends: NDArray[np.int64], ring: Floats, enough
         if least[k] < OTHER_GAIT:
             cells = ends[k] - first
             twice = np.empty((2 * cells, len(ring)))
-            for i in range(cells):  # again, as the distances of all strides at once could fill the memory
+            for i in range(cells):
                 for j in range(len(ring)):
-                    twice[i, j] = twice[cells + i, j] = _squared_distance(rings[first + i], ring[j])
+                    twice[i, j] = twice[i + cells, j] = _squared_distance(rings[first + i], ring[j])
             wound = walk_ring(twice, 0.0, 0.0, MOST_ADVANCE, MOST_ZERO_STEPS)
             squares = 0.0
             for i in range(2 * cells):

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import ClassVar
 
 import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import follow_joints
+from motionsplice.motion.followed_joints import follow_joints
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Integers, Skeleton
@@ -20,7 +19,7 @@ from motionsplice.precompute.body.turned_points import turned_points
 class Followed(Clip):
     """A clip whose joints with roles have been followed once, for all that ask for their paths."""
 
-    _known: ClassVar[tuple[dict[int, int], Floats, Floats]] = ({}, np.empty((0, 0, 3)), np.empty((0, 0, 4)))
+    _known: tuple[dict[int, int], Floats, Floats] = ({}, np.empty((0, 0, 3)), np.empty((0, 0, 4)))
 
     @classmethod
     def of(cls, clip: Clip, roles: Roles) -> Followed:

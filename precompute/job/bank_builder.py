@@ -42,6 +42,7 @@ from motionsplice.runtime.format.manifest import (
     HandsEntry,
     content_digest,
 )
+from motionsplice.runtime.format.packed_rows import packed_stance
 from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
@@ -160,7 +161,7 @@ class _Clips:
             yield from self._halves(one, turns, None if stands is None else stands.standing.usage)
             yield self._others(one)
             if stands is not None:
-                yield {"stances": self._layout.pack_stance(stands.standing.stance)}
+                yield {"stances": packed_stance(self._layout, stands.standing.stance)}
             self.entries.append(_entry(one, row, turns, stands, stances))
             row += len(one.phase)
             stances += stands is not None

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple, Protocol, TypeVar
+from zlib import crc32
 
 from numpy.typing import NDArray
 
@@ -18,6 +19,7 @@ from motionsplice.motion.storage.place import Place
 from motionsplice.precompute.alignment.baseline import Baseline, find_baseline
 from motionsplice.precompute.job.cache import Cache, digest_of_array, key_of
 from motionsplice.precompute.job.entries import (
+    LARGE,
     FoundStride,
     StrideSearched,
     pack_prepared,
@@ -44,13 +46,14 @@ class Identified:
     """A source with its digests.
 
     size: of its file, bytes. file_digest: of its file. reading_key: digest of everything that reading the clip depends
-    on.
+    on. checksums: of all files that are read with it.
     """
 
     source: Source
     size: int
     file_digest: str
     reading_key: str
+    checksums: tuple[int, ...]
 
 
 Clips = dict[str, Identified]  # by name, in order of name
@@ -84,19 +87,24 @@ def _unreadable(cache: Cache) -> MotionError:
 
 
 class Contents(NamedTuple):
-    """The size of a file in bytes, and the digests of all files that are read with it, its own first."""
+    """The size of a file in bytes, and the digests and CRC-32 of all files that are read with it, its own first."""
 
     size: int
     digests: tuple[str, ...]
+    checksums: tuple[int, ...]
 
 
 def contents_of(file: Place) -> Contents:
     """Reads a file and those that are read with it, without parsing them. Raises MotionError."""
+    contents = _bytes_of(file)
+    return Contents(len(contents[0]), tuple(map(content_digest, contents)), tuple(map(crc32, contents)))
+
+
+def _bytes_of(file: Place) -> list[bytes]:
     try:
-        contents = [read_bytes(one) for one in files_behind(file)]
+        return [read_bytes(one) for one in files_behind(file)]
     except MotionError as error:
         raise error.within(str(file)) from None
-    return Contents(len(contents[0]), tuple(map(content_digest, contents)))
 
 
 def identify(source: Source, contents: Contents) -> Identified:
@@ -104,14 +112,14 @@ def identify(source: Source, contents: Contents) -> Identified:
     reading = {**source.settings.reading, "roles": sorted(source.settings.roles.items())}
     settings = (source.file.suffix.lower(), source.animation, reading)
     key = key_of(version_of("motion", "runtime", "precompute"), contents.digests, settings)
-    return Identified(source, contents.size, contents.digests[0], key)
+    return Identified(source, contents.size, contents.digests[0], key, contents.checksums)
 
 
 def read(one: Identified) -> Reading:
     """Reads a clip. Raises MotionError if it cannot be read, or if its files have changed since `identify`."""
     source = one.source
     reading = read_clip(source.file, animation=source.animation, **source.settings.reading)
-    if identify(source, contents_of(source.file)).reading_key != one.reading_key:
+    if tuple(map(crc32, _bytes_of(source.file))) != one.checksums:  # a fifth of a digest's time
         raise ClipError("it changed while it was read", file=str(source.file), mend="Start again")
     return reading
 
@@ -120,16 +128,14 @@ class Readings:
     """Clips on their way from the search for a stride to their preparation, until the bank is built.
 
     They stay in memory as far as they fit into `room`, in bytes. Others go into the cache, and so do all those that a
-    worker process has read, as its copy of this has no room.
-
-    results: what this process has found and stored, by the keys of the entries, without the large arrays; a worker's
-    stays there.
+    worker process has read, as its copy of this has no room. What was found of them is remembered in as much room
+    again.
     """
 
     def __init__(self, cache: Cache, room: int = ROOM) -> None:
-        self.cache, self._room = cache, room
+        self.cache, self._room, self._room_for_results = cache, room, room
         self._kept: dict[str, Reading] = {}
-        self.results: dict[str, Any] = {}
+        self._results: dict[str, Any] = {}
 
     def __reduce__(self) -> tuple[type[Readings], tuple[Cache, int]]:
         return Readings, (self.cache, 0)
@@ -142,6 +148,16 @@ class Readings:
             self._kept[one.reading_key] = reading
         else:
             self.cache.store(one.reading_key, *pack_reading(reading))
+
+    def remember(self, key: str, result: object, size: int) -> None:
+        """Remembers a result of `size` bytes that is in the cache, if there is room."""
+        if size <= self._room_for_results:
+            self._room_for_results -= size
+            self._results[key] = result
+
+    def result(self, key: str) -> Any:
+        """Returns a result that is remembered, or None."""
+        return self._results.get(key)
 
     def of(self, one: Identified) -> Reading:
         """Returns a reading that was kept, or reads the clip. Raises MotionError."""
@@ -183,12 +199,13 @@ class StrideSearch:
         except BaselineError:
             ring = None
         key, searched = self.key(one), StrideSearched(Rig.of(reading.clip, reading.roles), ring)
-        self.cache.store(key, *pack_stride(searched))
-        self.readings.results[key] = searched
+        fields, arrays = pack_stride(searched)
+        self.cache.store(key, fields, arrays)
+        self.readings.remember(key, searched, sum(array.nbytes for array in arrays.values()))
 
     def load(self, one: Identified) -> StrideSearched | None:
         name, key = one.source.name, self.key(one)
-        found: StrideSearched | None = self.readings.results.get(key)
+        found: StrideSearched | None = self.readings.result(key)
         if found is None:
             return self.cache.load(key, lambda fields, arrays: unpack_stride(name, fields, arrays))
         return found if found.ring is None else replace(found, ring=replace(found.ring, name=name))
@@ -238,13 +255,15 @@ class Preparation:
         if cut is not None:  # the whole clip says all of these
             made = replace(made, notes=(), file_warnings=())
         key = self.key(one)
-        self.cache.store(key, *pack_prepared(made))
-        self.readings.results[key] = replace(made, fetch=partial(self._fetch, one))
+        fields, arrays = pack_prepared(made)
+        self.cache.store(key, fields, arrays)
+        small = sum(array.nbytes for name, array in arrays.items() if name not in LARGE)
+        self.readings.remember(key, replace(made, fetch=partial(self._fetch, one)), small)
 
     def load(self, one: Identified) -> PreparedClip | None:
         name, settings, key = one.source.name, one.source.settings, self.key(one)
         fetch = partial(self._fetch, one)
-        found: PreparedClip | None = self.readings.results.get(key)
+        found: PreparedClip | None = self.readings.result(key)
         if found is None:
             found = self.cache.load(key, lambda fields, arrays: unpack_prepared(name, fetch, fields, arrays))
         if found is None:

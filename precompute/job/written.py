@@ -26,6 +26,7 @@ from motionsplice.runtime.format.bounded import unpacked
 from motionsplice.runtime.format.manifest import MANIFEST, TABLES
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 
+WAITING = 4  # files synced at once: more threads take longer to start than they save
 OUR_TABLE = re.compile(r"[0-9a-f]{32}")  # other files in the folder are never removed
 OUR_PARTIAL = re.compile(rf"\.(table|{re.escape(MANIFEST)})(\.\d+)+")
 
@@ -62,7 +63,7 @@ def write_rows(folder: Path, lengths: Mapping[str, int], pieces: Iterable[Piece]
 
 def put_tables(folder: Path, partials: Mapping[Path, str]) -> None:
     """Gives written tables their names, by their digests, once they are on the disk."""
-    with ThreadPoolExecutor(max(1, len(partials))) as pool:
+    with ThreadPoolExecutor(WAITING) as pool:
         list(pool.map(_sync, partials))
     for partial, digest in partials.items():
         partial.replace(folder / f"{digest}.npy")

@@ -28,6 +28,7 @@ from motionsplice.precompute.preparation.looped import loop
 from motionsplice.precompute.preparation.repetition import stride_to_stride
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride
+from motionsplice.runtime.format.packed_rows import packed
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 
 
@@ -117,10 +118,9 @@ def prepare(
     clouds = facing(joint_paths(ours, facing_joints(skeleton_roles)))
     settled = slice(0, count) if cut is None else cut.settled(clip.rate)
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
+    layout = Layout.of(rig.skeleton, skeleton_roles)
     large: dict[str, NDArray[Any]] = {
-        **Layout.of(rig.skeleton, skeleton_roles).pack(
-            shown.root_positions, shown.rotations, TorsoRows(torso.clouds, torso.frames, no_offsets)
-        ),
+        **packed(layout, shown.root_positions, shown.rotations, TorsoRows(torso.clouds, torso.frames, no_offsets)),
         "upright": torso.upright,
     }
     return PreparedClip(

@@ -12,7 +12,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
@@ -108,18 +107,6 @@ class Layout:
         """The two halves by name of table."""
         return {"lower": self.lower, "upper": self.upper}
 
-    def pack(self, roots: Floats, rotations: Floats, torso: TorsoRows) -> dict[str, Float32s]:
-        """Returns rows [n, columns] of both tables for n frames: roots [n, 3] metres, rotations [n, J, 4], torsos."""
-        sizes = 0.5 * np.sum(torso.clouds**2, axis=(1, 2))
-        roots, rotations = np.ascontiguousarray(roots, np.float64), np.ascontiguousarray(rotations, np.float64)
-        clouds, frames, offsets = (np.ascontiguousarray(one, np.float64) for one in torso)
-        packed = {name: np.zeros((len(roots), half.columns), np.float32) for name, half in self.halves.items()}
-        for name, half in self.halves.items():
-            joints = np.array((self.pelvis, *half.joints), np.int64)
-            planes = (self.cloud_width, half.first_plane, half.width)
-            fill_rows(packed[name], roots, sizes, rotations, clouds, frames, offsets, joints, planes)
-        return packed
-
     def set_torso_offsets(self, half: str, rows: Float32s, offsets: Floats) -> None:
         """Writes torso offsets [n, 4] into rows [n, columns] of a table."""
         self.halves[half].lanes(rows)[:, TORSO_OFFSET] = offsets
@@ -131,11 +118,6 @@ class Layout:
     def usage(self, rows: Float32s) -> Floats:
         """Returns the usage weights [n, PARTS] in rows [n, columns] of the table `upper`."""
         return rows[:, self.upper.first_plane - USAGE : self.upper.first_plane].astype(np.float64)
-
-    def pack_stance(self, rotations: Floats) -> Float32s:
-        """Returns the row [1, columns] of the table `stances` for a pose [J, 4]; only its rotations are not zero."""
-        none = TorsoRows(np.zeros((1, self.points, 3)), quaternion.IDENTITY[None], quaternion.IDENTITY[None])
-        return self.pack(np.zeros((1, 3)), rotations[None], none)["upper"]
 
     def stance(self, row: Float32s, rotations: Floats) -> Floats:
         """Returns `rotations` [J, 4] with those of the upper body from a row [columns] of the table `stances`."""
@@ -174,38 +156,3 @@ class Layout:
 def _whole(count: int, of: int) -> int:
     """Returns `count` rounded up to a multiple of `of`."""
     return -(-count // of) * of
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def fill_rows(
-    rows: Float32s,
-    roots: Floats,
-    sizes: Floats,
-    rotations: Floats,
-    clouds: Floats,
-    frames: Floats,
-    offsets: Floats,
-    joints: NDArray[np.int64],
-    planes: tuple[int, int, int],
-) -> None:
-    """Fills rows [n, columns] of zeros of a table; roots, rotations and torsos as in `Layout.pack`.
-
-    sizes: [n] half the sum of a cloud's squares. joints: the pelvis, then those of the table. planes: the width of the
-    cloud's planes, the first column of the rotations' planes, and their width.
-    """
-    cloud_width, first_plane, width = planes
-    for row in range(len(rows)):
-        for i in range(3):
-            rows[row, ROOT + i] = roots[row, i]
-            for point in range(clouds.shape[1]):
-                rows[row, CLOUD + i * cloud_width + point] = clouds[row, point, i]
-        rows[row, SIZE] = sizes[row]
-        for i in range(4):
-            plane = first_plane + i * width
-            rows[row, plane + PELVIS] = rotations[row, joints[0], i]
-            rows[row, plane + POSTURE_FRAME] = frames[row, i]
-            rows[row, plane + TORSO_OFFSET] = offsets[row, i]
-            for number in range(1, len(joints)):
-                rows[row, plane + FIRST_JOINT - 1 + number] = rotations[row, joints[number], i]
-        for lane in range(FIRST_JOINT - 1 + len(joints), width):  # no joint: the identity
-            rows[row, first_plane + 3 * width + lane] = 1.0

@@ -13,6 +13,7 @@ from motionsplice.motion.parts import part_of_joint
 from motionsplice.motion.quaternion import IDENTITY, Floats, conjugate, multiply, to_matrices
 from motionsplice.motion.twins import MIRROR
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.packed_rows import packed_stance
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, POSTURE_FRAME, TORSO_OFFSET
 from motionsplice.runtime.mirrored import HALF_A_CYCLE
 from motionsplice.runtime.simd.compiled import Array
@@ -147,7 +148,7 @@ def stance_rows(bank: Bank, standing: Iterable[str]) -> Array:
     numbers = part_of_joint(bank.skeleton, bank.roles)[list(layout.upper.joints)]
     layout.upper.lanes(parts)[0, np.arange(FIRST_JOINT, FIRST_JOINT + len(numbers)), numbers] = 1.0
     stances = (bank.stance(name) for name in standing)
-    return np.concatenate([*(layout.pack_stance(one) for one in stances if one is not None), parts])
+    return np.concatenate([*(packed_stance(layout, one) for one in stances if one is not None), parts])
 
 
 def lane_mirror(bank: Bank) -> Array:

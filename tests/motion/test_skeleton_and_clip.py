@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.clip import Clip, unevenness
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError
+from motionsplice.motion.evenness import unevenness
 from motionsplice.motion.kinematics import end_positions, joint_positions, world_transforms
 from motionsplice.motion.skeleton import Skeleton, shared
 

@@ -6,6 +6,7 @@ import pytest
 from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import find_roles
+from motionsplice.runtime.format.packed_rows import packed
 from motionsplice.runtime.format.rows import (
     CLOUD,
     FIRST_JOINT,
@@ -47,7 +48,7 @@ def test_rows_are_packed_as_by_the_slow_twin(frames: int) -> None:
     roots, rotations = rng.normal(size=(frames, 3)), rng.normal(size=(frames, SKELETON.joint_count, 4))
     still = np.broadcast_to(quaternion.IDENTITY, (frames, 4))
     torso = TorsoRows(rng.normal(size=(frames, LAYOUT.points, 3)), rng.normal(size=(frames, 4)), still)
-    for name, rows in LAYOUT.pack(roots, rotations, torso).items():
+    for name, rows in packed(LAYOUT, roots, rotations, torso).items():
         np.testing.assert_array_equal(rows, packed_slowly(LAYOUT.halves[name], roots, rotations, torso))
 
 
@@ -55,7 +56,7 @@ def test_motion_is_what_was_packed() -> None:
     rng = np.random.default_rng(1)
     roots, rotations = rng.normal(size=(5, 3)), rng.normal(size=(5, SKELETON.joint_count, 4))
     torso = TorsoRows(rng.normal(size=(5, LAYOUT.points, 3)), rng.normal(size=(5, 4)), rng.normal(size=(5, 4)))
-    rows = LAYOUT.pack(roots, rotations, torso)
+    rows = packed(LAYOUT, roots, rotations, torso)
     for found, wanted in zip(LAYOUT.motion(rows["lower"], rows["upper"]), (roots, rotations), strict=True):
         np.testing.assert_array_equal(found, wanted.astype(np.float32))
     for found, wanted in zip(LAYOUT.torso(rows["lower"]), torso, strict=True):

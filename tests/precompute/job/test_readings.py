@@ -11,7 +11,17 @@ from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.precompute.job import clip_work
 from motionsplice.precompute.job.cache import Cache
-from motionsplice.precompute.job.clip_work import Identified, Readings, contents_of, identify, read
+from motionsplice.precompute.job.clip_work import (
+    ROOM,
+    Identified,
+    Preparation,
+    Readings,
+    StrideSearch,
+    contents_of,
+    identify,
+    read,
+)
+from motionsplice.precompute.job.entries import FoundStride, pack_prepared
 from motionsplice.precompute.job.sources import Source
 from tests.conftest import CLIPS
 
@@ -43,3 +53,37 @@ def test_a_clip_that_was_not_kept_is_read(walk: Identified, tmp_path: Path) -> N
     np.testing.assert_array_equal(
         Readings(Cache(tmp_path / "cache")).of(walk).clip.rotations, read(walk).clip.rotations
     )
+
+
+def test_results_are_remembered_as_far_as_there_is_room_and_not_in_workers(tmp_path: Path) -> None:
+    readings = Readings(Cache(tmp_path / "cache"), room=100)
+    for key, size in (("large", 101), ("small", 60), ("one more", 60)):
+        readings.remember(key, f"what is {key}", size)
+    assert [readings.result(key) for key in ("large", "small", "one more")] == [None, "what is small", None]
+    copy = pickle.loads(pickle.dumps(readings))
+    copy.remember("tiny", "what is tiny", 1)
+    assert (copy.result("small"), copy.result("tiny")) == (None, None)
+
+
+def test_a_remembered_result_equals_the_one_in_the_cache(walk: Identified, tmp_path: Path) -> None:
+    searches = [StrideSearch(Readings(Cache(tmp_path / "cache"), room)) for room in (0, ROOM)]
+    copy = replace(walk, source=replace(walk.source, name="copy"))
+    searches[1].run(walk)
+    stored, remembered = (one.load(copy) for one in searches)
+    assert stored is not None
+    assert remembered is not None
+    assert stored.ring is not None
+    assert remembered.ring is not None
+    assert stored.ring.name == remembered.ring.name == "copy"
+    assert stored.rig.skeleton == remembered.rig.skeleton
+    preparations = [Preparation.of(one.readings, FoundStride(stored.rig, stored.ring), True) for one in searches]
+    preparations[1].run(walk)
+    one, other = (preparation.load(copy) for preparation in preparations)
+    assert one is not None
+    assert other is not None
+    for found, wanted in zip(pack_prepared(other)[1].items(), pack_prepared(one)[1].items(), strict=True):
+        assert found[0] == wanted[0]
+        np.testing.assert_array_equal(found[1], wanted[1])
+    fields = [{**pack_prepared(found)[0], "notes": list(found.notes)} for found in (one, other)]
+    assert fields[0] == fields[1]
+    assert (one.name, one.source, one.kind) == (other.name, other.source, other.kind) == ("copy", one.source, one.kind)

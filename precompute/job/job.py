@@ -64,7 +64,7 @@ def build_bank(
     roles: Mapping[str, str | Sequence[str]] | None = None,
     hands: Sequence[HandsOnBody] = (),
     settings: ClipSettings = DEFAULT_SETTINGS,
-    skeleton: str | PathLike[str] | None = None,
+    skeleton: str | PathLike[str] | Remote | None = None,
     retarget: bool = True,
     jobs: int = 1,
     executor: Executor | None = None,
@@ -101,7 +101,7 @@ def build_bank(
     if isinstance(paths, str | PathLike | Remote):
         paths = [paths]
     files = [place_of(path) for path in paths]
-    rig = None if skeleton is None else Path(skeleton)
+    rig = None if skeleton is None else place_of(skeleton)
     return Job(
         files, place_of(out), baseline, roles or {}, hands, settings, rig, retarget, jobs, executor, progress
     ).run()
@@ -121,7 +121,7 @@ class Job:
     roles: Mapping[str, str | Sequence[str]]
     hands: Sequence[HandsOnBody]
     settings: ClipSettings
-    skeleton: Path | None
+    skeleton: Path | Remote | None
     retarget: bool
     jobs: int
     executor: Executor | None

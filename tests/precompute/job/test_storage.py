@@ -13,8 +13,9 @@ import pytest
 from typer.testing import CliRunner
 
 from motionsplice.cli import app
-from motionsplice.motion.errors import BankError
+from motionsplice.motion.errors import BankError, SkeletonError
 from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.storage.remote import Remote
 from motionsplice.precompute.job import job
 from motionsplice.precompute.job.cache import CacheError
@@ -167,6 +168,14 @@ def test_a_damaged_or_missing_bank_at_a_url_is_not_copied(memory: Any, bank: Ban
     memory.rm(largest)
     with pytest.raises(BankError, match=r"memory://bank: the bank changed"):
         install_bank(BANK, tmp_path / "copy", quiet)
+
+
+def test_a_skeleton_is_read_from_a_file_at_a_url_but_not_from_a_bank_there(memory: Any, tmp_path: Path) -> None:
+    build_bank("memory://clips", tmp_path / "bank", baseline="run", skeleton="memory://clips/walk.bvh")
+    expected = read_clip("memory://clips/walk.bvh").clip.skeleton
+    np.testing.assert_array_equal(Bank.open(tmp_path / "bank").skeleton.offsets, expected.offsets)
+    with pytest.raises(SkeletonError, match=r"memory://clips: the skeleton of a bank at a URL cannot be read\. Copy"):
+        build_bank("memory://clips", tmp_path / "other", baseline="run", skeleton="memory://clips")
 
 
 def test_a_worker_reads_and_writes_entries_without_copies(memory: Any, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from typing import TypeVar
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import BaselineError, MotionError
 from motionsplice.motion.storage.place import Place, place_of, read_ahead
-from motionsplice.motion.storage.remote import Remote
+from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.hands.settings import HandsOnBody
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.bank_clips import BankClips
@@ -252,8 +252,8 @@ class Job:
         names = {id(one): name for name, one in new.items()}
         with closing(self._outcomes(work, list(new.values()))) as outcomes:
             for done, (one, result) in enumerate(outcomes, 1):
-                if isinstance(result, CacheError):
-                    raise result
+                if isinstance(result, CacheError | StorageError):
+                    raise result  # no fault of the clip: a bank without it would take the place of a better one
                 if isinstance(result, MotionError):
                     name = names[id(one)]
                     self.failed[name] = result.of(name) if isinstance(result, WorkerDiedError) else result
@@ -278,5 +278,7 @@ class Job:
 def _contents_or_error(file: Place) -> Contents | MotionError:
     try:
         return contents_of(file)
+    except StorageError:
+        raise
     except MotionError as error:
         return error

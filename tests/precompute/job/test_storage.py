@@ -16,7 +16,7 @@ from motionsplice.cli import app
 from motionsplice.motion.errors import BankError, SkeletonError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
-from motionsplice.motion.storage.remote import Remote
+from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.job import job
 from motionsplice.precompute.job.cache import CacheError
 from motionsplice.precompute.job.clip_work import Identified, Preparation
@@ -132,6 +132,24 @@ def test_a_cache_that_cannot_be_written_ends_the_job(memory: Any, monkeypatch: p
     monkeypatch.setattr(type(memory), "pipe_file", refuse)
     with pytest.raises(CacheError, match=r"memory://bank/cache: cannot write to the cache: .*Access Denied"):
         build_bank("memory://clips", "memory://bank")
+
+
+def test_storage_that_refuses_a_clip_ends_the_job_and_the_bank_stays(
+    memory: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build_bank("memory://clips", "memory://bank")
+    before, cat_file = at(memory, "/bank"), type(memory).cat_file
+
+    def refuse(self: Any, path: str, *given: Any, **how: Any) -> Any:
+        if path.endswith("run.bvh"):
+            raise PermissionError("Access Denied")
+        return cat_file(self, path, *given, **how)
+
+    monkeypatch.setattr(type(memory), "cat_file", refuse)
+    with pytest.raises(StorageError, match=r"memory://clips/run\.bvh: the storage cannot be used: .*Access Denied"):
+        build_bank("memory://clips", "memory://bank")
+    monkeypatch.undo()
+    assert at(memory, "/bank") == before
 
 
 def test_a_bank_is_copied_to_a_url_and_back(memory: Any, bank: Bank, tmp_path: Path) -> None:

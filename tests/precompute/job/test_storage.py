@@ -10,9 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from motionsplice.cli import app
 from motionsplice.motion.errors import BankError, SkeletonError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
@@ -27,7 +25,6 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST
 from tests.conftest import CLIPS
 from tests.precompute.job.test_job import files_of, write
-from tests.s3 import bucket
 
 fsspec = pytest.importorskip("fsspec", reason="the extra motionsplice[cluster] is not installed")
 
@@ -208,21 +205,3 @@ def test_a_worker_reads_and_writes_entries_without_copies(memory: Any, tmp_path:
     memory.rm("/bank", recursive=True)
     assert cache.load(theirs, lambda fields, _: fields["number"]) == 2
     assert cache.load("2" * 32, lambda fields, _: fields) is None
-
-
-def test_on_s3_the_bank_has_the_same_bytes(
-    expected: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with bucket(monkeypatch) as url:
-        s3 = fsspec.filesystem("s3")
-        s3.pipe({f"{url}/clips/{name}.bvh": dump_bvh(CLIPS[name]) for name in NAMES})
-        s3.pipe(f"{url}/clips/clips.toml", TOML.encode())
-        command = ["precompute", f"{url}/clips", "--out", f"{url}/bank", "--jobs", "1"]
-        done = CliRunner().invoke(app, command)
-        assert done.exit_code == 0, done.output
-        assert "3 clips, 0 reused" in done.output
-        assert at(s3, f"{url}/bank") == expected
-        assert "nothing to do" in CliRunner().invoke(app, command).output
-        done = CliRunner().invoke(app, ["install", f"{url}/bank", str(tmp_path / "copy")])
-        assert done.exit_code == 0, done.output
-    assert files_of(tmp_path / "copy") == expected

@@ -14,7 +14,15 @@ from motionsplice.runtime.characters.arrays import Mixing, StageArrays
 from motionsplice.runtime.characters.bounds_kernels import keep_in_bounds
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import add_cloud, add_lanes, normalise_lanes, set_lane_weights
-from motionsplice.runtime.characters.slots import AHEAD, FARTHER, action_slot, fetch_state, hands_slot, locomotion_slot
+from motionsplice.runtime.characters.slots import (
+    AHEAD,
+    FARTHER,
+    action_slot,
+    fetch_state,
+    hands_slot,
+    locomotion_slot,
+    origin_of,
+)
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.characters.turning_kernels import (
     LIMBS,
@@ -226,7 +234,9 @@ def place_root(
         sin, cos = s[c + col.SIN], s[c + col.COS]
         root = turned_about_y(root, sin, cos)
         x, z = in_turned_frame(-sin, cos, x, z)
-        x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
+        x += s[c + col.PLACE] - origin_of(s, c, 0)
+        y += s[c + col.PLACE + 1] - origin_of(s, c, 1)
+        z += s[c + col.PLACE + 2] - origin_of(s, c, 2)
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
     rotations[character, column], rotations[character, column + ONE] = root[0], root[1]
     rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = root[2], root[3]

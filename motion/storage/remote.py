@@ -15,7 +15,10 @@ EXTRAS = {"s3": "s3", "s3a": "s3", "gs": "gs", "gcs": "gs"}  # extras of motions
 
 
 class StorageError(MotionError):
-    """A URL cannot be used: its protocol is not installed, or the storage does not answer or does not allow it."""
+    """A URL cannot be used: its protocol is not installed, or the storage does not answer or does not allow it.
+
+    It is no fault of a clip, so the whole job fails and the bank stays as it was.
+    """
 
 
 class Listed(NamedTuple):

@@ -60,7 +60,7 @@ def precompute_command(
         list[str] | None, typer.Option(help="BODY:HANDS: lay the hands of clip HANDS on clip BODY.")
     ] = None,
     skeleton: Annotated[
-        Path | None,
+        str | None,
         typer.Option(help="A motion file, character or bank whose skeleton the bank gets; default: the baseline's."),
     ] = None,
     retarget: Annotated[
@@ -128,7 +128,7 @@ def run(
     settings: ClipSettings = DEFAULT_SETTINGS,
     roles_file: Path | None = None,
     hands: Sequence[HandsOnBody] = (),
-    skeleton: Path | None = None,
+    skeleton: str | None = None,
     retarget: bool = True,
     file: ProgressFile | None = None,
 ) -> Outcome:
@@ -200,7 +200,7 @@ def print_left_out(clips: Sequence[Path | Remote]) -> None:
         console.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
 
 
-def print_retargeted(bank: Bank, skeleton: Path | None) -> None:
+def print_retargeted(bank: Bank, skeleton: str | None) -> None:
     """Prints how many clips were retargeted, and how to see the notes."""
     from motionsplice.motion.retarget.onto_rig import RETARGETED
 

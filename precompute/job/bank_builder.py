@@ -10,7 +10,7 @@ from pathlib import Path
 import msgpack
 import numpy as np
 
-from motionsplice.motion.errors import SkeletonError
+from motionsplice.motion.errors import BankError, SkeletonError
 from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.parts import UPPER_BODY
 from motionsplice.motion.quaternion import Floats
@@ -34,6 +34,7 @@ from motionsplice.precompute.preparation.standing import Measured
 from motionsplice.precompute.preparation.torso_offset import MeanStride, believed, shoulder_motion, torso_offsets
 from motionsplice.runtime.format.manifest import (
     FORMAT,
+    LARGEST_MANIFEST,
     MANIFEST,
     TABLES,
     VERSION,
@@ -98,7 +99,7 @@ def write_manifest(
 ) -> str:
     """Writes the manifest, which makes `tables` (digests by name) the bank in the folder `path`.
 
-    Returns the bank's digest.
+    Returns the bank's digest. Raises BankError if it cannot be written, or is larger than readers accept.
     """
     body = {
         "skeleton": {
@@ -126,8 +127,11 @@ def write_manifest(
 
 def _put_manifest(path: Path, packed: bytes) -> str:
     digest = content_digest(packed)
-    manifest = {"format": FORMAT, "version": VERSION, "digest": digest, "body": packed}
-    write_synced(path / MANIFEST, msgpack.packb(manifest))
+    manifest = msgpack.packb({"format": FORMAT, "version": VERSION, "digest": digest, "body": packed})
+    if len(manifest) > LARGEST_MANIFEST:
+        problem = f"the manifest takes {len(manifest)} bytes, and readers take at most {LARGEST_MANIFEST}"
+        raise BankError(problem, file=str(path / MANIFEST), mend="Split the clips into several banks")
+    write_synced(path / MANIFEST, manifest)
     return digest
 
 

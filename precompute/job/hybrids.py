@@ -28,6 +28,7 @@ def hybrids_among(preparation: Preparation, clips: Clips, failed: dict[str, Moti
     actions, key = _actions(clips), cuts_key(preparation, clips)
     found = preparation.cache.load(key, lambda fields, _: _unpacked(fields["cuts"]))
     if found is None:
+        preparation.cache.read_ahead(preparation.key(one) for one in actions.values())
         found = {name: cut for name, one in actions.items() if (cut := _cuts(load_or_run(preparation, one)))}
         preparation.cache.store(key, {"cuts": {name: [astuple(one) for one in cut] for name, cut in found.items()}}, {})
     hybrids = {name: _stretches(clips[name], cut) for name, cut in found.items()}

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from motionsplice.motion.errors import BankError, MotionError
 from motionsplice.motion.storage.place import Place
-from motionsplice.motion.storage.remote import Remote
+from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.job.alone import alone_in
 from motionsplice.precompute.job.outcome import Progress
 from motionsplice.precompute.job.written import (
@@ -65,7 +66,8 @@ def publish_bank(source: Path, place: Remote, progress: Progress) -> str:
         progress("copying", done, len(missing))
     (place / MANIFEST).write_bytes(bank.manifest.data)
     kept = before | {file.name for file in bank.files.values()}
-    there.remove([name for name in listed if OUR_TABLE.fullmatch(name.removesuffix(".npy")) and name not in kept])
+    with suppress(StorageError):  # the bank is in place; the next one's job removes them
+        there.remove([name for name in listed if OUR_TABLE.fullmatch(name.removesuffix(".npy")) and name not in kept])
     return bank.digest
 
 

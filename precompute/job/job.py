@@ -13,7 +13,7 @@ from typing import TypeVar
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import BaselineError, MotionError
 from motionsplice.motion.storage.place import Place, place_of, read_ahead
-from motionsplice.motion.storage.remote import Remote
+from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.hands.settings import HandsOnBody
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.bank_clips import BankClips
@@ -64,7 +64,7 @@ def build_bank(
     roles: Mapping[str, str | Sequence[str]] | None = None,
     hands: Sequence[HandsOnBody] = (),
     settings: ClipSettings = DEFAULT_SETTINGS,
-    skeleton: str | PathLike[str] | None = None,
+    skeleton: str | PathLike[str] | Remote | None = None,
     retarget: bool = True,
     jobs: int = 1,
     executor: Executor | None = None,
@@ -101,7 +101,7 @@ def build_bank(
     if isinstance(paths, str | PathLike | Remote):
         paths = [paths]
     files = [place_of(path) for path in paths]
-    rig = None if skeleton is None else Path(skeleton)
+    rig = None if skeleton is None else place_of(skeleton)
     return Job(
         files, place_of(out), baseline, roles or {}, hands, settings, rig, retarget, jobs, executor, progress
     ).run()
@@ -121,7 +121,7 @@ class Job:
     roles: Mapping[str, str | Sequence[str]]
     hands: Sequence[HandsOnBody]
     settings: ClipSettings
-    skeleton: Path | None
+    skeleton: Path | Remote | None
     retarget: bool
     jobs: int
     executor: Executor | None
@@ -252,8 +252,8 @@ class Job:
         names = {id(one): name for name, one in new.items()}
         with closing(self._outcomes(work, list(new.values()))) as outcomes:
             for done, (one, result) in enumerate(outcomes, 1):
-                if isinstance(result, CacheError):
-                    raise result
+                if isinstance(result, CacheError | StorageError):
+                    raise result  # no fault of the clip: a bank without it would take the place of a better one
                 if isinstance(result, MotionError):
                     name = names[id(one)]
                     self.failed[name] = result.of(name) if isinstance(result, WorkerDiedError) else result
@@ -278,5 +278,7 @@ class Job:
 def _contents_or_error(file: Place) -> Contents | MotionError:
     try:
         return contents_of(file)
+    except StorageError:
+        raise
     except MotionError as error:
         return error

@@ -43,31 +43,43 @@ def labels_of(clips: Mapping[str, PreparedClip], baseline: str) -> dict[str, Lab
     its named neutral has none. Its neutral is a clip without a gait, or itself: then its own frames at rest count.
     A hybrid does not stand itself. Its stretches have its neutral, those of them that stand or walk as this does.
     """
-    walks: dict[str, bool] = {}
-    named: dict[str, str] = {}
-    cuts, hybrids, actions = set[str](), set[str](), dict[str, ShownGait]()
-    locomotions, only = list[ShownGait](), list[ShownGait]()
-    for name, one in clips.items():
-        walks[name], named[name] = one.alignment.has_gait, one.neutral
-        cuts |= {name} if one.cut is not None else set()
-        hybrids |= {name} if one.stretches else set()
-        if one.kind == "locomotion":
-            locomotions.append(ShownGait.of(one))
-        else:
-            actions[name] = ShownGait.of(one)
-            only += [actions[name]] if name == baseline else []
-    labels: dict[str, Label] = {}
-    nearest: list[str] = []
-    for name, neutral in named.items():
-        if name in cuts and walks.get(neutral) != walks[name]:
-            neutral = ""
-        if name not in actions or name in hybrids or (walks[name] and walks.get(neutral, True)):
-            labels[name] = Label(neutral or name)
-            nearest += [name] if not neutral and name in actions else []
-        elif neutral and walks[neutral]:
-            warning = f"stands, so {neutral!r}, which walks, cannot be its neutral; its own frames at rest are used"
-            labels[name] = Label(name, stands=True, warning=warning)
-        else:
-            labels[name] = Label(neutral or name, stands=True)
-    found = nearest_gaits([actions[name] for name in nearest], locomotions or only)
-    return labels | {name: Label(neutral) for name, neutral in zip(nearest, found, strict=True)}
+    seen = {name: _Seen.of(one) for name, one in clips.items()}
+    labels = {name: _label(name, seen) for name in seen}
+    locomotions = [one.shown for one in seen.values() if one.locomotion] or [seen[baseline].shown]
+    without = [name for name, label in labels.items() if not label.neutral]
+    nearest = nearest_gaits([seen[name].shown for name in without], locomotions)
+    return labels | {name: Label(neutral) for name, neutral in zip(without, nearest, strict=True)}
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """What labels depend on, of one clip. neutral: that of its settings, empty without one."""
+
+    shown: ShownGait
+    neutral: str
+    locomotion: bool
+    walks: bool
+    stretch: bool
+    hybrid: bool
+
+    @classmethod
+    def of(cls, one: PreparedClip) -> _Seen:
+        walks, stretch, hybrid = one.alignment.has_gait, one.cut is not None, bool(one.stretches)
+        return cls(ShownGait.of(one), one.neutral, one.kind == "locomotion", walks, stretch, hybrid)
+
+
+def _label(name: str, seen: Mapping[str, _Seen]) -> Label:
+    """Returns the label of a clip, with an empty neutral if it is the nearest locomotion."""
+    one = seen[name]
+    neutral = seen.get(one.neutral)
+    if neutral is not None and one.stretch and neutral.walks != one.walks:
+        neutral = None
+    named = "" if neutral is None else one.neutral
+    if one.locomotion:
+        return Label(named or name)
+    if one.hybrid or (one.walks and (neutral is None or neutral.walks)):
+        return Label(named)
+    if neutral is not None and neutral.walks:
+        warning = f"stands, so {named!r}, which walks, cannot be its neutral; its own frames at rest are used"
+        return Label(name, stands=True, warning=warning)
+    return Label(named or name, stands=True)

@@ -11,7 +11,7 @@ from uuid import uuid4
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.storage.place import read_ahead
-from motionsplice.motion.storage.remote import Remote
+from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.job.cache import OURS, Arrays, Cache, CacheError, Fields, write_entry
 
 
@@ -42,16 +42,20 @@ class RemoteCache(Cache):
         write_entry(entry, fields, arrays)
         try:
             (self._remote / f"{key}.entry").write_bytes(entry.getvalue())
+            if self._copies is not None:
+                self._put(key, entry.getvalue())
         except MotionError as error:
             raise CacheError(f"cannot write to the cache: {error.problem}", file=self.place, mend=error.mend) from None
-        if self._copies is not None:
-            self._put(key, entry.getvalue())
+        except OSError as error:
+            problem, mend = f"cannot copy the cache here: {error.strerror}", "Set TMPDIR to a folder with enough space"
+            raise CacheError(problem, file=str(self._copies), mend=mend) from None
 
     def keep_only(self, keys: Collection[str]) -> None:
-        """Removes all other entries. Raises StorageError."""
+        """Removes all other entries."""
         names = {f"{key}.entry" for key in keys}
-        now = Remote(self._remote.url).listed()  # with those that workers have written
-        self._remote.remove([name for name in now if OURS.fullmatch(name) and name not in names])
+        with suppress(StorageError):  # the next job removes them
+            now = Remote(self._remote.url).listed()  # with those that workers have written
+            self._remote.remove([name for name in now if OURS.fullmatch(name) and name not in names])
 
     @cached_property
     def _listed(self) -> Collection[str]:

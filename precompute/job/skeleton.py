@@ -10,6 +10,7 @@ from motionsplice.motion.errors import BaselineError, SkeletonError
 from motionsplice.motion.formats.reading import read_rig
 from motionsplice.motion.retarget.onto_rig import onto_rig
 from motionsplice.motion.retarget.rig import Rig
+from motionsplice.motion.storage.remote import Remote
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.job.cache import Cache, key_of
 from motionsplice.precompute.job.clip_work import Identified, Readings
@@ -17,12 +18,15 @@ from motionsplice.precompute.job.entries import FoundStride, StrideSearched, pac
 from motionsplice.runtime.bank import Bank
 
 
-def rig_of(path: Path, roles: Mapping[str, str | Sequence[str]]) -> Rig:
+def rig_of(path: Path | Remote, roles: Mapping[str, str | Sequence[str]]) -> Rig:
     """Returns the rig of a motion file, of a character without a motion, or of the bank in a folder.
 
     Raises MotionError.
     """
     if path.is_dir():
+        if isinstance(path, Remote):
+            mend = "Copy it with `motionsplice install`, and name the copy"
+            raise SkeletonError("the skeleton of a bank at a URL cannot be read", file=str(path), mend=mend)
         bank = Bank.open(path)
         return Rig.of(bank.motion(bank.baseline.clip), bank.roles)
     reading = read_rig(path, roles)

@@ -102,8 +102,15 @@ def test_a_mark_changes_when_a_file_is_written_anew(memory: Any) -> None:
     assert file.mark() is None
 
 
-@pytest.mark.parametrize("url", ["pigeon://loft/clips", "s3://bucket/clips"])
-def test_storage_that_cannot_be_used_is_named(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "s3fs", None)
-    with pytest.raises(StorageError, match=f"^{url}: {url.partition(':')[0]}:// cannot be used: "):
-        Remote(url).exists()
+def test_a_protocol_that_nobody_knows_is_named() -> None:
+    with pytest.raises(StorageError, match=r"^pigeon://loft/clips: pigeon:// cannot be used: Protocol not known"):
+        Remote("pigeon://loft/clips").exists()
+
+
+def test_an_extra_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def without_s3fs(url: str) -> Any:
+        raise ImportError("Install s3fs to access S3")
+
+    monkeypatch.setattr("fsspec.core.url_to_fs", without_s3fs)
+    with pytest.raises(StorageError, match=r"Install s3fs to access S3\. Run `pip install 'motionsplice\[s3\]'`"):
+        Remote("s3://bucket/clips").exists()

@@ -12,40 +12,46 @@ from motionsplice.commands import serve
 from motionsplice.commands.copied_bank import copied, folder_for
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.storage.remote import Remote
-from motionsplice.precompute.job.install import publish_bank
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import Manifest
 from motionsplice.service.settings import Settings
+from tests.conftest import CLIPS
+from tests.precompute.job.test_job import files_of, write
 from tests.s3 import bucket
 from tests.service.running import eventually
 
 
-def quiet(stage: str, done: int, total: int) -> None:
-    pass
+def run(*words: str) -> str:
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    return done.output
 
 
-def test_a_bank_at_a_url_is_copied_served_and_followed(
-    bank: Bank, clip_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bank_is_built_on_s3_copied_served_and_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     served: list[tuple[Path, str]] = []
 
     def start(folder: Path, settings: Settings) -> None:
         served.append((folder, Bank.open(folder).digest))
 
     monkeypatch.setattr(serve, "start", start)
-    outcome = build_bank([clip_folder / "walk.bvh"], tmp_path / "other")
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"], run=CLIPS["run"])
+    build_bank([clips], tmp_path / "bank")
     with bucket(monkeypatch) as url:
-        place = Remote(f"{url}/banks/hero")
-        publish_bank(bank.path, place, quiet)
-        done = CliRunner().invoke(app, ["serve", place.url, "--copies", str(tmp_path / "copies")])
-        assert done.exit_code == 0, done.output
+        place = Remote(f"{url}/bank")
+        for file in clips.iterdir():
+            (Remote(f"{url}/clips") / file.name).upload(file)
+        command = ["precompute", f"{url}/clips", "--out", place.url, "--jobs", "1"]
+        assert "2 clips, 0 reused" in run(*command)
+        assert "nothing to do" in run(*command)
+        run("serve", place.url, "--copies", str(tmp_path / "copies"))
         folder = folder_for(place, tmp_path / "copies")
-        assert served == [(folder, bank.digest)]
+        assert served == [(folder, Bank.open(tmp_path / "bank").digest)]
+        assert files_of(folder) == files_of(tmp_path / "bank")
         with copied(place, folder, follow=True, interval=0.1):
-            publish_bank(tmp_path / "other", place, quiet)
-            eventually(lambda: Manifest.read(folder).digest == outcome.digest, 60.0)
-    assert Bank.open(folder).digest == outcome.digest
+            Remote(f"{url}/clips").remove(["run.bvh"])  # the baseline
+            assert "1 clip, 0 reused" in run(*command)
+            eventually(lambda: [clip.name for clip in Manifest.read(folder).clips] == ["walk"], 60.0)
 
 
 def test_each_url_has_a_folder_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

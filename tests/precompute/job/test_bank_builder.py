@@ -8,12 +8,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
+from motionsplice.motion.errors import BankError
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.alignment.baseline import find_baseline
+from motionsplice.precompute.alignment.baseline import Baseline, find_baseline
+from motionsplice.precompute.job import bank_builder
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.preparation.prepared import PreparedClip, prepare
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.format.manifest import MANIFEST
 from tests.conftest import CLIPS
 
 
@@ -34,6 +39,25 @@ class Counting(Mapping[str, PreparedClip]):
 
     def __len__(self) -> int:
         return len(self._clips)
+
+
+@pytest.fixture(scope="module")
+def walking() -> tuple[Rig, Baseline, PreparedClip]:
+    walk, roles = CLIPS["walk"], find_roles(CLIPS["walk"].skeleton)
+    rig, ring = Rig(walk.skeleton, roles), find_baseline(walk, roles)
+    return rig, ring, replace(prepare(walk, roles, rig, ring), neutral="walk")
+
+
+def test_a_manifest_that_no_reader_would_accept_is_not_written(
+    walking: tuple[Rig, Baseline, PreparedClip], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig, ring, walk = walking
+    digest = write_bank(tmp_path, rig, ring, {"walk": walk})
+    monkeypatch.setattr(bank_builder, "LARGEST_MANIFEST", (tmp_path / MANIFEST).stat().st_size)
+    write_bank(tmp_path, rig, ring, {"walk": walk})
+    with pytest.raises(BankError, match=r"readers take at most .* Split the clips into several banks"):
+        write_bank(tmp_path, rig, ring, {"walk": walk, "other": replace(walk, name="other")})
+    assert Bank.open(tmp_path).digest == digest
 
 
 def test_no_more_than_a_clip_and_its_neutral_are_in_memory(tmp_path: Path) -> None:

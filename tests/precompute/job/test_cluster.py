@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
+from motionsplice.cli import app
 from motionsplice.motion.errors import SettingsError
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.precompute.job.scheduler import executor_of
@@ -48,3 +50,18 @@ def test_a_cluster_makes_the_same_bank_though_a_worker_is_killed(cluster: Any, t
 def test_a_scheduler_that_does_not_answer_is_named(address: str) -> None:
     with pytest.raises(SettingsError, match=f"^{address}: no scheduler answers: .* Start one with `dask scheduler`"):
         executor_of(address).__enter__()
+
+
+def test_the_command_names_a_scheduler_that_does_not_answer(tmp_path: Path) -> None:
+    write(tmp_path / "clips", walk=CLIPS["walk"])
+    command = [
+        "precompute",
+        str(tmp_path / "clips"),
+        "--out",
+        str(tmp_path / "bank"),
+        "--scheduler",
+        "tcp://127.0.0.1:9",
+    ]
+    done = CliRunner().invoke(app, command)
+    assert isinstance(done.exception, SettingsError)
+    assert not (tmp_path / "bank").exists()

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from motionsplice.cli import app
-from motionsplice.motion.errors import BankError
+from motionsplice.motion.errors import BankError, SkeletonError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.storage.remote import Remote
+from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.job import job
 from motionsplice.precompute.job.cache import CacheError
 from motionsplice.precompute.job.clip_work import Identified, Preparation
@@ -26,7 +25,6 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST
 from tests.conftest import CLIPS
 from tests.precompute.job.test_job import files_of, write
-from tests.s3 import bucket
 
 fsspec = pytest.importorskip("fsspec", reason="the extra motionsplice[cluster] is not installed")
 
@@ -133,6 +131,24 @@ def test_a_cache_that_cannot_be_written_ends_the_job(memory: Any, monkeypatch: p
         build_bank("memory://clips", "memory://bank")
 
 
+def test_storage_that_refuses_a_clip_ends_the_job_and_the_bank_stays(
+    memory: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build_bank("memory://clips", "memory://bank")
+    before, cat_file = at(memory, "/bank"), type(memory).cat_file
+
+    def refuse(self: Any, path: str, *given: Any, **how: Any) -> Any:
+        if path.endswith("run.bvh"):
+            raise PermissionError("Access Denied")
+        return cat_file(self, path, *given, **how)
+
+    monkeypatch.setattr(type(memory), "cat_file", refuse)
+    with pytest.raises(StorageError, match=r"memory://clips/run\.bvh: the storage cannot be used: .*Access Denied"):
+        build_bank("memory://clips", "memory://bank")
+    monkeypatch.undo()
+    assert at(memory, "/bank") == before
+
+
 def test_a_bank_is_copied_to_a_url_and_back(memory: Any, bank: Bank, tmp_path: Path) -> None:
     assert install_bank(bank.path, BANK, quiet) == bank.digest
     assert at(memory, "/bank") == files_of(bank.path)
@@ -169,6 +185,14 @@ def test_a_damaged_or_missing_bank_at_a_url_is_not_copied(memory: Any, bank: Ban
         install_bank(BANK, tmp_path / "copy", quiet)
 
 
+def test_a_skeleton_is_read_from_a_file_at_a_url_but_not_from_a_bank_there(memory: Any, tmp_path: Path) -> None:
+    build_bank("memory://clips", tmp_path / "bank", baseline="run", skeleton="memory://clips/walk.bvh")
+    expected = read_clip("memory://clips/walk.bvh").clip.skeleton
+    np.testing.assert_array_equal(Bank.open(tmp_path / "bank").skeleton.offsets, expected.offsets)
+    with pytest.raises(SkeletonError, match=r"memory://clips: the skeleton of a bank at a URL cannot be read\. Copy"):
+        build_bank("memory://clips", tmp_path / "other", baseline="run", skeleton="memory://clips")
+
+
 def test_a_worker_reads_and_writes_entries_without_copies(memory: Any, tmp_path: Path) -> None:
     cache = RemoteCache(BANK / "cache", tmp_path)
     ours, theirs = "0" * 32, "1" * 32
@@ -181,21 +205,3 @@ def test_a_worker_reads_and_writes_entries_without_copies(memory: Any, tmp_path:
     memory.rm("/bank", recursive=True)
     assert cache.load(theirs, lambda fields, _: fields["number"]) == 2
     assert cache.load("2" * 32, lambda fields, _: fields) is None
-
-
-def test_on_s3_the_bank_has_the_same_bytes(
-    expected: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with bucket(monkeypatch) as url:
-        s3 = fsspec.filesystem("s3")
-        s3.pipe({f"{url}/clips/{name}.bvh": dump_bvh(CLIPS[name]) for name in NAMES})
-        s3.pipe(f"{url}/clips/clips.toml", TOML.encode())
-        command = ["precompute", f"{url}/clips", "--out", f"{url}/bank", "--jobs", "1"]
-        done = CliRunner().invoke(app, command)
-        assert done.exit_code == 0, done.output
-        assert "3 clips, 0 reused" in done.output
-        assert at(s3, f"{url}/bank") == expected
-        assert "nothing to do" in CliRunner().invoke(app, command).output
-        done = CliRunner().invoke(app, ["install", f"{url}/bank", str(tmp_path / "copy")])
-        assert done.exit_code == 0, done.output
-    assert files_of(tmp_path / "copy") == expected

@@ -17,6 +17,6 @@ def entry_of(kernel: Any, *arguments: Any) -> Callable[..., Any]:
     An array that is not writable may be passed for one that is, if the kernel only reads it.
     """
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return kernel  # type: ignore[no-any-return]
+        return kernel
     types = tuple(numba.typeof(one) for one in arguments)  # type: ignore[no-untyped-call]
-    return kernel.compile(types)  # type: ignore[no-any-return]
+    return kernel.compile(types)

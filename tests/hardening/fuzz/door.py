@@ -14,7 +14,7 @@ Files = Mapping[str, bytes]  # an input: its parts by name, which are files for 
 
 DOORS: Mapping[str, tuple[str, ...]] = {  # with the modules behind them, which fuzzing should cover, by their prefixes
     "bvh": tuple(f"motion.formats.{one}" for one in ("bvh.hierarchy", "bvh.frames", "bvh.reader", "text")),
-    "acclaim": ("motion.formats.asf_amc",),
+    "acclaim": ("motion.formats.asf_amc.motion", "motion.formats.asf_amc.skeleton"),
     "gltf": ("motion.formats.gltf.accessors", "motion.formats.gltf.container", "motion.formats.gltf.reader"),
     "toml_files": ("motion.clip_settings", "motion.toml_file", "precompute.hands.settings"),
     "manifest": ("runtime.format.manifest", "runtime.format.checks", "runtime.format.bounded"),

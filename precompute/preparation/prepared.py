@@ -24,7 +24,7 @@ from motionsplice.precompute.body.joint_paths import Followed, joint_paths
 from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.preparation.cuts import Cut
 from motionsplice.precompute.preparation.feet import standing_feet
-from motionsplice.precompute.preparation.looped import loop
+from motionsplice.precompute.preparation.looped import Looped, loop
 from motionsplice.precompute.preparation.repetition import stride_to_stride
 from motionsplice.precompute.preparation.root_path import root_path
 from motionsplice.precompute.preparation.torso_offset import MeanStride
@@ -106,16 +106,14 @@ def prepare(
     it is settled. Raises SkeletonError if the rigs do not match, ClipError if the clip cannot be aligned or measured.
     """
     fitted = onto_rig(clip, roles, rig, retargeting=retargeting)
-    skeleton_roles = rig.roles
-    ours = Followed.of(fitted.clip, skeleton_roles)
-    looped = loop(ours, skeleton_roles, baseline)
+    ours, skeleton_roles = fitted.clip, rig.roles
+    looped, clouds = _looped(ours, skeleton_roles, baseline)
     alignment, seamed, rows = looped.alignment, looped.seamed, looped.rows
     shown = Followed.of(seamed.clip, skeleton_roles)
     played, phase = looped.played if looped.period else (shown, seamed.phase)
     path = root_path(played, phase, seamed.strides, skeleton_roles, alignment.has_gait)[rows]
     contacts = foot_contacts(played, skeleton_roles)
     torso, count = measure_torso(shown, skeleton_roles), ours.frame_count
-    clouds = facing(joint_paths(ours, facing_joints(skeleton_roles)))
     settled = slice(0, count) if cut is None else cut.settled(clip.rate)
     no_offsets = np.broadcast_to(quaternion.IDENTITY, torso.frames.shape)
     layout = Layout.of(rig.skeleton, skeleton_roles)
@@ -142,3 +140,9 @@ def prepare(
         cut=cut,
         notes=fitted.notes,
     )
+
+
+def _looped(clip: Clip, roles: Roles, baseline: Baseline) -> tuple[Looped, Floats]:
+    """Aligns a clip and adds its seam. Returns its lower clouds [F, 3, 3] too, and forgets all other paths."""
+    followed = Followed.of(clip, roles)
+    return loop(followed, roles, baseline), facing(joint_paths(followed, facing_joints(roles)))

@@ -31,6 +31,7 @@ from motionsplice.runtime.characters.commands import (
     weight_in_range,
 )
 from motionsplice.runtime.characters.ranges import check_rows
+from motionsplice.runtime.characters.slots import ORIGINS_APART
 from motionsplice.runtime.requests import FLOAT64, Memory, Poses, check_array, known
 from motionsplice.runtime.stage import Stage
 
@@ -276,6 +277,10 @@ class Characters:
         """Poses characters at the origin, facing Z, for games that apply `deltas` themselves."""
         self.state[rows, col.IN_PLACE] = in_place
 
+    def rebase(self, rows: Rows, rebased: bool = True) -> None:
+        """Poses characters relative to `origins`, so that float32 root positions stay precise far from the world's."""
+        self.state[rows, col.REBASED] = rebased
+
     def lock_feet(self, rows: Rows, lock_feet: bool = True) -> None:
         """Holds standing feet in place, or no longer. The lock fades in or out within 0.2 seconds."""
         self.state[rows, col.LOCK] = lockable(self.stage.arrays.legs, lock_feet)
@@ -331,6 +336,14 @@ class Characters:
         """Root motion of the last frame [n, 4], relative to the previous place and heading: metres to the left, up and
         ahead, and radians about Y."""
         return self.state[:, col.DELTA : col.DELTA + 4]
+
+    @property
+    def origins(self) -> States:
+        """What root positions of the poses are relative to [n, 3], metres: 0, or after `rebase` the multiples of 256
+        that are nearest to the character's place."""
+        nearest = ORIGINS_APART * np.floor(self.state[:, col.PLACE : col.PLACE + 3] / ORIGINS_APART + 0.5)
+        used = (self.state[:, col.REBASED] > 0.0) & (self.state[:, col.IN_PLACE] == 0.0)
+        return np.where(used[:, None], nearest, 0.0)
 
     @property
     def events(self) -> NDArray[np.int64]:

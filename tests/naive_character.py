@@ -121,9 +121,14 @@ def pose(bank: Bank, s: Floats) -> tuple[Floats, Floats]:
                 rest += share
     if not s[col.IN_PLACE]:
         turn = quaternion.about(UP, s[col.HEADING])
-        root = quaternion.rotate(turn, root) + s[col.PLACE : col.PLACE + 3]
+        root = quaternion.rotate(turn, root) + s[col.PLACE : col.PLACE + 3] - origin(s)
         rotations[0] = quaternion.multiply(turn, rotations[0])
     return root, rotations
+
+
+def origin(s: Floats) -> Floats:
+    """Returns what a pose is relative to [3], metres: the nearest multiples of 256, or 0."""
+    return s[col.REBASED] * 256.0 * np.floor(s[col.PLACE : col.PLACE + 3] / 256.0 + 0.5)
 
 
 def action_step(bank: Bank, s: Floats, locomotion_step: float, phase: float, seconds: float) -> float:

@@ -12,6 +12,7 @@ import math
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.aim_kernels import SOFT, soft, way_to
 from motionsplice.runtime.characters.chains import LEFT_ARM, NECK, RIGHT_ARM, TRUNK, Chains
+from motionsplice.runtime.characters.slots import origin_of
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
 from motionsplice.runtime.kernels.curves import smooth
 from motionsplice.runtime.kernels.rotations import TINY
@@ -70,6 +71,7 @@ def vector_to(s: Array, c: int, slot: int, character: int, roots: Array, place: 
         y -= s[c + col.PLACE + 1]
         x, z = x - root[0], z - root[2]
     else:
+        x, y, z = x - origin_of(s, c, 0), y - origin_of(s, c, 1), z - origin_of(s, c, 2)
         x, z = in_turned_frame(sin, cos, x - root[0], z - root[2])
     return x - place[0], y - root[1] - place[1], z - place[2]
 

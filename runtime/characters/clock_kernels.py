@@ -59,6 +59,7 @@ from motionsplice.runtime.simd.compiled import ZERO, Array, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
 from motionsplice.runtime.simd.prefetch import prefetch, prefetch_at
 
+TWO_TURNS = 4.0 * math.pi
 SMOOTHING = 0.05  # seconds: weights follow their goals through two low-pass filters with this time constant
 
 
@@ -259,8 +260,11 @@ def step_forward(s: Array, c: int) -> None:
     s[c + col.PLACE + 1] += s[c + col.DELTA + 1]
     s[c + col.PLACE + 2] += z
     if s[c + col.DELTA + 3] != 0.0:
-        s[c + col.HEADING] += s[c + col.DELTA + 3]
-        s[c + col.SIN], s[c + col.COS] = math.sin(0.5 * s[c + col.HEADING]), math.cos(0.5 * s[c + col.HEADING])
+        heading = s[c + col.HEADING] + s[c + col.DELTA + 3]
+        if abs(heading) > TWO_TURNS:  # after one turn the root's quaternion would change its sign
+            heading -= TWO_TURNS * np.round(heading / TWO_TURNS)
+        s[c + col.HEADING] = heading
+        s[c + col.SIN], s[c + col.COS] = math.sin(0.5 * heading), math.cos(0.5 * heading)
 
 
 @inlined

@@ -29,6 +29,7 @@ from motionsplice.runtime.characters.slots import (
     fetch_state,
     hands_slot,
     locomotion_slot,
+    origin_of,
     row_at,
 )
 from motionsplice.runtime.characters.transition_kernels import in_turned_frame
@@ -257,7 +258,9 @@ def place_root(
         sin, cos = s[c + col.SIN], s[c + col.COS]
         root = turned_about_y(root, sin, cos)
         x, z = in_turned_frame(-sin, cos, x, z)
-        x, y, z = x + s[c + col.PLACE], y + s[c + col.PLACE + 1], z + s[c + col.PLACE + 2]
+        x += s[c + col.PLACE] - origin_of(s, c, 0)
+        y += s[c + col.PLACE + 1] - origin_of(s, c, 1)
+        z += s[c + col.PLACE + 2] - origin_of(s, c, 2)
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
     rotations[character, column], rotations[character, column + ONE] = root[0], root[1]
     rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = root[2], root[3]

@@ -119,6 +119,7 @@ ROW: Ranges = {
     col.LOCK: Range("foot lock", 0, 1, whole=True),
     col.LOCKED: Range("fade of the foot lock", 0.0, 1.0),
     col.AIMED: Range("number of targets", 0, 4, whole=True),
+    col.REBASED: Range("whether poses are relative to an origin nearby", 0, 1, whole=True),
     col.NEXT_TIME: Range("time of the waiting locomotions", 0.0, MOST),
     col.NEXT_LASTING: Range("duration of the waiting blend", 0.0, MOST),
     col.NEXT_CURVE: Range("curve of the waiting blend", col.LINEAR, col.EASE_OUT, whole=True),

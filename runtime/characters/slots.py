@@ -1,9 +1,11 @@
-"""Offsets of a character's slots, the fade of a slot, and the prefetch of a row.
+"""Offsets of a character's slots, the fade of a slot, the origin of a pose, and the prefetch of a row.
 
 In all kernels of characters, `s` is the flat state of all characters and `c` the offset of a character's row in it.
 """
 
 from __future__ import annotations
+
+import math
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.kernels.arrays import BLOCK
@@ -13,6 +15,8 @@ from motionsplice.runtime.simd.prefetch import prefetch_at
 # characters by which what they read of the bank is prefetched, so that waits and arithmetic overlap, and by which their
 # rows are, so that it is known what they are going to read
 AHEAD, FARTHER = 3, 7
+# metres between origins: a float32 still tells 0.01 mm apart in the middle between two, and multiples are exact in it
+ORIGINS_APART = 256.0
 # all bits of an offset: masked by it, an offset is known not to be negative, so the compiler leaves out the check for
 # counting from the end at each access
 OFFSET, LANE = (1 << 60) - 1, BLOCK - 1  # and of a number of a lane
@@ -49,6 +53,14 @@ def action_slot(c: int, number: int) -> int:
 def hands_slot(c: int, number: int) -> int:
     """Returns the offset of hands slot `number`."""
     return (c + col.FIRST_HANDS + number * col.HANDS_COLUMNS) & OFFSET
+
+
+@inlined
+def origin_of(s: Array, c: int, axis: int) -> float:
+    """Returns a coordinate of the origin that a character's pose is relative to, unless it plays in place."""
+    if s[c + col.REBASED] == 0.0:
+        return 0.0
+    return ORIGINS_APART * math.floor(s[c + col.PLACE + axis] / ORIGINS_APART + 0.5)
 
 
 @inlined

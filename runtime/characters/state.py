@@ -31,14 +31,15 @@ SPEED, IN_PLACE, LOCOMOTIONS, ACTIONS = 8, 9, 10, 11
 STANDING, EVENTS, BEGAN, ENDED = range(12, 16)
 SIN, COS = 16, 17  # sine and cosine of half the heading
 # what few characters have: size of the waiting group, when the waiting action begins; number of hands, whether hands
-# wait; whether the foot lock is on, how far it is faded in; number of parts that are turned
-NEXT_COUNT, WHEN, HANDS, HANDS_WAIT, LOCK, LOCKED, AIMED = range(18, 25)
+# wait; whether the foot lock is on, how far it is faded in; number of parts that are turned; whether poses are relative
+# to an origin nearby
+NEXT_COUNT, WHEN, HANDS, HANDS_WAIT, LOCK, LOCKED, AIMED, REBASED = range(18, 26)
 
 # a locomotion slot; the slots begin at FIRST_LOCOMOTION
 CLIP, PHASE, FRAME, WEIGHT, LAGGING, GOAL, ELAPSED, LASTING, CURVE, HEAD, LOOP, SHARE = range(12)
 PATH, PATH_SIN, PATH_COS = 12, 16, 17  # the clip's root path at the frame; sine and cosine of half its heading
 LOCOMOTION_COLUMNS = 18
-FIRST_LOCOMOTION = 25
+FIRST_LOCOMOTION = 26
 # an action slot: CLIP to CURVE, LOOP and SHARE as above; HEAD is its kind
 KIND, MASK, POSTURE, FADING_OUT, OWN_FROM, OWN_TO, LEAVING, REMEMBERED = HEAD, 12, 13, 14, 15, 16, 17, 18
 ANY_PACE = -1.0  # in OWN_TO, of an action that is never by its own clock: it follows the legs however fast they are

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.runtime.character import Characters
 from motionsplice.service.wire.encoding import Arrays, Encoding
 from motionsplice.service.wire.messages import JSON_SHARE, frame_fields, json
 from motionsplice.service.wire.parameters import HOW, encoding, format_parameter
@@ -21,6 +22,7 @@ Writer = Callable[[int, float, NDArray[np.uint32], int, int], bytes]
 PARAMETERS = (
     *HOW,
     flag("deltas", "whether frames have root motion: `root_steps` and `root_turns`"),
+    flag("origins", "whether positions are relative to `root_origins`, which keeps them precise far from the world's"),
     format_parameter("msgpack", "json"),
 )
 
@@ -31,12 +33,13 @@ class FrameFormat:
 
     encoding: Encoding
     deltas: bool = False
+    origins: bool = False
     form: str = "msgpack"
 
     @property
     def fields(self) -> dict[str, Any]:
         """The query parameters that ask for this format."""
-        return {**self.encoding.fields, "deltas": self.deltas, "format": self.form}
+        return {**self.encoding.fields, "deltas": self.deltas, "origins": self.origins, "format": self.form}
 
     @property
     def is_text(self) -> bool:
@@ -48,13 +51,15 @@ class FrameFormat:
         """How many times as much as in MessagePack a character counts against the limits."""
         return JSON_SHARE if self.is_text else 1
 
-    def motion(self, deltas: NDArray[np.float64]) -> Arrays:
-        """Returns the root motion [n, 4] of `Characters.deltas` as `root_steps` [n, 3] and `root_turns` [n]."""
-        axes = self.encoding.axes
-        return {
-            "root_steps": axes.positions(deltas[:, :3]).astype(np.float32, "C"),
-            "root_turns": (axes.turn * deltas[:, 3]).astype(np.float32),
-        }
+    def motion(self, characters: Characters) -> Arrays:
+        """Returns `root_steps` [n, 3] and `root_turns` [n], and `root_origins` [n, 3], as far as they are wanted."""
+        axes, arrays = self.encoding.axes, Arrays()
+        if self.deltas:
+            arrays["root_steps"] = axes.positions(characters.deltas[:, :3]).astype(np.float32, "C")
+            arrays["root_turns"] = (axes.turn * characters.deltas[:, 3]).astype(np.float32)
+        if self.origins:
+            arrays["root_origins"] = axes.positions(characters.origins).astype(np.float32, "C")
+        return arrays
 
     def writer(self, bank: str, rate: float, frames: list[Arrays]) -> Writer:
         """Returns what writes messages of some frames of characters, each frame with arrays [n, ...].
@@ -81,4 +86,4 @@ def frame_format(values: Mapping[str, Any]) -> FrameFormat:
 @cache
 def _shared(*values: Any) -> FrameFormat:
     given = dict(zip((parameter.name for parameter in PARAMETERS), values, strict=True))
-    return FrameFormat(encoding(given), given["deltas"], given["format"])
+    return FrameFormat(encoding(given), given["deltas"], given["origins"], given["format"])

@@ -57,7 +57,7 @@ class Hub:
         """Serves one WebSocket from its handshake to its end. Raises MotionError before the handshake is accepted."""
         values, loop = CHARACTERS.read(scope["query_string"]), asyncio.get_running_loop()
         edition, form, rate = self._shared.serving.edition, frame_format(values), values["rate"]
-        scene = Scene(edition, rate, self._shared.settings.max_characters)
+        scene = Scene(edition, rate, self._shared.settings.max_characters, rebased=form.origins)
         play = Play(scene, 0, _next_tick(loop.time(), rate), rate, values["ahead"])
         transport = scope.get("extensions", {}).get(TRANSPORT)
         connection = Connection(play, form, self._shared.settings, self._shared.metrics, transport)
@@ -178,8 +178,7 @@ class Hub:
         began = time.perf_counter()
         poses = edition.evaluator.poses(len(ensemble))
         ensemble.evaluate(poses)
-        motion = form.motion(ensemble.characters.deltas) if form.deltas else {}
-        arrays = {**motion, **form.encoding.arrays(edition.evaluator, poses)}
+        arrays = {**form.motion(ensemble.characters), **form.encoding.arrays(edition.evaluator, poses)}
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
         return poses, arrays
 

@@ -115,7 +115,8 @@ class Receivers:
         datagrams: list[bytes | memoryview] = []
         for one, pack in output.packers.items():
             row = int(np.flatnonzero(play.scene.ids == one)[0])
-            datagrams += pack.datagrams(play.due - output.began, poses.root_positions[row], poses.rotations[row])
+            root = play.scene.characters.origins[row] + poses.root_positions[row]
+            datagrams += pack.datagrams(play.due - output.began, root.astype(np.float32), poses.rotations[row])
         return datagrams
 
     def _end(self, kind: Kind, reason: str) -> None:

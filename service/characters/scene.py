@@ -41,13 +41,14 @@ class Scene:
         sent: The ids of the characters that are sent to each kind of receiver. Replaced, never changed.
     """
 
-    def __init__(self, edition: Edition, rate: float, most: int) -> None:
+    def __init__(self, edition: Edition, rate: float, most: int, *, rebased: bool = False) -> None:
         self.edition = edition
         self.ids = np.zeros(0, np.uint32)
         self.events = DEFAULT_EVENTS
         self.characters = Characters(edition.stage, rate)
         self.sent: Mapping[Kind, tuple[int, ...]] = {}
         self._most = most
+        self._rebased = rebased
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -139,6 +140,7 @@ class Scene:
         self.characters.place(rows, values.get("position", (0.0, 0.0, 0.0)), values.get("heading", 0.0))
         self.characters.in_place(rows, values.get("in_place", False))
         self.characters.lock_feet(rows, values.get("lock_feet", False))
+        self.characters.rebase(rows, self._rebased)
 
     def _send(self, ids: Sequence[int], to: Sequence[Kind]) -> None:
         """Sends characters to these kinds of receivers, and to no others. VMC has one character: the last."""

@@ -58,7 +58,7 @@ def write(bank: Bank, folder: Path) -> None:
         for numbers in NUMBERS:
             for form, suffix in (("msgpack", "msgpack"), ("json", "json")):
                 wanted = FrameFormat(Encoding(axes, numbers, "both"), deltas=True, form=form)
-                query = "&".join(f"{name}={value}" for name, value in wanted.fields.items())
+                query = "&".join(f"{name}={value}" for name, value in wanted.fields.items() if value is not False)
                 name = f"characters.{axes.name}.{numbers}.{suffix}"
                 (folder / name).write_bytes(_message(edition, wanted))
                 request = f"/v1/characters?rate={RATE:g}&ahead={AHEAD}&{query}".replace("True", "true")
@@ -79,7 +79,7 @@ def _message(edition: Edition, form: FrameFormat) -> bytes:
     for _ in range(AHEAD):
         poses = edition.evaluator.poses(len(scene))
         scene.evaluate(poses)
-        arrays = {**form.motion(scene.characters.deltas), **form.encoding.arrays(edition.evaluator, poses)}
+        arrays = {**form.motion(scene.characters), **form.encoding.arrays(edition.evaluator, poses)}
         frames.append({name: np.array(one) for name, one in arrays.items()})
         list(scene.advance())
     return form.writer(edition.bank.digest, RATE, frames)(FIRST, TIME, scene.ids, 0, len(scene))

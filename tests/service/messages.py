@@ -29,6 +29,7 @@ def arrays(message: dict[str, Any], joints: int, *leading: int, short: bool = Fa
     found = {}
     for name, inner in (
         ("root_positions", (3,)),
+        ("root_origins", (3,)),
         ("root_steps", (3,)),
         ("root_turns", ()),
         ("rotations", (joints, 4)),

@@ -89,6 +89,23 @@ def test_root_motion_adds_up_to_where_a_character_is(service: Running, axes: Axe
         np.testing.assert_array_equal(frames[0]["root_steps"][0], np.zeros((1, 3)))
 
 
+@every
+@pytest.mark.parametrize("query", ["", "&format=json"])
+def test_far_from_the_origin_positions_are_precise_relative_to_an_origin(
+    service: Running, axes: Axes, query: str
+) -> None:
+    far = [50_000.0 * axes.scale] * 3
+    with Player(service, f"?axes={axes.name}&parts=both&origins=true{query}") as player:
+        done = player.do({**TURN, "position": far}, {"do": "speed", "id": 7, "speed": 0}, {**TURN, "id": 8})
+        frame = player.frames_until(done["frame"])[-1]
+        origins = frame["root_origins"][0] / axes.scale
+        np.testing.assert_array_equal(origins, 256.0 * np.round(origins / 256.0))
+        for name in ("root_positions", "world_positions"):
+            relative, near = frame[name][0].reshape(2, -1, 3)
+            there = np.array(frame["root_origins"][0, 0], float) + relative
+            np.testing.assert_allclose(there - far, near, atol=3e-5 * axes.scale)
+
+
 def test_frames_without_deltas_have_no_root_motion(service: Running) -> None:
     with Player(service) as player:
         player.do(TURN)

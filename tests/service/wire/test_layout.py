@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import string
+from unittest import mock
 
 import msgpack
 import numpy as np
@@ -28,19 +29,22 @@ values = st.integers(0, 2**63) | st.floats(allow_nan=False) | st.text(max_size=4
     numbers=st.sampled_from(["float32", "int16"]),
     parts=st.sampled_from(["local", "world", "both"]),
     deltas=st.booleans(),
+    origins=st.booleans(),
     first=st.integers(0, 2**40),
 )
 def test_frames_of_characters_are_aligned(
-    n: int, count: int, joints: int, numbers: str, parts: str, deltas: bool, first: int
+    n: int, count: int, joints: int, numbers: str, parts: str, deltas: bool, origins: bool, first: int
 ) -> None:
-    form = FrameFormat(Encoding(numbers=numbers, parts=parts), deltas)
+    form = FrameFormat(Encoding(numbers=numbers, parts=parts), deltas, origins)
     draw = np.random.default_rng(n)
     arrays = {"root_positions": draw.random((n, 3), np.float32)}
     if parts != "world":
         arrays["rotations"] = draw.random((n, joints, 4), np.float32).astype(np.dtype(numbers))
     if parts != "local":
         arrays["world_positions"] = draw.random((n, joints, 3), np.float32)
-    motion = form.motion(draw.random((n, 4))) if deltas else {}
+    characters = mock.Mock(deltas=draw.random((n, 4)), origins=draw.random((n, 3)))
+    motion = form.motion(characters)
+    assert len(motion) == 2 * deltas + origins
     ids = np.arange(n, dtype=np.uint32)
     message = form.writer(BANK, 60.0, count * [{**motion, **arrays}])(first, 1.5e9, ids, 0, n)
     offsets = blob_offsets(message)

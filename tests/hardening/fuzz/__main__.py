@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
@@ -22,6 +23,7 @@ from motionsplice.cli import run
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from tests.hardening.fuzz.door import DOORS
 from tests.hardening.fuzz.harness import Tally
+from tests.hardening.memory import IN_MEMORY
 
 SHOWN = 12  # outcomes
 
@@ -58,8 +60,8 @@ def _fuzzed(door: str, folder: Path, runs: int) -> tuple[Tally, int]:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "tally.json").unlink(missing_ok=True)
     command = [sys.executable, "-m", "tests.hardening.fuzz.guided", door, str(folder), str(runs)]
-    with (folder / "log").open("wb") as log:
-        status = subprocess.run(command, stdout=log, stderr=log, check=False).returncode
+    with (folder / "log").open("wb") as log, tempfile.TemporaryDirectory(dir=IN_MEMORY) as empty:
+        status = subprocess.run([*command, empty], stdout=log, stderr=log, check=False).returncode
     tally = folder / "tally.json"
     return Tally.read(tally) if tally.exists() else Tally(), status
 

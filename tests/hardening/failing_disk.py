@@ -19,7 +19,8 @@ import typer
 from motionsplice.cli import run
 from motionsplice.motion.errors import MotionError
 from tests.hardening.disk import Disk, Kind, recorded
-from tests.hardening.replacement import IN_MEMORY, DisturbedError, Replacement
+from tests.hardening.memory import IN_MEMORY
+from tests.hardening.replacement import DisturbedError, Replacement
 
 ERRORS = (errno.ENOSPC, errno.EIO, errno.EACCES)
 

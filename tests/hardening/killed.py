@@ -20,7 +20,8 @@ from typing import Annotated
 import typer
 
 from motionsplice.cli import run
-from tests.hardening.replacement import IN_MEMORY, DisturbedError, Replacement
+from tests.hardening.memory import IN_MEMORY
+from tests.hardening.replacement import DisturbedError, Replacement
 
 TIMED = 3  # undisturbed jobs; the moments lie within the time of the middle one
 FORK = get_context("fork")  # a job begins with all that is imported and compiled

@@ -20,7 +20,8 @@ import typer
 
 from motionsplice.cli import run
 from tests.hardening.disk import Disk, Operation, recorded
-from tests.hardening.replacement import IN_MEMORY, DisturbedError, Replacement
+from tests.hardening.memory import IN_MEMORY
+from tests.hardening.replacement import DisturbedError, Replacement
 
 FIRST_INODE = 2**62  # of files that were there before
 

@@ -19,7 +19,6 @@ from motionsplice.runtime.format.tables import TABLE_FOLDER
 SECONDS, RATE = 2.5, 30.0
 BEFORE, AFTER = ("walk", "run"), ("walk", "side_step")
 BASELINE = "walk"
-IN_MEMORY = Path("/dev/shm") if Path("/dev/shm").is_dir() else None  # of Linux; on a disk, each sync takes milliseconds
 
 
 class DisturbedError(AssertionError):

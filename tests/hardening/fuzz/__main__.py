@@ -10,8 +10,10 @@ likewise for others. The coverage, of lines and branches, is that of the corpus.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
@@ -22,6 +24,7 @@ from motionsplice.cli import run
 from motionsplice.motion.errors import SettingsError, did_you_mean
 from tests.hardening.fuzz.door import DOORS
 from tests.hardening.fuzz.harness import Tally
+from tests.hardening.memory import IN_MEMORY
 
 SHOWN = 12  # outcomes
 
@@ -58,10 +61,12 @@ def _fuzzed(door: str, folder: Path, runs: int) -> tuple[Tally, int]:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "tally.json").unlink(missing_ok=True)
     command = [sys.executable, "-m", "tests.hardening.fuzz.guided", door, str(folder), str(runs)]
-    with (folder / "log").open("wb") as log:
-        status = subprocess.run(command, stdout=log, stderr=log, check=False).returncode
+    with (folder / "log").open("wb") as log, tempfile.TemporaryDirectory(dir=IN_MEMORY) as own:
+        empty, environment = Path(own) / "empty", os.environ | {"TMPDIR": own}  # the fuzzer ends without cleaning up
+        empty.mkdir()
+        done = subprocess.run([*command, str(empty)], stdout=log, stderr=log, env=environment, check=False)
     tally = folder / "tally.json"
-    return Tally.read(tally) if tally.exists() else Tally(), status
+    return Tally.read(tally) if tally.exists() else Tally(), done.returncode
 
 
 def _coverage(door: str, corpus: Path) -> dict[str, str]:

@@ -1,6 +1,6 @@
-"""`python -m tests.hardening.fuzz.guided DOOR FOLDER RUNS`: inputs through one door, guided by coverage (atheris).
+"""`python -m tests.hardening.fuzz.guided DOOR FOLDER RUNS EMPTY`: inputs through a door, guided by coverage (atheris).
 
-Fills FOLDER with the corpus, a tally and the inputs that led to what must not be.
+Fills FOLDER with the corpus, a tally and the inputs that led to what must not be. EMPTY is for the files of an input.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ EVERY = 500  # inputs, after which the tally is written: the fuzzer does not ret
 HANGING = 60  # seconds, after which the fuzzer ends with the input
 
 
-def main(name: str, folder: Path, runs: int) -> None:
+def main(name: str, folder: Path, runs: int, empty: Path) -> None:
     """Runs the fuzzer, which ends the process."""
     corpus = folder / "corpus"
     corpus.mkdir(parents=True, exist_ok=True)
     for number in range(SEEDS):
         (corpus / f"seed{number}").write_bytes(Random(f"{name} {number}").randbytes(LONGEST))
-    visitor = Visitor(_instrumented(name), folder / "bad")
+    visitor = Visitor(_instrumented(name), folder / "bad", empty)
 
     def visit(data: bytes) -> None:
         visitor.visit(data)
@@ -64,4 +64,4 @@ def _modules() -> list[str]:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]))
+    main(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), Path(sys.argv[4]))

@@ -20,10 +20,10 @@ from pathlib import Path
 from motionsplice.motion.errors import MotionError
 from tests.hardening.fuzz.door import Door, Files
 from tests.hardening.fuzz.draw import Draw
+from tests.hardening.memory import IN_MEMORY
 
 MOST_SECONDS = 1.0  # of the processor for an input
 FREE = 64 * 2**20  # bytes of memory that an input of any size may take
-IN_MEMORY = Path("/dev/shm")  # of Linux: on a disk, writing a file takes longer than reading it
 PAGE = resource.getpagesize()
 M_MMAP_THRESHOLD, LARGE = -3, 128 * 1024
 WIDTH = 70  # characters of an outcome
@@ -55,12 +55,16 @@ class Tally:
 
 
 class Visitor:
-    """Sends inputs through one door. `saved`: the folder for inputs that lead to what must not be, or None."""
+    """Sends inputs through one door.
 
-    def __init__(self, door: Door, saved: Path | None = None) -> None:
+    saved: the folder for inputs that lead to what must not be, or None. folder: an empty one, whose end the caller sees
+    to, for the files of an input; None makes one, which `close` removes.
+    """
+
+    def __init__(self, door: Door, saved: Path | None = None, folder: Path | None = None) -> None:
         self.tally = Tally()
         self.door, self._saved = door, saved
-        self._folder = Path(tempfile.mkdtemp(dir=IN_MEMORY if IN_MEMORY.is_dir() else None))
+        self._folder = folder or Path(tempfile.mkdtemp(dir=IN_MEMORY))
         _return_large_blocks()
         for data in (b"", bytes(range(256))):  # loads what is loaded at first use, and compiles the kernels
             self._outcome(door.make(Draw(data)))

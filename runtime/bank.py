@@ -72,6 +72,8 @@ class Bank(Contents):
         check_fit(manifest, bank.tables, str(folder / MANIFEST))
         if verify:
             bank.verify()
+        else:
+            check_references(manifest, bank.tables, bank.files)
         return bank
 
     def verify(self) -> None:

@@ -38,12 +38,18 @@ MOST_AT_ONCE = 2**22  # numbers checked at a time, which bounds memory
 
 
 def check_fit(manifest: Manifest, tables: Tables, file: str) -> None:
-    """Checks that manifest and tables match, so that no kernel reads outside a table. Reads but one small table.
+    """Checks that manifest and tables match, so that no kernel reads outside a table. Reads no table's contents.
 
     Raises BankError.
     """
     if problem := _misfit(manifest, tables):
         raise BankError(problem, file=file, mend=REBUILD)
+
+
+def check_references(manifest: Manifest, tables: Tables, files: Mapping[str, Path]) -> None:
+    """Checks the numbers of clips in the one table that has any, a small one. Raises BankError, naming the file."""
+    if problem := _fault("neutral", tables["neutral"], manifest):
+        raise BankError(f"table 'neutral' {problem}", file=str(files["neutral"]), mend=REBUILD)
 
 
 def check_contents(manifest: Manifest, tables: Tables, files: Mapping[str, Path]) -> None:
@@ -87,8 +93,6 @@ def _misfit(manifest: Manifest, tables: Tables) -> str:
             return f"table {name!r}: expected {np.dtype(kind)}{wanted}, found {table.dtype}{table.shape}"
         if not table.flags.aligned:
             return f"table {name!r} does not begin at a multiple of {table.itemsize} bytes in its file"
-    if fault := _fault("neutral", tables["neutral"], manifest):
-        return f"table 'neutral' {fault}"
     row = cell = stance = 0
     for clip in clips:
         follows = clip.first_row == row and clip.first_cell == cell and clip.stance in (-1, stance)

@@ -10,13 +10,13 @@ from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-PACKAGE, EXTRAS = "motionsplice", ("", "fbx")
+PACKAGE, EXTRAS = "motionsplice", ("", "cluster", "fbx", "s3")  # those of the image
 LONGEST = 60  # characters of a licence's name; some packages give its whole text
 INTRODUCTION = """# What others wrote
 
 The viewer's page comes with [three.js](https://threejs.org) (MIT; its licence is
 [beside it](service/viewer/page/vendor/three.LICENSE)). Everything below is installed with motionsplice, and not part of
-it; `ufbx` only with `motionsplice[fbx]`. Each package's licence is in its own distribution. `make supply` writes this
+it; some only with the extras `cluster`, `fbx` and `s3`, which the image has. Each package's licence is in its own distribution. `make supply` writes this
 list, the pinned versions in [`constraints.txt`](constraints.txt), and an SBOM.
 
 | package | licence | address |

@@ -50,7 +50,7 @@ def door(enter: Callable[[Files, Path], None]) -> Door:
 
 
 def large(files: Files, folder: Path) -> None:
-    bytearray(harness.FREE + 2**20)
+    bytearray(4 * harness.FREE)
 
 
 def untyped(files: Files, folder: Path) -> None:

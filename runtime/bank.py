@@ -10,7 +10,7 @@ from pathlib import Path
 
 from motionsplice.motion.errors import BankError
 from motionsplice.runtime.contents import Contents
-from motionsplice.runtime.format.checks import Tables, check_contents, check_fit
+from motionsplice.runtime.format.checks import Tables, check_contents, check_fit, check_references
 from motionsplice.runtime.format.manifest import MANIFEST, Manifest
 from motionsplice.runtime.format.tables import open_tables, table_files
 

@@ -25,7 +25,7 @@ from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.characters.aim import Aim, Look
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.format.checks import check_fit
+from motionsplice.runtime.format.checks import check_fit, check_references
 from motionsplice.runtime.stage import Stage
 from tests.hardening.fuzz.banks import evaluated, played_bank, small_bank
 from tests.hardening.guarded import guarded
@@ -56,6 +56,7 @@ def use(bank: Bank, *, plays: bool) -> None:
     if plays:
         play(Stage(Evaluator(bank)))
     check_fit(bank.manifest, bank.tables, "")
+    check_references(bank.manifest, bank.tables, bank.files)
     for clip in bank.numbered:
         bank.motion(clip.name)
         bank.contacts(clip.name)

@@ -16,8 +16,8 @@ INTRODUCTION = """# What others wrote
 
 The viewer's page comes with [three.js](https://threejs.org) (MIT; its licence is
 [beside it](service/viewer/page/vendor/three.LICENSE)). Everything below is installed with motionsplice, and not part of
-it; some only with the extras `cluster`, `fbx` and `s3`, which the image has. Each package's licence is in its own distribution. `make supply` writes this
-list, the pinned versions in [`constraints.txt`](constraints.txt), and an SBOM.
+it; some only with the extras `cluster`, `fbx` and `s3`, which the image has. Each package's licence is in its own
+distribution. `make supply` writes this list, the pinned versions in [`constraints.txt`](constraints.txt), and an SBOM.
 
 | package | licence | address |
 |---|---|---|

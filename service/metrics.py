@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, Counter, Gauge, Histogram, generate_latest
-from prometheus_client.multiprocess import MultiProcessCollector
+from prometheus_client.multiprocess import MultiProcessCollector, mark_process_dead
 
 SHARED_FOLDER = "PROMETHEUS_MULTIPROC_DIR"  # where workers write metrics; prometheus_client reads it at import
 SECONDS = (*(base * 10.0**power for power in range(-4, 0) for base in (1.0, 2.0, 5.0)), 1.0)
@@ -96,6 +97,19 @@ class Metrics:
         """Returns all metrics in Prometheus' text format, and its media type."""
         registry = self._registry
         if SHARED_FOLDER in os.environ:
+            forget_the_dead(Path(os.environ[SHARED_FOLDER]))
             registry = CollectorRegistry()
             MultiProcessCollector(registry)  # type: ignore[no-untyped-call]
         return generate_latest(registry), CONTENT_TYPE_LATEST
+
+
+def forget_the_dead(folder: Path) -> None:
+    """Removes what workers that were killed have written of themselves, such as their open connections."""
+    for process in {file.stem.rpartition("_")[2] for file in folder.glob("gauge_live*.db")}:
+        try:
+            os.kill(int(process), 0)
+        except ProcessLookupError:
+            with suppress(FileNotFoundError):  # another worker forgets it too
+                mark_process_dead(int(process), str(folder))  # type: ignore[no-untyped-call]
+        except PermissionError:  # alive, or its number is another user's now
+            continue

@@ -10,12 +10,12 @@ import subprocess
 import sys
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
@@ -79,6 +79,43 @@ def test_workers_share_a_port_and_metrics_and_stop_together(bank: Bank, tmp_path
     assert refused["status"] == 404
     assert refused["request_id"]
     assert "wlak" in refused["detail"]
+
+
+def test_a_worker_that_is_killed_is_replaced_and_its_connections_are_forgotten(bank: Bank, tmp_path: Path) -> None:
+    with served(bank, tmp_path / "log", "--workers", "2") as (server, url), ExitStack() as opened:
+        address = url.replace("http", "ws") + "/v1/characters"
+        clients = [opened.enter_context(connect(address, compression=None)) for _ in range(8)]
+        workers = _workers(server.pid)
+        assert len(workers) == 2
+        eventually(lambda: _connections(url) == 8)
+        os.kill(workers[0], signal.SIGKILL)
+        eventually(lambda: len({*_workers(server.pid)} - {workers[0]}) == 2)
+        alive = [client for client in clients if _answers(client)]
+        eventually(lambda: _connections(url) == len(alive))
+        assert all(_status(f"{url}/v1/pose?locomotion=walk&time=1") == 200 for _ in range(20))
+
+
+def _workers(server: int) -> list[int]:
+    """Returns the processes that a service has started to serve."""
+    listed = Path(f"/proc/{server}/task/{server}/children").read_text().split()
+    return [int(one) for one in listed if b"spawn_main" in Path(f"/proc/{one}/cmdline").read_bytes()]
+
+
+def _connections(url: str) -> float:
+    """Returns how many WebSockets all workers together have."""
+    metrics = urllib.request.urlopen(f"{url}/metrics", timeout=PATIENCE).read().decode()
+    (count,) = re.findall(r'motionsplice_connections{kind="characters"} ([0-9.]+)', metrics)
+    return float(count)
+
+
+def _answers(client: ClientConnection) -> bool:
+    try:
+        client.send('{"do": "set", "rate": 10}')
+        while '"done"' not in str(client.recv(timeout=PATIENCE)):
+            pass
+    except ConnectionClosed:
+        return False
+    return True
 
 
 def test_a_port_in_use_is_an_error(bank: Bank) -> None:

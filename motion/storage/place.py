@@ -71,7 +71,7 @@ def is_named(place: Place) -> bool:
 
 def may_never_end(place: Place) -> bool:
     """Whether it is a pipe or a device."""
-    return exists(place) and isinstance(place, Path) and not (os.path.isfile(place) or os.path.isdir(place))
+    return isinstance(place, Path) and exists(place) and not (os.path.isfile(place) or os.path.isdir(place))
 
 
 def resolved(place: At) -> At:

@@ -75,14 +75,21 @@ class Remote:
         return self.url == other.url or self.url.startswith(f"{other.url}/")
 
     def exists(self) -> bool:
-        return self.is_dir() or self.is_file()
+        beside = self._beside
+        return self.is_dir() or self.is_file() if beside is None else self.name in beside
 
     def is_dir(self) -> bool:
-        return bool(self.listed())
+        beside = self._beside
+        return bool(self.listed()) if beside is None else self.name in beside and beside[self.name].is_dir
 
     def is_file(self) -> bool:
         found = self.parent.listed().get(self.name)
         return found is not None and not found.is_dir
+
+    @property
+    def _beside(self) -> dict[str, Listed] | None:
+        """What the folder above holds, if it has been listed."""
+        return self.listings.get(self.parent.url)
 
     def iterdir(self) -> Iterator[Remote]:
         return (self / name for name in self.listed())

@@ -11,7 +11,7 @@ import pytest
 
 from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.files import clip_files, files_behind
+from motionsplice.motion.formats.files import clip_files, files_behind, read_bytes
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.storage.place import place_of, read_ahead
@@ -60,7 +60,11 @@ def test_a_folder_is_listed_once_by_all_that_were_found_in_it(memory: Any, monke
     assert (folder / "more").is_dir()
     first = clip_files(folder)[0]
     assert [file.name for file in files_behind(first)] == ["16_15.amc", "16.asf"]
-    assert lists.count("/clips") == 1
+    assert first.exists()
+    assert not first.is_dir()
+    assert not (folder / "clips.toml").exists()
+    read_bytes(first)
+    assert lists == ["/clips"]
     assert pickle.loads(pickle.dumps(first)).parent.is_dir()
     assert lists.count("/clips") == 2
 

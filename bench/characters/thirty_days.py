@@ -20,6 +20,7 @@ from bench.findings import Findings
 from motionsplice.cli import run
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
+from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.action import Action
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
@@ -68,7 +69,7 @@ def thirty_days(stage: Stage, days: float) -> Findings:
         characters.advance()
     last = hour(characters)
     findings = Findings(f"Roughness of the last hour of {days:g} days, relative to the first hour")
-    far = np.hypot(characters.state[:, 0], characters.state[:, 2])
+    far = np.hypot(characters.state[:, col.PLACE], characters.state[:, col.PLACE + 2])
     for number, name in enumerate(NAMES):
         findings.add(f"{name}: distance, km", far[number] / 1000.0, "{:,.0f}")
         findings.add(f"{name}: with origins", last[0, number] / first[0, number], "{:.4f}", most=WORSE)

@@ -113,9 +113,10 @@ class Receivers:
         output.edition = edition
         output.packers = {one: known.get(one) or packer(kind, edition.bank, f"motionsplice-{one}") for one in ids}
         datagrams: list[bytes | memoryview] = []
+        origins = play.scene.characters.origins
         for one, pack in output.packers.items():
             row = int(np.flatnonzero(play.scene.ids == one)[0])
-            root = play.scene.characters.origins[row] + poses.root_positions[row]
+            root = origins[row] + poses.root_positions[row]
             datagrams += pack.datagrams(play.due - output.began, root.astype(np.float32), poses.rotations[row])
         return datagrams
 

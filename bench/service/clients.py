@@ -42,15 +42,21 @@ class Asked:
     failed: int
 
 
+def started(client: str, job: stream_client.Connections | request_client.Job, *before: str) -> subprocess.Popen[str]:
+    """Starts one of the client modules with its job. before: what its command begins with, such as `nice`."""
+    command = [*before, sys.executable, "-m", f"bench.service.{client}"]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert process.stdin is not None
+    process.stdin.write(json.dumps(asdict(job)))
+    process.stdin.close()
+    return process
+
+
 class Streams:
     """Running clients of streams."""
 
     def __init__(self, job: stream_client.Job) -> None:
-        command = [sys.executable, "-m", "bench.service.stream_client"]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(asdict(job)))
-        self._process.stdin.close()
+        self._process = started("stream_client", job)
 
     def taken(self) -> list[Taken]:
         """Waits until the clients are done, and returns what each received."""
@@ -109,10 +115,12 @@ def get(path: str) -> bytes:
 
 def post(path: str, message: dict[str, Any]) -> bytes:
     """Returns a POST request with a MessagePack body."""
-    body: bytes = msgpack.packb(message)
-    head = (
-        f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/msgpack\r\nContent-Length: {len(body)}"
-    )
+    return post_body(path, "application/msgpack", msgpack.packb(message))
+
+
+def post_body(path: str, media_type: str, body: bytes) -> bytes:
+    """Returns a POST request."""
+    head = f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: {media_type}\r\nContent-Length: {len(body)}"
     return f"{head}\r\n\r\n".encode() + body
 
 

@@ -11,17 +11,13 @@ from typing import Any
 
 import uvloop
 
-from bench.service.stream_client import HANDSHAKE
+from bench.service.stream_client import HANDSHAKE, Connections
 
 
 @dataclass(frozen=True)
-class Job:
-    """Connections to a path for `seconds`. Each sends `first` and then `flood` (base64) as fast as it is taken."""
+class Job(Connections):
+    """Each connection sends `first` and then `flood` (base64) as fast as it is taken."""
 
-    port: int
-    path: str
-    connections: int
-    seconds: float
     first: str
     flood: str
 

@@ -5,26 +5,22 @@ from __future__ import annotations
 import base64
 import json
 import math
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import asdict
 from pathlib import Path
 
-import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
 from bench.findings import Findings
 from bench.service import flood_client, request_client
 from bench.service.banks import names
-from bench.service.clients import Streams, Taken, create
+from bench.service.clients import Streams, Taken, create, post, post_body, started
 from bench.service.harm import HEALTHY
 from bench.service.process import Process, serving
 from bench.service.statistics import percentiles
-from bench.service.stream_client import Job
+from bench.service.stream_client import PING, TEXT, Job, frame
 from bench.service.streams import PATH, RATE
 
 SETTLING = 2.0  # seconds for clients to start
@@ -32,6 +28,7 @@ FLOODERS, PINGING, ASKING = 8, 4, 4
 LONGEST = 65_500  # bytes of a message
 CHARACTERS = 10_000  # in a batch of blobs
 NUMBERS = 8_000  # characters in a batch of JSON, which must be smaller
+POSES = "/v1/poses?encoding=int16&format=msgpack"
 CREATE = '{"do":"create","id":1,"locomotion":"%s"}'
 
 Flood = Callable[[Process, float], AbstractContextManager[object]]
@@ -88,8 +85,8 @@ def _floods(bank: Path) -> dict[str, Flood]:
     act = json.dumps({"do": "act", "id": 1, "action": action}, separators=(",", ":"))
     acts = [act] * ((LONGEST - 2) // (len(act) + 1))
     wrong = [*acts[:-1], act.replace("act", "atc", 1)]
-    first = _frame(0x1, (CREATE % locomotion).encode())
-    pings = 1000 * _frame(0x9, b"")
+    first = frame(TEXT, (CREATE % locomotion).encode())
+    pings = 1000 * frame(PING, b"")
     return {
         f"{FLOODERS} clients of {len(acts)} commands a message": _pouring(FLOODERS, first, _listed(acts)),
         f"{FLOODERS} clients of {len(acts)} commands a message, refused": _pouring(FLOODERS, first, _listed(wrong)),
@@ -100,39 +97,26 @@ def _floods(bank: Path) -> dict[str, Flood]:
 
 
 def _listed(commands: list[str]) -> bytes:
-    return _frame(0x1, f"[{','.join(commands)}]".encode())
-
-
-def _frame(kind: int, data: bytes) -> bytes:
-    """Returns a WebSocket frame, masked with zeros."""
-    size = bytes((0x80 | len(data),)) if len(data) < 126 else b"\xfe" + len(data).to_bytes(2, "big")
-    return bytes((0x80 | kind,)) + size + bytes(4) + data
+    return frame(TEXT, f"[{','.join(commands)}]".encode())
 
 
 def _blobs(locomotion: str, action: str) -> bytes:
     columns = {"locomotion": np.zeros(CHARACTERS, "<i4"), "action": np.ones(CHARACTERS, "<i4")}
     times = {"time": np.arange(CHARACTERS) / CHARACTERS}
     blobs = {key: column.tobytes() for key, column in {**columns, **times}.items()}
-    return _post("application/msgpack", msgpack.packb({"clips": [locomotion, action], **blobs}))
+    return post(POSES, {"clips": [locomotion, action], **blobs})
 
 
 def _numbers(locomotion: str) -> bytes:
     times = [round(number / NUMBERS, 4) for number in range(NUMBERS)]
     body = {"clips": [locomotion], "locomotion": [0] * NUMBERS, "time": times, "start": times}
-    return _post("application/json", json.dumps(body, separators=(",", ":")).encode())
-
-
-def _post(kind: str, body: bytes) -> bytes:
-    head = f"POST /v1/poses?encoding=int16&format=msgpack HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: {kind}\r\n"
-    return f"{head}Content-Length: {len(body)}\r\n\r\n".encode() + body
+    return post_body(POSES, "application/json", json.dumps(body, separators=(",", ":")).encode())
 
 
 def _pouring(connections: int, first: bytes, flood: bytes) -> Flood:
     def begin(server: Process, seconds: float) -> AbstractContextManager[object]:
         texts = [base64.b64encode(one).decode() for one in (first, flood)]
-        return _running(
-            "bench.service.flood_client", asdict(flood_client.Job(server.port, PATH, connections, seconds, *texts))
-        )
+        return _running("flood_client", flood_client.Job(server.port, PATH, connections, seconds, *texts))
 
     return begin
 
@@ -140,17 +124,13 @@ def _pouring(connections: int, first: bytes, flood: bytes) -> Flood:
 def _asking(request: bytes) -> Flood:
     def begin(server: Process, seconds: float) -> AbstractContextManager[object]:
         job = request_client.Job(server.port, [base64.b64encode(request).decode()], ASKING, seconds)
-        return _running("bench.service.request_client", asdict(job))
+        return _running("request_client", job)
 
     return begin
 
 
 @contextmanager
-def _running(module: str, job: dict[str, object]) -> Iterator[None]:
-    command = ["nice", sys.executable, "-m", module]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdin is not None
-        process.stdin.write(json.dumps(job))
-        process.stdin.close()
+def _running(client: str, job: flood_client.Job | request_client.Job) -> Iterator[None]:
+    with started(client, job, "nice") as process:
         yield
         process.kill()

@@ -23,13 +23,19 @@ FRAME_KEY = b"\xa5frame"
 
 
 @dataclass(frozen=True)
-class Job:
-    """Connections to a path for `seconds`. Each sends `commands` once. `stalled` of them stop reading after 0.5 s."""
+class Connections:
+    """WebSockets to a path, for `seconds`."""
 
     port: int
     path: str
     connections: int
     seconds: float
+
+
+@dataclass(frozen=True)
+class Job(Connections):
+    """Each connection sends `commands` once. `stalled` of them stop reading after 0.5 s."""
+
     commands: list[str] = field(default_factory=list)
     stalled: int = 0
     keep: int = 0  # number of first messages to keep of each connection; if not 0, every 100th message is kept too
@@ -99,9 +105,13 @@ class Client(asyncio.Protocol):
             self._send(PONG, bytes(buffer[at : at + size]))
 
     def _send(self, kind: int, data: bytes) -> None:
-        """Sends a WebSocket frame, masked with zeros."""
-        size = bytes((0x80 | len(data),)) if len(data) < 126 else b"\xfe" + len(data).to_bytes(2, "big")
-        self.transport.write(bytes((0x80 | kind,)) + size + bytes(4) + data)
+        self.transport.write(frame(kind, data))
+
+
+def frame(kind: int, data: bytes) -> bytes:
+    """Returns a WebSocket frame of less than 64 KiB, masked with zeros."""
+    size = bytes((0x80 | len(data),)) if len(data) < 126 else b"\xfe" + len(data).to_bytes(2, "big")
+    return bytes((0x80 | kind,)) + size + bytes(4) + data
 
 
 def _number(buffer: bytearray, at: int) -> int:

@@ -68,12 +68,18 @@ def manifest_of(body: bytes) -> bytes:
     return msgpack.packb({"format": FORMAT, "version": VERSION, "digest": content_digest(body), "body": body})
 
 
-def put_bank(folder: Path, manifest: bytes, tables: Mapping[str, bytes]) -> None:
-    """Writes a bank's manifest, and its tables under the names that the digests of their contents give."""
+def use_bank(folder: Path, manifest: bytes, tables: Mapping[str, bytes]) -> None:
+    """Writes a bank, opens it without verification as the service does, evaluates it, and verifies it.
+
+    Tables get the names that the digests of their contents give.
+    """
     (folder / TABLE_FOLDER).mkdir()
     (folder / MANIFEST).write_bytes(manifest)
     for data in tables.values():
         (folder / TABLE_FOLDER / f"{content_digest(data)}.npy").write_bytes(data)
+    bank = Bank.open(folder, verify=False)
+    evaluated(bank)
+    bank.verify()
 
 
 def digests(tables: Mapping[str, bytes]) -> dict[str, str]:

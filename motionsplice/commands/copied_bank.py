@@ -38,7 +38,7 @@ def copied(bank: Remote, folder: Path, *, follow: bool, interval: float = INTERV
     if the first copy fails.
     """
     mark = (bank / MANIFEST).mark()
-    install_bank(bank, folder, lambda stage, done, total: None)
+    install_bank(bank, folder)
     if not follow:
         yield
         return
@@ -62,7 +62,7 @@ def _follow(bank: Remote, folder: Path, known: str | None, interval: float) -> N
         try:
             mark = (bank / MANIFEST).mark()
             if mark not in (known, None):
-                digest = install_bank(bank, folder, lambda stage, done, total: None)
+                digest = install_bank(bank, folder)
                 known, logged = mark, ""
                 logger.info("a new bank was copied", extra={"bank": digest, "from": str(bank)})
         except MotionError as error:

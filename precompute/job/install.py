@@ -37,7 +37,9 @@ class Offered:
     copy: Callable[[str, Path], object]
 
 
-def install_bank(source: Path | Remote, place: Path | Remote, progress: Progress) -> str:
+def install_bank(
+    source: Path | Remote, place: Path | Remote, progress: Progress = lambda stage, done, total: None
+) -> str:
     """Copies a bank from a folder or URL to another, and returns its digest.
 
     No file changes under its name: tables that are missing or damaged there are put in place by renames, and the

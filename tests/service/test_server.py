@@ -10,7 +10,7 @@ import subprocess
 import sys
 import urllib.request
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -96,9 +96,13 @@ def test_a_worker_that_is_killed_is_replaced_and_its_connections_are_forgotten(b
 
 
 def _workers(server: int) -> list[int]:
-    """Returns the processes that a service has started to serve."""
-    listed = Path(f"/proc/{server}/task/{server}/children").read_text().split()
-    return [int(one) for one in listed if b"spawn_main" in Path(f"/proc/{one}/cmdline").read_bytes()]
+    """Returns the processes that a service has started to serve; one that ends while it is listed is left out."""
+    workers = []
+    for one in Path(f"/proc/{server}/task/{server}/children").read_text().split():
+        with suppress(FileNotFoundError, ProcessLookupError):
+            if b"spawn_main" in Path(f"/proc/{one}/cmdline").read_bytes():
+                workers.append(int(one))
+    return workers
 
 
 def _connections(url: str) -> float:

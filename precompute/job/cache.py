@@ -8,6 +8,7 @@ for what it does not hold. The folder may be deleted at any time.
 from __future__ import annotations
 
 import math
+import os
 import re
 import struct
 import zlib
@@ -55,7 +56,7 @@ class Cache:
     """Entries in one folder, which the first entry creates."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
+        self.folder, self._folder = folder, str(folder)
 
     @property
     def place(self) -> str:
@@ -64,7 +65,7 @@ class Cache:
 
     def holds(self, key: str) -> bool:
         """Returns whether an entry exists. It may still be damaged."""
-        return self._file(key).exists()
+        return os.path.exists(self._file(key))
 
     def read_ahead(self, keys: Iterable[str]) -> None:
         """Announces entries that are loaded soon, to those caches that are slow to answer. This is none."""
@@ -83,22 +84,21 @@ class Cache:
 
     def store(self, key: str, fields: Fields, arrays: Arrays) -> None:
         """Writes an entry, whole or not at all. Raises CacheError."""
-        partial = self.folder / f".{key}.entry.{uuid4().hex}"  # a thread or another machine may write an equal entry
+        partial = f"{self._folder}/.{key}.entry.{uuid4().hex}"  # a thread or another machine may write an equal entry
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            with partial.open("wb") as sink:
+            with self._created(partial) as sink:
                 write_entry(sink, fields, arrays)
-            partial.replace(self._file(key))
+            os.replace(partial, self._file(key))
         except OSError as error:
             with suppress(OSError):
-                partial.unlink()
+                os.unlink(partial)
             problem = f"cannot write to the cache: {error.strerror}"
             mend = "Check the folder's permissions and free space"
             raise CacheError(problem, file=str(self.folder), mend=mend) from None
 
     def keep_only(self, keys: Collection[str]) -> None:
         """Removes all other entries, and partial files of killed jobs."""
-        names = {self._file(key).name for key in keys}
+        names = {f"{key}.entry" for key in keys}
         for file in self.folder.iterdir():
             unused = OURS.fullmatch(file.name) and file.name not in names
             if unused or OUR_PARTIAL.fullmatch(file.name):
@@ -106,10 +106,17 @@ class Cache:
                     file.unlink()
 
     def _open(self, key: str) -> BufferedIOBase:
-        return self._file(key).open("rb")
+        return open(self._file(key), "rb")
 
-    def _file(self, key: str) -> Path:
-        return self.folder / f"{key}.entry"
+    def _created(self, file: str) -> BinaryIO:
+        try:
+            return open(file, "wb")
+        except (FileNotFoundError, NotADirectoryError):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            return open(file, "wb")
+
+    def _file(self, key: str) -> str:  # of a Path it would take three times as long
+        return f"{self._folder}/{key}.entry"
 
 
 class _Entry(Mapping[str, NDArray[Any]]):

@@ -31,6 +31,7 @@ from motionsplice.precompute.job.entries import (
     unpack_stride,
 )
 from motionsplice.precompute.job.method import version_of
+from motionsplice.precompute.job.set_aside import SetAside
 from motionsplice.precompute.job.sources import Source
 from motionsplice.precompute.preparation.prepared import PreparedClip, prepare
 from motionsplice.runtime.format.manifest import content_digest
@@ -127,27 +128,34 @@ def read(one: Identified) -> Reading:
 class Readings:
     """Clips on their way from the search for a stride to their preparation, until the bank is built.
 
-    They stay in memory as far as they fit into `room`, in bytes. Others go into the cache, and so do all those that a
-    worker process has read, as its copy of this has no room. What was found of them is remembered in as much room
-    again.
+    They stay in memory as far as they fit into `room`, in bytes; others are set aside in a temporary file. A worker
+    process has no room, and puts those that it has read into the cache, where others find them. What was found of clips
+    is remembered in as much room again.
     """
 
     def __init__(self, cache: Cache, room: int = ROOM) -> None:
-        self.cache, self._room, self._room_for_results = cache, room, room
+        self.cache, self._in_worker, self._room, self._room_for_results = cache, room == 0, room, room
         self._kept: dict[str, Reading] = {}
+        self._aside = SetAside(cache.folder)
         self._results: dict[str, Any] = {}
 
     def __reduce__(self) -> tuple[type[Readings], tuple[Cache, int]]:
         return Readings, (self.cache, 0)
 
+    def close(self) -> None:
+        """Gives up the temporary file."""
+        self._aside.close()
+
     def keep(self, one: Identified, reading: Reading) -> None:
-        """Keeps a reading. Raises MotionError if the cache cannot be written."""
+        """Keeps a reading. Raises MotionError if a worker cannot write the cache."""
         size = reading.clip.rotations.nbytes
-        if size <= self._room:
+        if self._in_worker:
+            self.cache.store(one.reading_key, *pack_reading(reading))
+        elif size <= self._room:
             self._room -= size
             self._kept[one.reading_key] = reading
         else:
-            self.cache.store(one.reading_key, *pack_reading(reading))
+            self._aside.put(one.reading_key, reading)
 
     def remember(self, key: str, result: object, size: int) -> None:
         """Remembers a result of `size` bytes that is in the cache, if there is room."""
@@ -161,12 +169,13 @@ class Readings:
 
     def of(self, one: Identified) -> Reading:
         """Returns a reading that was kept, or reads the clip. Raises MotionError."""
-        name, kept = one.source.name, self._kept.get(one.reading_key)
+        name, key = one.source.name, one.reading_key
+        kept = self._kept.get(key) or self._aside.get(key)
         if kept is not None:  # perhaps that of an equal file
             clip = kept.clip
             same = Clip.of_valid(name, clip.skeleton, clip.rate, clip.root_positions, clip.rotations)
             return replace(kept, clip=same)
-        found = self.cache.load(one.reading_key, lambda fields, arrays: unpack_reading(name, fields, arrays))
+        found = self.cache.load(key, lambda fields, arrays: unpack_reading(name, fields, arrays))
         return read(one) if found is None else found
 
 

@@ -134,13 +134,12 @@ class Job:
     def run(self) -> Outcome:
         """Runs all stages, after any other job for the same folder. Raises MotionError."""
         pairs = self.find_clips()
-        with destination(self.out, self.progress) as place:
-            return self.build(pairs, place)
+        with destination(self.out, self.progress) as place, closing(Readings(place.cache)) as clips:
+            return self.build(pairs, place, clips)
 
-    def build(self, pairs: Sequence[HandsOnBody], place: Destination) -> Outcome:
+    def build(self, pairs: Sequence[HandsOnBody], place: Destination, clips: Readings) -> Outcome:
         """Runs the stages that follow `find_clips`. Raises MotionError."""
-        cache = place.cache
-        clips, hands = Readings(cache), HandsReading(cache)
+        cache, hands = place.cache, HandsReading(place.cache)
         search = StrideSearch(clips)
         candidates = self.find_strides(search)
         stride, used = self.on_skeleton(clips, self.choose_baseline(search, candidates))

@@ -34,7 +34,7 @@ class RemoteCache(Cache):
 
     def read_ahead(self, keys: Iterable[str]) -> None:
         """Copies entries, many at a time."""
-        missing = [key for key in keys if not self._file(key).exists()]
+        missing = [key for key in keys if not self._copied(key)]
         read_ahead(self._try_to_copy, missing, lambda _: self._remote)
 
     def store(self, key: str, fields: Fields, arrays: Arrays) -> None:
@@ -64,9 +64,12 @@ class RemoteCache(Cache):
     def _open(self, key: str) -> BufferedIOBase:
         if self._copies is None:
             return BytesIO(self._read(key))
-        if not self._file(key).exists():
+        if not self._copied(key):
             self._put(key, self._read(key))
-        return self._file(key).open("rb")
+        return super()._open(key)
+
+    def _copied(self, key: str) -> bool:
+        return super().holds(key)
 
     def _try_to_copy(self, key: str) -> None:
         with suppress(OSError, MotionError):  # it is made again when it is loaded

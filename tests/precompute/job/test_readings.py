@@ -33,20 +33,21 @@ def walk(tmp_path: Path) -> Identified:
     return identify(Source("walk", file, None, ClipSettings(unit="m")), contents_of(file))
 
 
-@pytest.mark.parametrize("handed", [True, False])
+@pytest.mark.parametrize("where", ["memory", "file", "worker"])
 def test_a_kept_clip_is_not_read_again_and_has_the_name_it_is_asked_for(
-    walk: Identified, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, handed: bool
+    walk: Identified, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
 ) -> None:
-    readings, reading = Readings(Cache(tmp_path / "cache")), read(walk)
-    kept = readings if handed else pickle.loads(pickle.dumps(readings))  # as in a worker process
+    readings, reading = Readings(Cache(tmp_path / "cache"), room=1 if where == "file" else ROOM), read(walk)
+    kept = pickle.loads(pickle.dumps(readings)) if where == "worker" else readings
     kept.keep(walk, reading)
-    assert kept.cache.holds(walk.reading_key) is not handed
+    assert kept.cache.holds(walk.reading_key) is (where == "worker")
     monkeypatch.setattr(clip_work, "read", lambda one: pytest.fail("it was read again"))
-    same = (kept if handed else readings).of(replace(walk, source=replace(walk.source, name="copy")))
+    same = readings.of(replace(walk, source=replace(walk.source, name="copy")))
     assert same.clip.name == "copy"
     np.testing.assert_array_equal(same.clip.rotations, reading.clip.rotations)
     np.testing.assert_array_equal(same.clip.root_positions, reading.clip.root_positions)
     assert (same.unit, same.notes, same.roles) == (reading.unit, reading.notes, reading.roles)
+    readings.close()
 
 
 def test_a_clip_that_was_not_kept_is_read(walk: Identified, tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from motionsplice.motion.clip import Clip
@@ -10,6 +12,7 @@ from motionsplice.motion.errors import RoleError
 from motionsplice.motion.kinematics import bind_positions, world_transforms
 from motionsplice.motion.quaternion import Floats, unit
 from motionsplice.motion.roles import Roles
+from motionsplice.motion.skeleton import Skeleton
 
 RATE = 10.0  # frames per second at which a motion is looked at
 UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
@@ -34,6 +37,12 @@ def standing_axis(positions: Floats, roles: Roles) -> str:
     return AXES[int(np.argmax(along))] if along.max() > UPRIGHT else ""
 
 
+@lru_cache(maxsize=16)  # the clips of a bank are of few rigs
+def axis_at_rest(skeleton: Skeleton, roles: Roles) -> str:
+    """Returns the `standing_axis` of the bind pose."""
+    return standing_axis(bind_positions(skeleton)[None], roles)
+
+
 def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -> list[str]:
     """Returns warnings about a body that does not stand upright along Y.
 
@@ -50,8 +59,8 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
         RoleError: The roles fit neither the bind pose nor the motion, the body stands on all fours at rest, or it is
             unclear whether it lies: the bind pose stands along no axis, and the motion along another one than Y.
     """
-    bind, moving = bind_positions(clip.skeleton)[None], sampled_positions(clip)
-    if not given and _on_all_fours(bind, roles):
+    moving = sampled_positions(clip)
+    if not given and _on_all_fours(clip.skeleton, roles):
         problem = "this is not a human body: in the bind pose it stands on all fours"
         raise RoleError(problem, mend="If it is one, name its joints in a file and pass it as --roles")
     stands = standing_axis(moving, roles)
@@ -61,9 +70,9 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
         return []
     is_up = f"{axis.upper()} is up in the file, give --up {axis}" if axis else "Y is not up in the file, give --up"
     hint = "" if up_known else f"If {is_up}"
-    shows_up = bool(standing_axis(bind, roles))  # LAFAN1's bind pose, along one axis, does not
+    shows_up = bool(axis_at_rest(clip.skeleton, roles))  # LAFAN1's bind pose, along one axis, does not
     lies = not shows_up and stands != "y"
-    if given or not _problem(bind, roles) or (lies and (up_known or not axis)):
+    if given or not _problem(bind_positions(clip.skeleton)[None], roles) or (lies and (up_known or not axis)):
         return [f"the body is not upright in most frames: {problem}" + (f". {hint}" if hint else "")]
     if lies:
         problem = f"it is unclear which axis is up: the body stands along {axis.upper()}, and the bind pose along none"
@@ -91,8 +100,11 @@ def _problem(positions: Floats, roles: Roles) -> str:
     return next((problem for problem, fit in fits.items() if not fit), "")
 
 
-def _on_all_fours(bind: Floats, roles: Roles) -> bool:
-    """Returns whether the trunk is level above legs, with the hands down where the feet are, whichever axis is up."""
+@lru_cache(maxsize=16)
+def _on_all_fours(skeleton: Skeleton, roles: Roles) -> bool:
+    """Returns whether the bind pose's trunk is level above legs, with the hands down where the feet are, whichever axis
+    is up."""
+    bind = bind_positions(skeleton)[None]
     trunk, legs = (vectors[0] for vectors in _trunk_and_legs(bind, roles))
     hands = _middle(bind, roles.left_wrist, roles.right_wrist)[0]
     feet, hips = (_middle(bind, *pair)[0] for pair in (_ankles(roles), _hips(roles)))

@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from motionsplice.motion import quaternion
-from motionsplice.motion.body_shape import sampled_positions, standing_axis
+from motionsplice.motion.body_shape import axis_at_rest, sampled_positions, standing_axis
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.clip_settings import AXES
 from motionsplice.motion.errors import SettingsError
-from motionsplice.motion.kinematics import bind_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
@@ -44,7 +43,7 @@ def made_upright(clip: Clip, roles: Roles, up: str | None) -> tuple[Clip, list[s
     Returns:
         The clip, notes and warnings for the user.
     """
-    bind = standing_axis(bind_positions(clip.skeleton)[None], roles) or "y"
+    bind = axis_at_rest(clip.skeleton, roles) or "y"
     found = up or ("y" if bind == "y" or standing_axis(sampled_positions(clip), roles) == "y" else bind)
     if bind == found == "y":
         return clip, [], []

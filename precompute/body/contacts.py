@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.ndimage import convolve1d
 
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
-from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, which_stand
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
 
 SLOW = 0.55  # leg lengths per second: the fastest a standing joint may move, as captured feet roll, slide and jitter
 SLOW_OF_FAST = 0.15  # or this part of the joint's 95th percentile speed: in a run the feet hardly rest
@@ -19,22 +20,47 @@ LOW = 0.09  # leg lengths that a standing joint may be above its lowest point wi
 STEP = 0.5  # seconds: less than a foot takes from one stair to the next
 SMOOTHED, SHORTEST = 0.05, 0.06  # seconds: the window that smooths speeds; the shortest contact, and gap in a contact
 LOADING = 0.1  # seconds in which a foot takes over the weight, and gives it up
+BITS = np.array([LEFT_FOOT, RIGHT_FOOT], np.uint8)
 
 
 def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
     """Returns which feet stand at each frame [F]: the bits LEFT_FOOT and RIGHT_FOOT, or 0."""
-    left, right = roles.feet
-    standing = _standing_joints(joint_paths(clip, (*left, *right)), clip.rate, roles.leg_length(clip.skeleton))
-    feet = np.stack([standing[:, : len(left)].any(axis=1), standing[:, len(left) :].any(axis=1)], axis=1)
-    return np.asarray(_lasting(feet.astype(np.uint8), clip.rate) @ np.array([LEFT_FOOT, RIGHT_FOOT], np.uint8))
+    (left, right), rate, leg = roles.feet, clip.rate, roles.leg_length(clip.skeleton)
+    paths = joint_paths(clip, (*left, *right))
+    speeds, above = speeds_and_heights(paths, 1.0 / rate, _frames(SMOOTHED, rate), _frames(STEP, rate))
+    slow = np.maximum(SLOW * leg, SLOW_OF_FAST * _fast(speeds))
+    return np.asarray(_lasting(standing_feet(speeds, above, slow, LOW * leg, len(left)), rate) @ BITS)
 
 
 def support(standing: NDArray[np.uint8], rate: float) -> Floats:
     """Returns how firmly both feet stand [F, 2], 0 to 1, from the bits of standing feet [F]; smooth over LOADING."""
+    return smoothed_bits(standing, BITS, _loading(rate))
+
+
+@lru_cache(maxsize=4)
+def _loading(rate: float) -> Floats:
+    """Returns the weights of successive frames by which a foot takes over the weight."""
     window = np.hanning(2 * round(0.5 * LOADING * rate) + 3)[1:-1]
-    return np.asarray(
-        convolve1d(which_stand(standing).astype(np.float64), window / window.sum(), axis=0, mode="nearest")
-    )
+    return np.asarray(window / window.sum())
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def smoothed_bits(standing: NDArray[np.uint8], bits: NDArray[np.uint8], window: Floats) -> Floats:
+    """Returns means [F, n] of whether each of `bits` [n] is set in `standing` [F], weighted by a symmetric `window`.
+
+    The first and the last frame are repeated beyond the ends. As SciPy's `convolve1d`, to the last bit.
+    """
+    last, half = len(standing) - 1, len(window) // 2
+    means = np.empty((len(standing), len(bits)))
+    for i in range(len(standing)):
+        for n in range(len(bits)):
+            total = window[half] if standing[i] & bits[n] else 0.0
+            for k in range(half, 0, -1):
+                count = 1.0 if standing[max(i - k, 0)] & bits[n] else 0.0
+                count += 1.0 if standing[min(i + k, last)] & bits[n] else 0.0
+                total += count * window[half + k]
+            means[i, n] = total
+    return means
 
 
 def left_strike(standing: NDArray[np.uint8], rate: float, first: float, last: float) -> float | None:
@@ -47,11 +73,18 @@ def left_strike(standing: NDArray[np.uint8], rate: float, first: float, last: fl
     return next((float(down) for down in downs if first <= down < last), None)
 
 
-def _standing_joints(paths: Floats, rate: float, leg: float) -> NDArray[np.bool_]:
-    """Returns at which frames each joint of the feet stands [F, n]; `paths` [F, n, 3] in metres, `leg` its length."""
-    speed, above = speeds_and_heights(paths, 1.0 / rate, _frames(SMOOTHED, rate), _frames(STEP, rate))
-    slow = np.maximum(SLOW * leg, SLOW_OF_FAST * _fast(speed))
-    return np.asarray((speed < slow) & (above < LOW * leg))
+@njit(cache=True, nogil=True)
+def standing_feet(speeds: Floats, above: Floats, slow: Floats, low: float, left: int) -> NDArray[np.uint8]:
+    """Returns which feet stand [F, 2], 0 or 1: those of which a joint is slow and low.
+
+    speeds, above: [F, n] of `speeds_and_heights`; the first `left` joints are those of the left foot. slow: [n].
+    """
+    feet = np.zeros((len(speeds), 2), np.uint8)
+    for i in range(len(speeds)):
+        for joint in range(speeds.shape[1]):
+            if speeds[i, joint] < slow[joint] and above[i, joint] < low:
+                feet[i, 0 if joint < left else 1] = 1
+    return feet
 
 
 def _fast(speed: Floats) -> Floats:

@@ -231,6 +231,8 @@ def test_a_name_that_comes_twice_is_numbered_and_noted(names: tuple[str, ...], r
     assert parsed.nodes.names == renamed
     assert parsed.notes[0].startswith("renamed, because another joint has the same name: ")
     assert set(renamed) - set(names) <= set(parsed.notes[0].split(": ")[1].split(", "))
+    again = parse(tree(*names))  # of a hierarchy that is remembered
+    assert (again.nodes.names, again.notes) == (renamed, parsed.notes)
 
 
 def test_two_joints_for_one_role_are_refused_with_both_lines() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from motionsplice.motion.errors import FormatError
 from motionsplice.motion.formats.decimals import is_finite
@@ -34,9 +34,9 @@ class Joint:
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """All joints and end sites, depth first; the index of the line with MOTION; notes."""
+    """All joints and end sites, depth first; the index of the line with MOTION; notes. Files of one rig share it."""
 
-    joints: list[Joint]
+    joints: tuple[Joint, ...]
     line: int
     notes: tuple[str, ...]
 
@@ -74,7 +74,7 @@ def read_hierarchy(lines: list[str]) -> Hierarchy:
             case "MOTION" if joints and not open_joints and not waiting:
                 notes = (COMMAS,) * commas
                 notes += (f"left out what precedes HIERARCHY: {before[1]!r}",) if before else ()
-                return Hierarchy(joints, number, notes)
+                return Hierarchy(tuple(joints), number, notes)
             case _:
                 raise FormatError(f"unexpected {' '.join([word, *rest])[:40]!r}", place=place)
     if before and not started:
@@ -133,13 +133,13 @@ def _channels(words: list[str], place: str) -> list[str]:
     return channels
 
 
-def number_doubles(joints: list[Joint]) -> list[str]:
-    """Numbers names that come twice. Returns the new names."""
-    unique = numbered([joint.name for joint in joints])
-    renamed = [name for joint, name in zip(joints, unique, strict=True) if joint.name != name]
-    for joint, name in zip(joints, unique, strict=True):
-        joint.name = name
-    return renamed
+def number_doubles(joints: list[Joint], places: list[int]) -> list[str]:
+    """Numbers names that come twice at these places of a list of joints. Returns the new names."""
+    unique = numbered([joints[place].name for place in places])
+    renamed = [(place, name) for place, name in zip(places, unique, strict=True) if joints[place].name != name]
+    for place, name in renamed:
+        joints[place] = replace(joints[place], name=name)
+    return [name for _, name in renamed]
 
 
 def check_doubles(joints: list[Joint], root: int) -> None:

@@ -7,6 +7,9 @@ channels are intrinsic rotations in the order of the file; position channels rep
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +27,10 @@ from motionsplice.motion.rates import CLOSE, meant_rate
 from motionsplice.motion.role_names import roles_by_name
 from motionsplice.motion.roles import ENDS
 
-# The last line of the header in nearly all files.
+# In nearly all files, the last line of the hierarchy, and then that of the header.
+MOTION = re.compile(rb"^[ \t]*motion[^\n]*\n", re.IGNORECASE | re.MULTILINE)
 FRAME_TIME = re.compile(rb"^[ \t]*frame[ _]?time[^\n]*\n", re.IGNORECASE | re.MULTILINE)
+LARGEST_REMEMBERED = 100_000  # bytes of a hierarchy
 
 
 class Contents(NamedTuple):
@@ -48,7 +53,7 @@ def parse(data: bytes, root: str | None = None) -> Parsed:
         FormatError: The file is malformed; the message names the line.
     """
     hierarchy, header, frames = _plain_contents(data) or _contents(data)
-    joints = hierarchy.joints
+    joints = list(hierarchy.joints)
     rate = meant_rate(header.step)
     notes = [*hierarchy.notes, *frames.notes]
     if abs(rate * float(header.step) - 1.0) > CLOSE:
@@ -57,7 +62,8 @@ def parse(data: bytes, root: str | None = None) -> Parsed:
     if others:
         notes.append(f"read the skeleton {joints[first].name!r}; choose another with --root: {listed(others)}")
     check_doubles(joints, first)
-    if renamed := number_doubles(_real(joints[first : joints[first].end])):
+    body = [place for place in range(first, joints[first].end) if not joints[place].is_end]
+    if renamed := number_doubles(joints, body):
         notes.append(f"renamed, because another joint has the same name: {listed(renamed)}")
     nodes = _nodes(joints, first, frames.values, len(data))
     return Parsed(nodes, rate, notes=tuple(dict.fromkeys(notes)), warnings=frames.warnings)
@@ -68,19 +74,32 @@ def _plain_contents(data: bytes) -> Contents | None:
 
     Such frames are read from the bytes; only what precedes them is text. Returns None for other files.
     """
-    last = FRAME_TIME.search(data)
-    if last is None:
+    motion, last = MOTION.search(data), FRAME_TIME.search(data)
+    if motion is None or last is None:
         return None
     try:
-        lines = _lines(data[: last.end()])
-        hierarchy = read_hierarchy(lines)
-        header = read_header(lines, hierarchy.line)
+        text, lines = data[: motion.end()], _lines(data[motion.end() : last.end()])
+        hierarchy = _remembered(text) if len(text) <= LARGEST_REMEMBERED else _hierarchy(text)
+        header = read_header(lines, -1)
     except FormatError:
         return None
     rows = np.frombuffer(data, np.uint8, offset=last.end())
     whole = header.count > 0 and header.end == len(lines)
     values = read_table(rows, header.count, _width(hierarchy.joints)) if whole else None
+    header = replace(header, end=hierarchy.line + 1 + header.end)
     return None if values is None else Contents(hierarchy, header, Frames(values))
+
+
+def _hierarchy(text: bytes) -> Hierarchy:
+    """Returns the hierarchy that ends with the last line. Raises FormatError."""
+    lines = _lines(text)
+    hierarchy = read_hierarchy(lines)
+    if hierarchy.line < len(lines) - 1:
+        raise FormatError("the hierarchy ends before its last line")
+    return hierarchy
+
+
+_remembered = lru_cache(maxsize=16)(_hierarchy)  # the clips of a bank are of few rigs
 
 
 def _contents(data: bytes) -> Contents:
@@ -100,7 +119,7 @@ def _real(joints: list[Joint]) -> list[Joint]:
     return [joint for joint in joints if not joint.is_end]
 
 
-def _width(joints: list[Joint]) -> int:
+def _width(joints: Sequence[Joint]) -> int:
     """Returns the number of values in a frame."""
     return sum(len(joint.channels or ()) for joint in joints)
 
@@ -111,7 +130,7 @@ def _choose(joints: list[Joint], root: str | None) -> tuple[int, list[str]]:
     ROOTs of the same name are numbered. Raises FormatError for an unknown joint.
     """
     roots = [place for place, joint in enumerate(joints) if joint.parent < 0]
-    number_doubles([joints[place] for place in roots])
+    number_doubles(joints, roots)
     names = [joints[place].name for place in roots]
     if root is not None:
         found = [place for place, joint in enumerate(joints) if joint.name == root and not joint.is_end]

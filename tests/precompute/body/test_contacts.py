@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing, binary_opening
+from scipy.ndimage import binary_closing, binary_opening, convolve1d
 
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.quaternion import Floats
@@ -16,15 +16,19 @@ from motionsplice.motion.roles import find_roles
 from motionsplice.precompute.alignment.alignment import align
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.body.contacts import (
+    BITS,
     SHORTEST,
     _fast,
     _frames,
     _lasting,
+    _loading,
     foot_contacts,
     left_strike,
+    smoothed_bits,
     speeds_and_heights,
+    standing_feet,
 )
-from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, Contact, contacts_of
+from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, Contact, contacts_of, which_stand
 from tests import naive
 
 DUTY = {"walk": 0.62, "slow_walk": 0.62, "run": 0.335, "stairs_up": 0.63, "stairs_down": 0.62}
@@ -103,3 +107,20 @@ def test_speeds_and_heights_are_those_of_the_slow_twin(paths: Floats, smoothed: 
 @given(arrays(np.float64, st.tuples(st.integers(1, 60), st.integers(1, 3)), elements=st.floats(0.0, 9.0)))
 def test_the_fast_speed_is_the_95th_percentile(speeds: Floats) -> None:
     np.testing.assert_array_equal(_fast(speeds), np.percentile(speeds, 95.0, axis=0))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 12), st.integers(1, 2), st.integers(1, 2))
+def test_a_foot_stands_if_one_of_its_joints_is_slow_and_low(seed: int, frames: int, left: int, right: int) -> None:
+    rng = np.random.default_rng(seed)
+    (speeds, above), slow = rng.random((2, frames, left + right)), rng.random(left + right)
+    stands = (speeds < slow) & (above < 0.6)
+    wanted = np.stack([stands[:, :left].any(axis=1), stands[:, left:].any(axis=1)], axis=1)
+    np.testing.assert_array_equal(standing_feet(speeds, above, slow, 0.6, left), wanted)
+
+
+@given(arrays(np.uint8, st.integers(1, 60), elements=st.integers(0, 3)), st.floats(10.0, 240.0))
+def test_support_is_smoothed_as_by_scipy(standing: NDArray[np.uint8], rate: float) -> None:
+    window = _loading(rate)
+    wanted = convolve1d(which_stand(standing).astype(np.float64), window, axis=0, mode="nearest")
+    np.testing.assert_allclose(smoothed_bits(standing, BITS, window), wanted, rtol=0.0, atol=1e-15)
+    assert window.sum() == pytest.approx(1.0)

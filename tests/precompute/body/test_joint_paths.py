@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.procedural.variants import local_axes, with_local_axes
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.joint_paths import Followed, joint_paths, joint_transforms
+from motionsplice.precompute.body.joint_paths import Followed, joint_paths, joint_transforms, picked_joints
 from tests import naive
 from tests.conftest import CLIPS
 
@@ -48,3 +48,11 @@ def test_a_followed_clip_with_other_frames_is_followed_anew() -> None:
     roles = find_roles(WALK.skeleton)
     raised = replace(Followed.of(WALK, roles), root_positions=WALK.root_positions + np.array([0.0, 1.0, 0.0]))
     np.testing.assert_allclose(joint_paths(raised, (0,))[:, 0], raised.root_positions)
+
+
+@given(JOINTS)
+@settings(max_examples=30)
+def test_picked_joints_are_those_of_numpy(joints: list[int]) -> None:
+    at = np.array(joints)
+    for values in (WALK.rotations, WALK.rotations[..., :3], WALK.rotations[::2]):
+        np.testing.assert_array_equal(picked_joints(values, at), np.take(values, at, axis=1))

@@ -8,6 +8,7 @@ against others. It counts as far as the stride explains it: an arm that carries 
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -15,6 +16,7 @@ from motionsplice.motion.roles import Roles
 WEIGHT = 0.2  # leg lengths of root and knees that an arm's usual departure from its mean is worth
 HARMONICS = 2  # of the stride in the mean swing
 STILL = 0.02  # leg lengths: an arm that swings less counts less
+ALL_BUT_MEAN = np.diag([0.0] + [1.0] * (2 * HARMONICS))
 STEADYING = 1e-3  # keeps coefficients that the clip's strides do not determine small
 
 
@@ -29,9 +31,21 @@ def arm_swing(positions: Floats) -> Floats:
 
     `positions` [n, 6, 3] are the world positions of the `arm_joints`, metres.
     """
-    ahead = np.cross(positions[:, 0] - positions[:, 1], [0.0, 1.0, 0.0])
-    ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
-    return np.asarray(np.sum((positions[:, 4:] - positions[:, 2:4]) * ahead[:, None], axis=2))
+    swing = np.empty((len(positions), 2))
+    fill_swing(np.ascontiguousarray(positions), swing)
+    return swing
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_swing(positions: Floats, swing: Floats) -> None:
+    """Fills `swing` [n, 2]; see `arm_swing`. Ahead is across the hips, over the floor."""
+    for frame in range(len(positions)):
+        left, right = positions[frame, 0], positions[frame, 1]
+        x, z = -(left[2] - right[2]), left[0] - right[0]
+        size = np.sqrt(x * x + z * z)
+        for arm in range(2):
+            wrist, shoulder = positions[frame, 4 + arm], positions[frame, 2 + arm]
+            swing[frame, arm] = (wrist[0] - shoulder[0]) * (x / size) + (wrist[2] - shoulder[2]) * (z / size)
 
 
 def swing_distances(swing: Floats, phase: Floats, cells: int, leg: float) -> Floats:
@@ -42,7 +56,7 @@ def swing_distances(swing: Floats, phase: Floats, cells: int, leg: float) -> Flo
     cycles, waves = phase[-1] - phase[0], _waves(phase)
     if cycles <= 1.0:  # nothing repeats
         return np.zeros((len(swing), cells))
-    normal = waves.T @ waves + STEADYING * len(phase) * np.diag([0.0] + [1.0] * (2 * HARMONICS))
+    normal = waves.T @ waves + STEADYING * len(phase) * ALL_BUT_MEAN
     mean = np.linalg.solve(normal, waves.T @ swing)
     motion = np.var(swing, axis=0) + (STILL * leg) ** 2
     explained = np.maximum(1.0 - np.mean((swing - waves @ mean) ** 2, axis=0) / motion, 0.0)

@@ -17,6 +17,7 @@ from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.body.best_rotations import best_rotations
 
 HARMONICS = 4  # of the stride: what a gait repeats; more would fit the noise of a single take
+ALL_BUT_MEAN = np.diag([0.0] + [1.0] * (2 * HARMONICS))
 SMOOTHING = 0.1  # seconds: jitter of the phases is faster than shoulders move
 STEADYING = 1e-5  # keeps coefficients that less than a stride does not determine at zero
 
@@ -36,7 +37,7 @@ class MeanStride:
         pace = np.gradient(phase)
         weight = np.sqrt(pace / np.mean(pace))[:, None]
         waves = _waves(phase) * weight
-        normal = waves.T @ waves + STEADYING * len(phase) * np.diag([0.0] + [1.0] * (2 * HARMONICS))
+        normal = waves.T @ waves + STEADYING * len(phase) * ALL_BUT_MEAN
         found = np.linalg.solve(normal, waves.T @ (clouds.reshape(len(clouds), -1) * weight))
         return cls(found.reshape(-1, *clouds.shape[1:]))
 

@@ -339,5 +339,6 @@ def test_the_kernel_composes_turns_as_quaternions_do(order: str) -> None:
     rotations = np.zeros((300, 4, 4))
     fill_rotations(rotations, joints, order, values, columns)
     halves = 0.5 * np.radians(values[:, columns])
-    np.testing.assert_array_equal(rotations[:, joints], quaternion.from_euler(order, np.sin(halves), np.cos(halves)))
+    wanted = quaternion.from_euler(order, np.sin(halves), np.cos(halves))
+    np.testing.assert_allclose(rotations[:, joints], wanted, rtol=0.0, atol=1e-15)
     np.testing.assert_array_equal(rotations[:, [1, 2]], 0.0)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.quaternion import Floats
 
-BLOCK = 256  # frames converted at once, so that their angles stay in a core's cache
+RADIAN = np.pi / 180.0
 
 
 def fill_rotations(
@@ -18,25 +18,29 @@ def fill_rotations(
 
     order: the k axes of the turns, such as "zxy". columns: [n, k] those of `values` [F, width] with the angles.
     """
-    axes = np.array(["xyz".index(axis) for axis in order])
-    for first in range(0, len(values), BLOCK):
-        halves = np.radians(values[first : first + BLOCK, columns]) * 0.5
-        compose(np.sin(halves), np.cos(halves), axes, joints, rotations[first : first + BLOCK])
+    compose(values, columns, np.array(["xyz".index(axis) for axis in order]), joints, rotations)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def compose(
-    sines: Floats, cosines: Floats, axes: NDArray[np.int64], joints: NDArray[np.int64], rotations: Floats
+    values: Floats,
+    columns: NDArray[np.int64],
+    axes: NDArray[np.int64],
+    joints: NDArray[np.int64],
+    rotations: Floats,
 ) -> None:
-    """Fills `rotations` [F, joints, 4], as `quaternion.from_euler`; sines, cosines [F, n, k] are of half the angles."""
-    q = np.empty(4)
-    for frame in range(len(sines)):
+    """Fills `rotations` [F, joints, 4], as `quaternion.from_euler`; see `fill_rotations`."""
+    for frame in range(len(values)):
         for number in range(len(joints)):
-            q[:3], q[3] = 0.0, 1.0
+            x, y, z, w = 0.0, 0.0, 0.0, 1.0
             for turn in range(len(axes)):
-                i = axes[turn]
-                j, k = (i + 1) % 3, (i + 2) % 3
-                s, c = sines[frame, number, turn], cosines[frame, number, turn]
-                qi, qj, qk, qw = q[i], q[j], q[k], q[3]
-                q[i], q[j], q[k], q[3] = c * qi + s * qw, c * qj + s * qk, c * qk - s * qj, c * qw - s * qi
-            rotations[frame, joints[number]] = q
+                half = values[frame, columns[number, turn]] * RADIAN * 0.5
+                s, c = np.sin(half), np.cos(half)
+                if axes[turn] == 0:
+                    x, y, z, w = c * x + s * w, c * y + s * z, c * z - s * y, c * w - s * x
+                elif axes[turn] == 1:
+                    y, z, x, w = c * y + s * w, c * z + s * x, c * x - s * z, c * w - s * y
+                else:
+                    z, x, y, w = c * z + s * w, c * x + s * y, c * y - s * x, c * w - s * z
+            place = rotations[frame, joints[number]]
+            place[0], place[1], place[2], place[3] = x, y, z, w

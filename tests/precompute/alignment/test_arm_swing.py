@@ -37,6 +37,15 @@ def test_arms_swing_against_each_other_wherever_the_walker_faces() -> None:
     np.testing.assert_allclose(swings(replace(WALK, root_positions=positions, rotations=turned)), swing, atol=1e-9)
 
 
+@given(st.integers(0, 2**32 - 1), st.integers(1, 9))
+def test_the_swing_is_that_of_the_slow_twin(seed: int, frames: int) -> None:
+    positions = np.random.default_rng(seed).normal(size=(frames, 6, 3))
+    ahead = np.cross(positions[:, 0] - positions[:, 1], [0.0, 1.0, 0.0])
+    ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
+    wanted = np.sum((positions[:, 4:] - positions[:, 2:4]) * ahead[:, None], axis=2)
+    np.testing.assert_allclose(arm_swing(positions), wanted, rtol=0.0, atol=1e-13)
+
+
 @given(st.integers(0, 2**32 - 1), st.floats(1.5, 6.0), st.floats(0.1, 0.4))
 def test_an_arm_in_time_is_nearest_where_it_is_and_an_arm_out_of_time_counts_little(
     seed: int, cycles: float, size: float

@@ -2,8 +2,9 @@
 
 Without CLIPS, processes generated clips of 31 joints at 120 frames per second: single clips of 10 s, 1 min and 10 min,
 and then 10, 100 and 1,000 clips of 4 s. With CLIPS, processes a folder of files. Each run is a separate process, whose
-memory is measured and whose kernels are warm before its clock starts. Times include writing to disk. Files that were
-just written are read from the page cache.
+memory is measured and whose kernels are warm before its clocks start. Processor time is that of the job and its worker
+processes, user and system; it says more than the wall clock where others use the machine too. Times include writing to
+disk. Files that were just written are read from the page cache.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
+from statistics import median
 from typing import Annotated, Any
 
 import numpy as np
@@ -48,28 +50,41 @@ MEGABYTE = 1e6
 
 @dataclass(frozen=True)
 class Timing:
-    """One run: seconds of motion, seconds taken, and peak memory in bytes of its process and of its largest worker."""
+    """One run: seconds of motion, seconds of processors and of the wall clock, and peak memory in bytes.
+
+    memory: of the job's process. worker_memory: of its largest worker.
+    """
 
     what: str
     motion: float
-    seconds: float
+    processor: float
+    wall: float
     memory: float = 0.0
     worker_memory: float = 0.0
 
-    @property
-    def times_real_time(self) -> float:
-        return self.motion / self.seconds
 
-    @property
-    def seconds_per_minute(self) -> float:
-        return 60.0 * self.seconds / self.motion
+class Clock:
+    """Seconds since it was made: of this process and its children that have ended, and by the wall clock."""
+
+    def __init__(self) -> None:
+        self._began = self._now()
+
+    def seconds(self) -> tuple[float, float]:
+        """Returns the seconds of processors, user and system, and of the wall clock."""
+        processor, wall = (now - began for now, began in zip(self._now(), self._began, strict=True))
+        return processor, wall
+
+    @staticmethod
+    def _now() -> tuple[float, float]:
+        used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+        return sum(one.ru_utime + one.ru_stime for one in used), time.perf_counter()
 
 
 def main(
     clips: Annotated[Path | None, typer.Argument(help="Folder of clips; default: generated clips")] = None,
     baseline: Annotated[str | None, typer.Option(help="Baseline clip; default: chosen automatically")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="Number of processes of the parallel runs")] = 2,
-    rounds: Annotated[int, typer.Option(min=2, help="Rounds; for generated clips, of the single clips only")] = 3,
+    rounds: Annotated[int, typer.Option(min=2, help="Rounds")] = 3,
     out: Annotated[Path | None, typer.Option(help="JSON file for all timings")] = None,
 ) -> None:
     """Prints times and memory, and how the time grows with the length and the number of clips."""
@@ -86,7 +101,7 @@ def main(
             counts = []
             for count in COUNTS:
                 in_process(write_generated, folder / str(count), count, SHORT)
-                counts += _folder_runs(folder / str(count), None, folder / "bank", jobs, 1, f"{count} clips, ")
+                counts += _folder_runs(folder / str(count), None, folder / "bank", jobs, rounds, f"{count} clips, ")
                 shutil.rmtree(folder / str(count))
             console.print(_table(counts, f"Clips of {SHORT:g} s, from files to a bank"))
             cold = [one for one in counts if one.what.endswith("cold, 1 process")]
@@ -117,36 +132,37 @@ def time_lengths() -> list[Timing]:
         timings = []
         for seconds in (LENGTHS[0], *LENGTHS):
             file.write_bytes(dump_bvh(generated("walk", seconds, seed=2)))
-            began = time.perf_counter()
+            clock = Clock()
             reading = read_clip(file, unit="m")
-            read = time.perf_counter()
+            read = clock.seconds()
             made = prepare(reading.clip, rig.roles, rig, ring)
-            aligned = time.perf_counter()
+            aligned = clock.seconds()
             write_bank(
                 bank, rig, ring, {"neutral": neutral, made.name: replace(made, kind="action", neutral="neutral")}
             )
-            written = time.perf_counter()
+            written = clock.seconds()
             shutil.rmtree(bank)
-            for what, taken in {
-                "clip to aligned": aligned - read,
-                "clip to tables": written - read,
-                "BVH file to tables": written - began,
-            }.items():
-                timings.append(Timing(f"{what}, {seconds:g} s", seconds, taken, _peak(resource.RUSAGE_SELF)))
+            for what, begin, end in (
+                ("clip to aligned", read, aligned),
+                ("clip to tables", read, written),
+                ("BVH file to tables", (0.0, 0.0), written),
+            ):
+                processor, wall = (after - before for before, after in zip(begin, end, strict=True))
+                timings.append(Timing(f"{what}, {seconds:g} s", seconds, processor, wall, _peak(resource.RUSAGE_SELF)))
     return timings[3:]  # the first length only warmed up the kernels
 
 
-def time_job(clips: Path, bank: Path, baseline: str | None, jobs: int) -> tuple[float, float, float]:
-    """Returns the seconds of the job, and the peak memory in bytes of its process and of its largest worker."""
+def time_job(clips: Path, bank: Path, baseline: str | None, jobs: int) -> tuple[float, float, float, float]:
+    """Returns the seconds of the job, by processors and wall clock, and the peak memory of its process and workers."""
     with tempfile.TemporaryDirectory() as name:
         write_generated(Path(name) / "clips", 1, SHORT)
         build_bank([Path(name) / "clips"], Path(name) / "bank")  # warms up the kernels
-    began = time.perf_counter()
+    clock = Clock()
     try:
         build_bank([clips], bank, baseline=baseline, jobs=jobs)
     except MotionError as error:
         sys.exit(str(error))
-    return time.perf_counter() - began, _peak(resource.RUSAGE_SELF), _peak(resource.RUSAGE_CHILDREN)
+    return *clock.seconds(), _peak(resource.RUSAGE_SELF), _peak(resource.RUSAGE_CHILDREN)
 
 
 def _folder_runs(
@@ -179,20 +195,21 @@ def _peak(who: int) -> float:
 
 
 def _table(timings: list[Timing], title: str) -> Table:
-    table = Table(title=title)
-    columns = ("", "motion s", "median s", "slowest s", "s per minute", "times real time", "peak MB", "worker MB")
+    columns = ("", "motion s", "processor s", "slowest s", "times real time", "wall s", "times", "peak MB", "worker MB")
+    table = Table(title=f"{title}: medians")
     for column in columns:
         table.add_column(column, justify="right" if table.columns else "left")
     for what in dict.fromkeys(timing.what for timing in timings):
-        rounds = sorted((one for one in timings if one.what == what), key=lambda one: one.seconds)
-        middle = rounds[len(rounds) // 2]
+        rounds = [one for one in timings if one.what == what]
+        motion, processor, wall = (median(getattr(one, of) for one in rounds) for of in ("motion", "processor", "wall"))
         table.add_row(
             what,
-            f"{middle.motion:.0f}",
-            f"{middle.seconds:.3f}",
-            f"{rounds[-1].seconds:.3f}",
-            f"{middle.seconds_per_minute:.3f}",
-            f"{middle.times_real_time:.0f}",
+            f"{motion:.0f}",
+            f"{processor:.3f}",
+            f"{max(one.processor for one in rounds):.3f}",
+            f"{motion / processor:.0f}",
+            f"{wall:.3f}",
+            f"{motion / wall:.0f}",
             f"{max(one.memory for one in rounds) / MEGABYTE:.0f}",
             f"{max(one.worker_memory for one in rounds) / MEGABYTE:.0f}",
         )
@@ -200,10 +217,11 @@ def _table(timings: list[Timing], title: str) -> Table:
 
 
 def _growth(what: str, timings: list[Timing]) -> str:
-    """Describes how the time grows with the motion's length: the fitted exponent (1: linear) and its standard error."""
-    x, y = (np.log([getattr(one, field) for one in timings]) for field in ("motion", "seconds"))
+    """Describes how processor time grows with the motion's length: the fitted exponent (1: linear) and its error."""
+    x, y = (np.log([getattr(one, field) for one in timings]) for field in ("motion", "processor"))
     (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
-    return f"{what}: time grows with the motion's length to the power {slope:.2f} ± {np.sqrt(covariance[0, 0]):.2f}"
+    power = f"{slope:.2f} ± {np.sqrt(covariance[0, 0]):.2f}"
+    return f"{what}: processor time grows with the motion's length to the power {power}"
 
 
 if __name__ == "__main__":

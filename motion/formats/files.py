@@ -30,6 +30,7 @@ WRITERS: Mapping[str, Callable[[Clip, Roles], bytes]] = {
 }
 SUFFIXES = (".amc", ".bvh", *SCENES)
 LFS_POINTER = b"version https://git-lfs.github.com/spec/"
+Read = Callable[[Place], bytes]
 OTHERS = re.compile(  # motion files of other programs
     r"\.(abc|anim|bip|blend|c3d|dae|hkx|htr|imotion|max|m[ab]|md5anim|mot|mvnx|npz|psa|rlmotion|smd|trc|usd[acz]?"
     r"|vmd|vpd)",
@@ -92,11 +93,14 @@ def _animations(path: Place) -> list[str]:
     return gltf_reader.animation_names(read_bytes(path)) if suffix in GLTF else []
 
 
-def parse(path: Place, animation: str | None, root: str | None = None, *, still: bool = False) -> Parsed:
+def parse(
+    path: Place, animation: str | None, root: str | None = None, *, still: bool = False, read: Read | None = None
+) -> Parsed:
     """Returns what a file says: of several skeletons the one with the joint `root`, else the largest.
 
-    If `still`, a scene without animations gives one frame at rest. Raises FormatError.
+    If `still`, a scene without animations gives one frame at rest. read: instead of `read_bytes`. Raises FormatError.
     """
+    read = read or read_bytes
     suffix = path.suffix.lower()
     if is_dir(path):
         raise FormatError("this is a folder", mend=f"Give one file in it: {' or '.join(SUFFIXES)}")
@@ -104,9 +108,9 @@ def parse(path: Place, animation: str | None, root: str | None = None, *, still:
         raise FormatError("this is a skeleton without a motion", mend="Give the .amc beside it")
     if suffix not in SUFFIXES:
         raise FormatError(f"unsupported file type {suffix!r}", mend=f"Convert it to {' or '.join(SUFFIXES)}")
-    data = read_bytes(path)
+    data = read(path)
     if suffix in GLTF:
-        scene = gltf_reader.read_scene(data, lambda name: read_bytes(_beside(path, name)), animation, still=still)
+        scene = gltf_reader.read_scene(data, lambda name: read(_beside(path, name)), animation, still=still)
         return _parsed(scene, root)
     if suffix == ".fbx":
         return _parsed(fbx_reader.read_scene(data, animation, still=still), root)
@@ -116,7 +120,7 @@ def parse(path: Place, animation: str | None, root: str | None = None, *, still:
         return bvh.parse(data, root)
     asf = _skeleton_file(path)
     try:
-        skeleton = asf_amc.parse_skeleton(read_bytes(asf))
+        skeleton = asf_amc.parse_skeleton(read(asf))
     except MotionError as error:
         raise error.within(str(asf)) from None
     return asf_amc.parse_motion(data, skeleton)

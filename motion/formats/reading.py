@@ -14,7 +14,7 @@ from motionsplice.motion.body_shape import check_shape
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError, did_you_mean
-from motionsplice.motion.formats.files import clip_name, clips_in, parse
+from motionsplice.motion.formats.files import Read, clip_name, clips_in, parse
 from motionsplice.motion.formats.fold import Folded, Nodes, fold
 from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.units import check_stated_unit, guess_unit, metres_per_unit
@@ -115,12 +115,16 @@ def read_clip(
         print(reading.clip.frame_count, reading.clip.rate, reading.warnings)
         ```
     """
-    path = place_of(path)
-    asked = ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, mirror=mirror)
-    check_up(up)
-    if rate is not None and not 0.0 < rate < math.inf:
-        raise SettingsError(f"a rate of {rate:g} frames per second", mend="Give a number above 0")
-    return _read(path, animation, asked, roles, still=False)
+    asked = ClipSettings(skip_frames=skip_frames, unit=unit, up=up, rate=rate, root=root, mirror=mirror, roles=roles)
+    return read_as(asked, place_of(path), animation)
+
+
+def read_as(asked: ClipSettings, path: Place, animation: str | None, read: Read | None = None) -> Reading:
+    """Reads a clip as `read_clip` does, with its settings. read: instead of `read_bytes`, for all files."""
+    check_up(asked.up)
+    if asked.rate is not None and not 0.0 < asked.rate < math.inf:
+        raise SettingsError(f"a rate of {asked.rate:g} frames per second", mend="Give a number above 0")
+    return _read(path, animation, asked, still=False, read=read)
 
 
 def read_rig(path: Place, roles: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Reading:
@@ -129,23 +133,19 @@ def read_rig(path: Place, roles: Mapping[str, GivenRole] = NOTHING_GIVEN) -> Rea
     Raises as `read_clip` does.
     """
     animation, *_ = clips_in(path).values()  # all are of one rig
-    return _read(path, animation, ClipSettings(), roles, still=True)
+    return _read(path, animation, ClipSettings(roles=roles), still=True)
 
 
-def _read(
-    path: Place, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], *, still: bool
-) -> Reading:
+def _read(path: Place, animation: str | None, asked: ClipSettings, *, still: bool, read: Read | None = None) -> Reading:
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # Skeleton and Clip reject numbers that are not finite
-            return _understood(path, animation, asked, given, parse(path, animation, asked.root, still=still))
+            return _understood(path, animation, asked, parse(path, animation, asked.root, still=still, read=read))
     except MotionError as error:
         raise error.within(str(path)) from None
 
 
-def _understood(
-    path: Place, animation: str | None, asked: ClipSettings, given: Mapping[str, GivenRole], parsed: Parsed
-) -> Reading:
-    nodes, given = parsed.nodes, {**parsed.roles, **given}
+def _understood(path: Place, animation: str | None, asked: ClipSettings, parsed: Parsed) -> Reading:
+    nodes, given = parsed.nodes, {**parsed.roles, **asked.roles}
     if not 0 <= asked.skip_frames < len(nodes.rotations):
         problem = f"cannot skip {asked.skip_frames} of {len(nodes.rotations)} frames"
         raise FormatError(problem, mend="Choose a smaller --skip-frames")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from pathlib import Path
@@ -76,6 +76,13 @@ def may_never_end(place: Place) -> bool:
 
 def resolved(place: At) -> At:
     return type(place)(os.path.realpath(place)) if isinstance(place, Path) else place.resolve()
+
+
+def among(place: Place, files: Collection[Place]) -> Place:
+    """Returns a file that another process can read with these other files, without a look at what is in its folder."""
+    if isinstance(place, Remote):
+        return place.among([file for file in files if isinstance(file, Remote)])
+    return place
 
 
 def read_ahead(read: Callable[[Item], Result], items: Iterable[Item], place: Callable[[Item], Place]) -> list[Result]:

@@ -40,12 +40,19 @@ class Remote:
 
     url: str  # without a slash at the end
     listings: Listings = field(default_factory=dict, compare=False, repr=False)
+    carries: bool = field(default=False, compare=False, repr=False)  # its listings into other processes
 
     def __str__(self) -> str:
         return self.url
 
-    def __reduce__(self) -> tuple[type[Remote], tuple[str]]:
-        return Remote, (self.url,)  # another process lists anew
+    def __reduce__(self) -> tuple[type[Remote], tuple[str, Listings, bool]]:
+        return Remote, (self.url, self.listings if self.carries else {}, self.carries)  # others list anew
+
+    def among(self, files: Collection[Remote]) -> Remote:
+        """Returns the same file, which knows of these files in its folder, and of no others, in any process."""
+        names = {file.name for file in files if file.parent == self.parent}
+        beside = {name: found for name, found in self.parent.listed().items() if name in names}
+        return Remote(self.url, {self.parent.url: beside}, carries=True)
 
     @property
     def name(self) -> str:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import BaselineError, ClipError, MotionError
 from motionsplice.motion.formats.files import files_behind, read_bytes
-from motionsplice.motion.formats.reading import Reading, read_clip
+from motionsplice.motion.formats.reading import Reading, read_as
 from motionsplice.motion.retarget.rig import Rig
-from motionsplice.motion.storage.place import Place
+from motionsplice.motion.storage.place import Place, among
 from motionsplice.precompute.alignment.baseline import Baseline, find_baseline
 from motionsplice.precompute.job.cache import Cache, digest_of_array, key_of
 from motionsplice.precompute.job.entries import (
@@ -88,24 +88,22 @@ def _unreadable(cache: Cache) -> MotionError:
 
 
 class Contents(NamedTuple):
-    """The size of a file in bytes, and the digests and CRC-32 of all files that are read with it, its own first."""
+    """The size of a file in bytes, and all files that are read with it, itself first, with their digests and CRC-32."""
 
     size: int
+    files: tuple[Place, ...]
     digests: tuple[str, ...]
     checksums: tuple[int, ...]
 
 
 def contents_of(file: Place) -> Contents:
     """Reads a file and those that are read with it, without parsing them. Raises MotionError."""
-    contents = _bytes_of(file)
-    return Contents(len(contents[0]), tuple(map(content_digest, contents)), tuple(map(crc32, contents)))
-
-
-def _bytes_of(file: Place) -> list[bytes]:
     try:
-        return [read_bytes(one) for one in files_behind(file)]
+        files = files_behind(file)
+        contents = [read_bytes(one) for one in files]
     except MotionError as error:
         raise error.within(str(file)) from None
+    return Contents(len(contents[0]), files, tuple(map(content_digest, contents)), tuple(map(crc32, contents)))
 
 
 def identify(source: Source, contents: Contents) -> Identified:
@@ -113,14 +111,21 @@ def identify(source: Source, contents: Contents) -> Identified:
     reading = {**source.settings.reading, "roles": sorted(source.settings.roles.items())}
     settings = (source.file.suffix.lower(), source.animation, reading)
     key = key_of(version_of("motion", "runtime", "precompute"), contents.digests, settings)
+    source = replace(source, file=among(source.file, contents.files))
     return Identified(source, contents.size, contents.digests[0], key, contents.checksums)
 
 
 def read(one: Identified) -> Reading:
     """Reads a clip. Raises MotionError if it cannot be read, or if its files have changed since `identify`."""
-    source = one.source
-    reading = read_clip(source.file, animation=source.animation, **source.settings.reading)
-    if tuple(map(crc32, _bytes_of(source.file))) != one.checksums:  # a fifth of a digest's time
+    source, found = one.source, set[int]()
+
+    def noted(file: Place) -> bytes:
+        data = read_bytes(file)
+        found.add(crc32(data))  # a fifth of a digest's time
+        return data
+
+    reading = read_as(source.settings, source.file, source.animation, noted)
+    if not found <= set(one.checksums):
         raise ClipError("it changed while it was read", file=str(source.file), mend="Start again")
     return reading
 

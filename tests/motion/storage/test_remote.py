@@ -14,7 +14,7 @@ from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import clip_files, files_behind, read_bytes
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
-from motionsplice.motion.storage.place import place_of, read_ahead
+from motionsplice.motion.storage.place import among, place_of, read_ahead
 from motionsplice.motion.storage.remote import Remote, StorageError
 
 fsspec = pytest.importorskip("fsspec", reason="the extra motionsplice[cluster] is not installed")
@@ -64,6 +64,11 @@ def test_a_folder_is_listed_once_by_all_that_were_found_in_it(memory: Any, monke
     assert not first.is_dir()
     assert not (folder / "clips.toml").exists()
     read_bytes(first)
+    taken = pickle.loads(pickle.dumps(among(first, files_behind(first))))
+    assert taken == first
+    assert [file.name for file in files_behind(taken)] == ["16_15.amc", "16.asf"]
+    assert not taken.is_dir()
+    assert not (taken.parent / "walk.bvh").exists()  # it knows of no others
     assert lists == ["/clips"]
     assert pickle.loads(pickle.dumps(first)).parent.is_dir()
     assert lists.count("/clips") == 2

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.errors import ClipError
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.motion.formats.reading import read_clip
+from motionsplice.motion.formats.files import Read
+from motionsplice.motion.formats.reading import Reading, read_as
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import clip_work, job
 from motionsplice.precompute.job.alone import LOCK
@@ -80,7 +82,7 @@ def test_a_second_run_does_nothing(
     bank = clips.parent / "bank"
     before = changed(bank)
     aligned.clear()
-    monkeypatch.setattr(clip_work, "read_clip", None)
+    monkeypatch.setattr(clip_work, "read_as", None)
     monkeypatch.setattr(job, "write_bank", None)
     steps: list[str] = []
     second = build_bank([clips], bank, baseline=baseline, progress=lambda stage, done, total: steps.append(stage))
@@ -201,13 +203,12 @@ def test_a_failed_clip_is_tried_and_reported_again(clips: Path) -> None:
 
 
 def test_a_clip_that_changes_while_it_is_read_fails(clips: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def changing(path: Path, **settings: object) -> object:
-        reading = read_clip(path, **settings)  # type: ignore[arg-type]
+    def changing(asked: ClipSettings, path: Path, animation: str | None, read: Read) -> Reading:
         if path.stem == "run":
             path.write_bytes(path.read_bytes() + b"\n")
-        return reading
+        return read_as(asked, path, animation, read)
 
-    monkeypatch.setattr(clip_work, "read_clip", changing)
+    monkeypatch.setattr(clip_work, "read_as", changing)
     outcome = build(clips)
     assert isinstance(outcome.failed["run"], ClipError)
     assert "it changed while it was read. Start again" in str(outcome.failed["run"])

@@ -11,16 +11,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.errors import BankError, SkeletonError
 from motionsplice.motion.formats.bvh import dump_bvh
+from motionsplice.motion.formats.files import clip_files
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.job import job
 from motionsplice.precompute.job.cache import CacheError
-from motionsplice.precompute.job.clip_work import Identified, Preparation
+from motionsplice.precompute.job.clip_work import Identified, Preparation, contents_of, identify, read
 from motionsplice.precompute.job.install import install_bank, publish_bank
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.precompute.job.remote_cache import RemoteCache
+from motionsplice.precompute.job.sources import Source
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST
 from tests.conftest import CLIPS
@@ -205,3 +208,21 @@ def test_a_worker_reads_and_writes_entries_without_copies(memory: Any, tmp_path:
     memory.rm("/bank", recursive=True)
     assert cache.load(theirs, lambda fields, _: fields["number"]) == 2
     assert cache.load("2" * 32, lambda fields, _: fields) is None
+
+
+def test_a_worker_asks_for_the_file_of_its_clip_once_and_for_nothing_else(
+    memory: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    [file] = [file for file in clip_files(Remote("memory://clips")) if file.stem == "walk"]
+    one = pickle.loads(pickle.dumps(identify(Source("walk", file, None, ClipSettings()), contents_of(file))))
+    asked = list[str]()
+    for name in ("ls", "info", "cat_file"):
+        real = getattr(type(memory), name)
+
+        def noting(self: Any, path: str, *given: Any, name: str = name, real: Any = real, **how: Any) -> Any:
+            asked.append(f"{name} {path}")
+            return real(self, path, *given, **how)
+
+        monkeypatch.setattr(type(memory), name, noting)
+    assert read(one).clip.frame_count == CLIPS["walk"].frame_count
+    assert asked == ["cat_file /clips/walk.bvh"]

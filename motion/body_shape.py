@@ -102,8 +102,7 @@ def _problem(positions: Floats, roles: Roles) -> str:
 
 @lru_cache(maxsize=16)
 def _on_all_fours(skeleton: Skeleton, roles: Roles) -> bool:
-    """Returns whether the bind pose's trunk is level above legs, with the hands down where the feet are, whichever axis
-    is up."""
+    """Returns whether at rest the trunk is level above legs, with the hands down where the feet are, whatever is up."""
     bind = bind_positions(skeleton)[None]
     trunk, legs = (vectors[0] for vectors in _trunk_and_legs(bind, roles))
     hands = _middle(bind, roles.left_wrist, roles.right_wrist)[0]

@@ -29,7 +29,7 @@ def foot_contacts(clip: Clip, roles: Roles) -> NDArray[np.uint8]:
     paths = joint_paths(clip, (*left, *right))
     speeds, above = speeds_and_heights(paths, 1.0 / rate, _frames(SMOOTHED, rate), _frames(STEP, rate))
     slow = np.maximum(SLOW * leg, SLOW_OF_FAST * _fast(speeds))
-    return np.asarray(_lasting(standing_feet(speeds, above, slow, LOW * leg, len(left)), rate) @ BITS)
+    return np.asarray(_lasting(feet_down(speeds, above, slow, LOW * leg, len(left)), rate) @ BITS)
 
 
 def support(standing: NDArray[np.uint8], rate: float) -> Floats:
@@ -74,7 +74,7 @@ def left_strike(standing: NDArray[np.uint8], rate: float, first: float, last: fl
 
 
 @njit(cache=True, nogil=True)
-def standing_feet(speeds: Floats, above: Floats, slow: Floats, low: float, left: int) -> NDArray[np.uint8]:
+def feet_down(speeds: Floats, above: Floats, slow: Floats, low: float, left: int) -> NDArray[np.uint8]:
     """Returns which feet stand [F, 2], 0 or 1: those of which a joint is slow and low.
 
     speeds, above: [F, n] of `speeds_and_heights`; the first `left` joints are those of the left foot. slow: [n].

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
@@ -13,7 +14,6 @@ from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_transforms
-from motionsplice.precompute.body.turned_points import turned_points
 
 UP, FORWARD = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 HIPS_APART = 1e-6  # metres, measured over the floor: closer hips show no facing direction
@@ -54,13 +54,44 @@ def measure_torso(clip: Clip, roles: Roles) -> Torso:
             place=f"clip {clip.name!r}, frame {steep[0]}",
             mend="Remove the frame, or name other hip joints in a roles file and pass it as --roles",
         )
-    frame = posture_frame(hip_line)
-    cloud = positions[:, 4:] - positions[:, :1]
-    return Torso(
-        clouds=turned_points(quaternion.conjugate(world[:, 0]), cloud),
-        frames=quaternion.one_hemisphere(quaternion.multiply(quaternion.conjugate(world[:, 1]), frame)),
-        upright=turned_points(quaternion.conjugate(frame), cloud),
-    )
+    clouds, frames = np.empty((len(positions), positions.shape[1] - 4, 3)), np.empty((len(positions), 4))
+    upright = np.empty_like(clouds)
+    fill_torso(positions, world, posture_frame(hip_line), clouds, frames, upright)
+    return Torso(clouds, quaternion.one_hemisphere(frames), upright)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_torso(
+    positions: Floats, world: Floats, turns: Floats, clouds: Floats, frames: Floats, upright: Floats
+) -> None:
+    """Fills `clouds`, `frames` and `upright`, of a `Torso`.
+
+    positions: [F, 4 + P, 3], the pelvis first and the cloud from 4 on. world: [F, 2, 4] the rotations of the pelvis and
+    of its parent. turns: [F, 4] the posture frames in the world.
+    """
+    for frame in range(len(positions)):
+        pelvis, above, turn = world[frame, 0], world[frame, 1], turns[frame]
+        x, y, z, w = -above[0], -above[1], -above[2], above[3]
+        frames[frame, 0] = w * turn[0] + x * turn[3] + y * turn[2] - z * turn[1]
+        frames[frame, 1] = w * turn[1] - x * turn[2] + y * turn[3] + z * turn[0]
+        frames[frame, 2] = w * turn[2] + x * turn[1] - y * turn[0] + z * turn[3]
+        frames[frame, 3] = w * turn[3] - x * turn[0] - y * turn[1] - z * turn[2]
+        for point in range(clouds.shape[1]):
+            vx = positions[frame, 4 + point, 0] - positions[frame, 0, 0]
+            vy = positions[frame, 4 + point, 1] - positions[frame, 0, 1]
+            vz = positions[frame, 4 + point, 2] - positions[frame, 0, 2]
+            _turn_back(pelvis, vx, vy, vz, clouds[frame, point])
+            _turn_back(turn, vx, vy, vz, upright[frame, point])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _turn_back(q: Floats, vx: float, vy: float, vz: float, turned: Floats) -> None:
+    """Fills `turned` [3] with a vector turned by the inverse of `q` [4]."""
+    x, y, z, w = -q[0], -q[1], -q[2], q[3]
+    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
+    turned[0] = vx + w * tx + y * tz - z * ty
+    turned[1] = vy + w * ty + z * tx - x * tz
+    turned[2] = vz + w * tz + x * ty - y * tx
 
 
 def posture_frame(hip_line: Floats) -> Floats:

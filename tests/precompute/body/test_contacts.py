@@ -22,11 +22,11 @@ from motionsplice.precompute.body.contacts import (
     _frames,
     _lasting,
     _loading,
+    feet_down,
     foot_contacts,
     left_strike,
     smoothed_bits,
     speeds_and_heights,
-    standing_feet,
 )
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT, Contact, contacts_of, which_stand
 from tests import naive
@@ -115,7 +115,7 @@ def test_a_foot_stands_if_one_of_its_joints_is_slow_and_low(seed: int, frames: i
     (speeds, above), slow = rng.random((2, frames, left + right)), rng.random(left + right)
     stands = (speeds < slow) & (above < 0.6)
     wanted = np.stack([stands[:, :left].any(axis=1), stands[:, left:].any(axis=1)], axis=1)
-    np.testing.assert_array_equal(standing_feet(speeds, above, slow, 0.6, left), wanted)
+    np.testing.assert_array_equal(feet_down(speeds, above, slow, 0.6, left), wanted)
 
 
 @given(arrays(np.uint8, st.integers(1, 60), elements=st.integers(0, 3)), st.floats(10.0, 240.0))

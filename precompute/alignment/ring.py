@@ -31,7 +31,7 @@ def wind_steadily(distances: Floats) -> NDArray[np.int64]:
     stride = min(round(cells / max(pace, cells / frames)), frames)
     longer = np.concatenate([distances[:stride], distances, distances[-stride:]])
     steadiness = STEADINESS * float(distances.mean())
-    steady = walk_ring(longer, pace, steadiness, MOST_ADVANCE, MOST_ZERO_STEPS)[stride : stride + frames]
+    steady = walk_ring(longer, pace, steadiness)[stride : stride + frames]
     return np.asarray(steady - steady[0] // cells * cells)
 
 
@@ -43,7 +43,7 @@ def wind(distances: Floats) -> NDArray[np.int64]:
     the mean of their distances.
     """
     passes = np.ascontiguousarray(distances)
-    return walk_ring(passes, 0.0, 0.0, MOST_ADVANCE, MOST_ZERO_STEPS)
+    return walk_ring(passes, 0.0, 0.0)
 
 
 def between_cells(distances: Floats, wound: NDArray[np.int64]) -> Floats:
@@ -58,32 +58,30 @@ def between_cells(distances: Floats, wound: NDArray[np.int64]) -> Floats:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def walk_ring(
-    distances: Floats, pace: float, steadiness: float, most_advance: int, most_zero: int
-) -> NDArray[np.int64]:
+def walk_ring(distances: Floats, pace: float, steadiness: float) -> NDArray[np.int64]:
     """Runs the dynamic programme of `wind`, over states (cell, number of zero steps in a row).
 
     A frame also costs `steadiness` times the square of its step less `pace`, in cells.
     """
     frames, cells = distances.shape
-    cost = np.full((cells, most_zero + 1), np.inf)
+    cost = np.full((cells, MOST_ZERO_STEPS + 1), np.inf)
     cost[:, 0] = distances[0]
     following = np.empty_like(cost)
-    least, unsteady = np.empty(cells), np.empty(most_advance + 1)  # of a cell's states; of a step
-    for step in range(most_advance + 1):
+    least, unsteady = np.empty(cells), np.empty(MOST_ADVANCE + 1)  # of a cell's states; of a step
+    for step in range(MOST_ADVANCE + 1):
         unsteady[step] = steadiness * (step - pace) ** 2
     advance = np.zeros((frames, cells), np.int8)  # into state (cell, 0): by how many cells,
     zeros = np.zeros((frames, cells), np.int8)  # and after how many zero steps
     for frame in range(1, frames):
         for cell in range(cells):
             least[cell] = cost[cell, 0]
-            for run in range(1, most_zero + 1):
+            for run in range(1, MOST_ZERO_STEPS + 1):
                 if cost[cell, run] < least[cell]:
                     least[cell] = cost[cell, run]
         for cell in range(cells):
             lowest, price, passed, source = np.inf, 0.0, 0.0, cell
             origin = -1
-            for step in range(1, most_advance + 1):
+            for step in range(1, MOST_ADVANCE + 1):
                 passed += distances[frame, source]
                 source = source - 1 if source > 0 else cells - 1
                 extra = passed / step + unsteady[step]
@@ -95,11 +93,11 @@ def walk_ring(
             while origin >= 0 and cost[origin, run] + price > lowest:
                 run += 1
             zeros[frame, cell] = run
-            for run in range(1, most_zero + 1):
+            for run in range(1, MOST_ZERO_STEPS + 1):
                 following[cell, run] = cost[cell, run - 1] + distances[frame, cell] + unsteady[0]
         cost, following = following, cost
     best = int(np.argmin(cost))
-    cell, run = best // (most_zero + 1), best % (most_zero + 1)
+    cell, run = best // (MOST_ZERO_STEPS + 1), best % (MOST_ZERO_STEPS + 1)
     wound = np.empty(frames, np.int64)
     position = 0
     for frame in range(frames - 1, -1, -1):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.alignment.baseline import Baseline
-from motionsplice.precompute.alignment.ring import MOST_ADVANCE, MOST_ZERO_STEPS, walk_ring
+from motionsplice.precompute.alignment.ring import walk_ring
 
 OTHER_GAIT = 0.15  # leg lengths between strides: those farther apart are other gaits, however far
 MOST_CANDIDATES = 16  # strides that are compared with all others
@@ -69,7 +69,7 @@ def distance_to_all(rings: Floats, ends: NDArray[np.int64], ring: Floats, enough
             for i in range(cells):
                 for j in range(len(ring)):
                     twice[i, j] = twice[i + cells, j] = _squared_distance(rings[first + i], ring[j])
-            wound = walk_ring(twice, 0.0, 0.0, MOST_ADVANCE, MOST_ZERO_STEPS)
+            wound = walk_ring(twice, 0.0, 0.0)
             squares = 0.0
             for i in range(2 * cells):
                 squares += twice[i, wound[i] % len(ring)]

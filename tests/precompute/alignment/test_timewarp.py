@@ -44,14 +44,16 @@ def test_a_traced_path_is_legal_and_has_the_reported_cost(seed: int) -> None:
     np.testing.assert_allclose(grid[path[:, 0], path[:, 1]].sum(), last_row[19].min())
 
 
-@given(st.integers(0, 10**6), st.integers(2, 6), st.integers(3, 5), st.integers(1, 2), st.integers(1, 2))
-@settings(max_examples=30)
-def test_winding_finds_the_cheapest_path(seed: int, frames: int, cells: int, advance: int, zero: int) -> None:
+@given(st.integers(0, 10**6), st.integers(2, 5), st.integers(3, 5), st.booleans())
+@settings(max_examples=10)
+def test_winding_finds_the_cheapest_path(seed: int, frames: int, cells: int, waits: bool) -> None:
     random = np.random.default_rng(seed)
     distances, pace, steadiness = random.random((frames, cells)), 2.0 * random.random(), 0.5 * random.random()
-    wound = walk_ring(distances, pace, steadiness, advance, zero).tolist()
+    if waits:  # for as long as it may
+        distances[:, 0], pace = 0.0, 0.0
+    wound = walk_ring(distances, pace, steadiness).tolist()
     cost = naive.ring_cost(distances, wound, pace, steadiness)
-    assert cost == pytest.approx(naive.best_ring_cost(distances, pace, steadiness, advance, zero))
+    assert cost == pytest.approx(naive.best_ring_cost(distances, pace, steadiness, MOST_ADVANCE, MOST_ZERO_STEPS))
 
 
 @given(st.integers(0, 10**6))

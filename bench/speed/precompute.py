@@ -10,6 +10,7 @@ disk. Files that were just written are read from the page cache.
 from __future__ import annotations
 
 import json
+import os
 import resource
 import shutil
 import sys
@@ -38,7 +39,7 @@ from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.destination import CACHE
 from motionsplice.precompute.job.job import build_bank
-from motionsplice.precompute.job.processes import end_with_parent
+from motionsplice.precompute.job.processes import ONE_THREAD, end_with_parent
 from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.runtime.format.manifest import Manifest
 
@@ -114,7 +115,11 @@ def main(
 
 
 def in_process(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Calls a function in a new process, so that its memory is measured separately, and returns its result."""
+    """Calls a function in a new process, so that its memory is measured separately, and returns its result.
+
+    BLAS has one thread there, as in `motionsplice precompute`.
+    """
+    os.environ.update(ONE_THREAD)
     with ProcessPoolExecutor(1, get_context("spawn"), end_with_parent) as pool:
         return pool.submit(function, *arguments).result()
 

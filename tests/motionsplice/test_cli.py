@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -79,6 +80,22 @@ def test_inspect_does_not_import_the_offline_job(bank: Bank) -> None:
     status, _, packages = imported("inspect", bank.path)
     assert status == 0
     assert not packages & {"numba", "scipy", "matplotlib", "fastapi"}
+
+
+@pytest.mark.parametrize(("asked", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_the_offline_job_has_one_thread_for_blas_unless_the_user_asks_for_more(
+    asked: dict[str, str], threads: str
+) -> None:
+    code = """
+import os, sys
+from motionsplice.cli import _load
+assert "numpy" not in sys.modules
+_load("precompute")
+print("numpy" in sys.modules, os.environ["OPENBLAS_NUM_THREADS"])
+"""
+    others = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=others | asked, capture_output=True, text=True)
+    assert done.stdout.split() == ["True", threads], done.stderr
 
 
 @pytest.mark.parametrize("command", COMMANDS)

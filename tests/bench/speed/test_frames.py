@@ -94,7 +94,8 @@ def test_a_library_is_given_the_moment_of_the_action_and_timed_beside_the_kernel
         assert poses.root_positions[k, 0] == pytest.approx(frame / other.rate, abs=1e-5)
     frames.main(bank=generated.path, characters=[1], rounds=2, ticks=2, against=engine)
     printed = capsys.readouterr().out
-    assert "Warm batches: the kernels, and libraries in C" in printed
+    for times in ("random", "sequential"):
+        assert f"Warm batches at {times} times: the kernels, and libraries in C" in printed
     assert "engine.so: its rotations differ from the kernels' by" in printed
 
 
@@ -179,7 +180,8 @@ def test_a_small_run_prints_tables_and_writes_them(
     assert document["bank"]["joints"] == 22
     tables = document["tables"]
     names = {"batches", "scenes", "forms", "threads", "cold", "paced", "single"}
-    assert set(tables) == (names if cpp_twin.MISSING else names | {"libraries"})
+    libraries = {"libraries, random times", "libraries, sequential times"}
+    assert set(tables) == (names if cpp_twin.MISSING else names | libraries)
     assert [(row["characters"], row["what"]) for row in tables["batches"]] == [
         (count, what) for count in (1, 20) for what in ("splice", "naive", "none", "copy", "NumPy")
     ]

@@ -8,6 +8,7 @@ from functools import cached_property
 from io import SEEK_END, BufferedRandom
 from pathlib import Path
 from tempfile import TemporaryFile
+from threading import Lock
 
 import numpy as np
 
@@ -24,6 +25,7 @@ class SetAside:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        self._alone = Lock()  # an executor may have threads
         self._places: dict[str, tuple[Reading, int, int]] = {}  # with one frame; where it begins; how many it has
 
     @cached_property
@@ -35,7 +37,7 @@ class SetAside:
         """Sets a reading aside."""
         clip = reading.clip
         first = _of(reading, clip.root_positions[:1].copy(), clip.rotations[:1].copy())
-        with suppress(OSError):
+        with suppress(OSError), self._alone:
             begin = self._file.seek(0, SEEK_END)
             for values in (clip.root_positions, clip.rotations):
                 self._file.write(np.ascontiguousarray(values).data)
@@ -47,12 +49,10 @@ class SetAside:
             return None
         first, begin, frames = self._places[key]
         positions, rotations = np.empty((frames, 3)), np.empty((frames, first.clip.skeleton.joint_count, 4))
-        with suppress(OSError):
+        with suppress(OSError), self._alone:
             self._file.seek(begin)
-            if (
-                sum(self._file.readinto(values.data.cast("B")) - values.nbytes for values in (positions, rotations))
-                == 0
-            ):
+            missing = sum(one.nbytes - self._file.readinto(one.data.cast("B")) for one in (positions, rotations))
+            if missing == 0:
                 return _of(first, positions, rotations)
         return None
 

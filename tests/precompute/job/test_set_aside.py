@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
@@ -45,6 +46,18 @@ def test_readings_come_back_as_they_were_in_any_order(aside: SetAside) -> None:
             ("a warning",),
         )
     assert aside.get("jump") is None
+
+
+def test_threads_do_not_mix_their_readings(aside: SetAside) -> None:
+    readings = [reading_of(name) for name in ("walk", "run", "side_step") for _ in range(20)]
+
+    def there_and_back(number: int) -> bool:
+        aside.put(str(number), readings[number])
+        found = aside.get(str(number))
+        return found is not None and np.array_equal(found.clip.rotations, readings[number].clip.rotations)
+
+    with ThreadPoolExecutor(8) as pool:
+        assert all(pool.map(there_and_back, range(len(readings))))
 
 
 def test_the_file_has_no_name(aside: SetAside, tmp_path: Path) -> None:

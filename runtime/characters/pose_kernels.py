@@ -37,23 +37,25 @@ from motionsplice.runtime.characters.turning_kernels import (
     LIMBS,
     MIXED,
     ONE_SPLICE,
+    ONLY_LIMBS,
+    keep_memory,
     set_pelvis,
     turn_limbs,
     turn_pelvis,
 )
-from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action, shows_own
-from motionsplice.runtime.format.rows import FIRST_JOINT, LINE, PELVIS, ROOT
+from motionsplice.runtime.characters.upper_kernels import is_plain, mix_upper, row_of_action, shows_own
+from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
-from motionsplice.runtime.kernels.lookup import between_rows, fetch_ahead, fetch_hands, is_mirrored
+from motionsplice.runtime.kernels.fetching import fetch_cloud, fetch_rows
+from motionsplice.runtime.kernels.lookup import between_rows, fetch_hands, is_mirrored
 from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
-from motionsplice.runtime.kernels.rotations import ONE, sample, sample_planes
+from motionsplice.runtime.kernels.rotations import ONE, sample_and_fetch, sample_planes
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
-from motionsplice.runtime.simd.prefetch import prefetch
 
 Rotation = tuple[Real, Real, Real, Real]
 
@@ -67,7 +69,10 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
     for character in range(min(FARTHER, len(roots))):
         fetch_state(s, row_at(character))
     for character in range(min(AHEAD, len(roots))):
-        fetch_slots(bank, s, row_at(character))
+        lower, upper, own = fetch_slots(bank, s, row_at(character))
+        fetch_rows(bank.lower, lower)
+        fetch_rows(bank.upper, upper)
+        fetch_rows(bank.upper, own)
     while first < len(roots):
         stop, taken = first, 0
         while stop < len(roots) and taken + lanes_of(s, row_at(stop)) <= BLOCK:
@@ -78,13 +83,15 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
             c = row_at(character)
             if character + FARTHER < len(roots):
                 fetch_state(s, row_at(character + FARTHER))
+            lower = upper = own = np.uint64(0)
             if character + AHEAD < len(roots):
-                fetch_slots(bank, s, row_at(character + AHEAD))
+                lower, upper, own = fetch_slots(bank, s, row_at(character + AHEAD))
+                fetch_unlike(bank, s, c, upper, own)
             if s[c + col.LOCOMOTIONS] == 1.0:
-                pose_lower(bank, s, c, k, lanes, block, character, roots, rotations)
+                pose_lower(bank, s, c, k, lower, lanes, block, character, roots, rotations)
             else:
-                mix_lower(bank, s, c, k, lanes, block, mixing, character, roots, rotations)
-            mix_upper(bank, limbs, s, c, k, lanes, block, mixing, character, rotations)
+                mix_lower(bank, s, c, k, lower, lanes, block, mixing, character, roots, rotations)
+            mix_upper(bank, limbs, s, c, k, upper, own, lanes, block, mixing, character, rotations)
             splices += int(s[c + col.ACTIONS])
             k += lanes_of(s, c)
         if splices > 0:
@@ -94,12 +101,14 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
                 c = row_at(character)
                 if mixing.finish[k] == ONE_SPLICE:
                     set_pelvis(bank, s, c, k, block, mixing, character, rotations)
+                elif mixing.finish[k] == ONLY_LIMBS:
+                    keep_memory(s, action_slot(c, 0), k, mixing)
                 elif mixing.finish[k] >= MIXED:
                     turn_pelvis(bank, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
             k = ZERO
             for character in range(first, stop):
-                if mixing.finish[k] == LIMBS:
+                if mixing.finish[k] >= LIMBS:
                     turn_limbs(bank, limbs, s, row_at(character), k, block, mixing, character, rotations)
                 k += lanes_of(s, row_at(character))
         for character in range(first, stop):
@@ -119,32 +128,48 @@ def lanes_of(s: Array, c: int) -> int:
 
 
 @inlined
-def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
-    """Prefetches the rows of all slots of a character. Keeps its row in bounds first."""
+def fetch_slots(bank: BankArrays, s: Array, c: int) -> tuple[np.uint64, np.uint64, np.uint64]:
+    """Returns rows that are to be prefetched, and prefetches those of all further slots of a character.
+
+    These are rows of the first locomotion's lower half, of the first action, and of the first locomotion's own upper
+    half; one of the latter two in place of the other, if it is not needed. Keeps the character's row in bounds first.
+    """
     keep_in_bounds(bank, s, c)
-    own = shows_own(bank, s, c)
+    own, lower = shows_own(bank, s, c), np.uint64(0)
     for number in range(int(s[c + col.LOCOMOTIONS])):
         slot = locomotion_slot(c, number)
         clip = int(s[slot + col.CLIP])
         row, _ = row_of(bank, clip, s[slot + col.FRAME])
-        fetch_ahead(bank.lower, row)
+        if number == 0:
+            lower = row
+        else:
+            fetch_rows(bank.lower, row)
+            if own:
+                fetch_rows(bank.upper, row)
         if own:
-            fetch_planes(bank, row)
             fetch_worn(bank, s, c, clip, row)
+    first = True
+    upper = lower
     for number in range(int(s[c + col.ACTIONS])):
         slot = action_slot(c, number)
         if s[slot + col.KIND] != col.OWN:
             row, _ = row_of_action(bank, s, slot)
-            fetch_ahead(bank.upper, row)
+            if first:
+                upper, first = row, False
+            else:
+                fetch_rows(bank.upper, row)
             fetch_worn(bank, s, c, int(s[slot + col.CLIP]), row)
+    return lower, upper, lower if own else upper
 
 
 @inlined
-def fetch_planes(bank: BankArrays, row: Index) -> None:
-    """Prefetches the rotations of a row of `upper` and of the next one, without their clouds."""
-    for column in range(bank.rig[arrays.FIRST_PLANE], np.uint64(bank.upper.shape[1]), np.uint64(LINE)):
-        prefetch(bank.upper, row, column)
-        prefetch(bank.upper, row + ONE, column)
+def fetch_unlike(bank: BankArrays, s: Array, c: int, upper: Index, own: Index) -> None:
+    """Prefetches what a character ahead reads, but this one does not, so that it would not prefetch it."""
+    if upper != own:
+        if s[c + col.ACTIONS] == 0.0:
+            fetch_rows(bank.upper, upper)
+        elif is_plain(s, c):
+            fetch_rows(bank.upper, own)
 
 
 @inlined
@@ -160,19 +185,25 @@ def pose_lower(
     s: Array,
     c: int,
     k: int,
+    ahead: Index,
     lanes: Array,
     block: Array,
     character: int,
     roots: Array,
     rotations: Array,
 ) -> None:
-    """Samples the lower half of the only locomotion into lanes, and writes root and joints into the pose."""
+    """Samples the lower half of the only locomotion into lanes, and writes root and joints into the pose.
+
+    Meanwhile prefetches the row `ahead` and the next one, as all that samples.
+    """
     rig, slot = bank.rig, locomotion_slot(c, 0)
     clip = int(s[slot + col.CLIP])
     row, t = row_of(bank, clip, s[slot + col.FRAME])
     t32 = np.float32(t)
     block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
-    sample(bank.lower, row, rig[arrays.FIRST_PLANE], rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
+    first = rig[arrays.FIRST_PLANE]
+    fetch_cloud(bank.lower, ahead, first)
+    sample_and_fetch(bank.lower, row, ahead, first, rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
     mirrored = is_mirrored(bank, clip)
     if mirrored:
         mirror_lower(bank, lanes)
@@ -190,6 +221,7 @@ def mix_lower(
     s: Array,
     c: int,
     k: int,
+    ahead: Index,
     lanes: Array,
     block: Array,
     mixing: Mixing,
@@ -200,17 +232,18 @@ def mix_lower(
     """Mixes the lower halves of all locomotions into lanes, and writes root and joints into the pose."""
     rig, width, joint = bank.rig, bank.rig[arrays.LOWER_WIDTH], np.uint64(4 * FIRST_JOINT)
     x, y, z, count = 0.0, 0.0, 0.0, int(s[c + col.LOCOMOTIONS])
+    fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     for number in range(count):
         slot = locomotion_slot(c, number)
         clip, share = int(s[slot + col.CLIP]), s[slot + col.SHARE]
         row, t = row_of(bank, clip, s[slot + col.FRAME])
         t32, mirrored = np.float32(t), is_mirrored(bank, clip)
         if mirrored:
-            sample(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, lanes, np.uint64(0))
+            sample_and_fetch(bank.lower, row, ahead, rig[arrays.FIRST_PLANE], width, t32, lanes, np.uint64(0))
             mirror_lower(bank, lanes)
             split_lanes(lanes, np.uint64(0), width, mixing, number)
         else:
-            sample_planes(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, mixing.planes, plane_of(number))
+            sample_planes(bank.lower, row, ahead, rig[arrays.FIRST_PLANE], width, t32, mixing.planes, plane_of(number))
         dx, dy, dz = root_from_path(bank, s, slot, row, t32, mirrored)
         x, y, z = x + share * dx, y + share * dy, z + share * dz
         root = rotation_of(mixing, number, np.uint64(FIRST_JOINT))

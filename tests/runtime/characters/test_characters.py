@@ -115,7 +115,7 @@ def test_a_whole_action_behind_a_mask_agrees_with_the_twin_and_with_nearly_all_o
     whole, nearly = one(), one()
     for characters, weight in ((whole, 1.0), (nearly, 1.0 - 1e-7)):
         characters.add(1, locomotion, time=0.4)
-        characters.act([0], Action("punch", mask=mask, blend=0.0, weight=weight))
+        characters.act([0], Action("carry_box", mask=mask, blend=0.0, weight=weight))
         characters.advance(20)
     np.testing.assert_allclose(evaluated(whole)[1], evaluated(nearly)[1], atol=1e-6)
     naive_character.check(whole)

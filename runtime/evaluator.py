@@ -113,14 +113,15 @@ class Evaluator:
             self._evaluate(requests, out, memory)
 
     def _evaluate(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
-        remembered = memory or NO_MEMORY
-        work = (requests.records, remembered.state, remembered.share, out.root_positions, out.flat)
-        if self._threads == 1 or len(remembered.state) == 1:
-            fault = self._evaluate_alone(self._handle, *work)
+        records, roots, flat = requests.records, out.root_positions, out.flat
+        remembered = NO_MEMORY if memory is None else memory
+        state, share = remembered.state, remembered.share
+        if self._threads == 1 or len(state) == 1:
+            fault = self._evaluate_alone(self._handle, records, state, share, roots, flat)
         else:
             with ONE_AT_A_TIME:
                 numba.set_num_threads(self._threads)
-                fault = kernels.evaluate_in_parallel(self._handle, *work)
+                fault = kernels.evaluate_in_parallel(self._handle, records, state, share, roots, flat)
         if fault >= 0:
             raise self._fault(requests, fault)
 

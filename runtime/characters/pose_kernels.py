@@ -201,14 +201,13 @@ def pose_lower(
     row, t = row_of(bank, clip, s[slot + col.FRAME])
     t32 = np.float32(t)
     block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
-    first = rig[arrays.FIRST_PLANE]
-    fetch_cloud(bank.lower, ahead, first)
-    sample_and_fetch(bank.lower, row, ahead, first, rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
+    sample_and_fetch(bank.lower, row, ahead, rig[arrays.FIRST_PLANE], rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
     mirrored = is_mirrored(bank, clip)
     if mirrored:
         mirror_lower(bank, lanes)
     x, y, z = root_from_path(bank, s, slot, row, t32, mirrored)
     copy_lower(rig, lanes, rotations, character)
+    fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
     root = rotation_in(lanes, np.uint64(4 * FIRST_JOINT))
     root = turned_about_y(root, -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
@@ -232,7 +231,6 @@ def mix_lower(
     """Mixes the lower halves of all locomotions into lanes, and writes root and joints into the pose."""
     rig, width, joint = bank.rig, bank.rig[arrays.LOWER_WIDTH], np.uint64(4 * FIRST_JOINT)
     x, y, z, count = 0.0, 0.0, 0.0, int(s[c + col.LOCOMOTIONS])
-    fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     for number in range(count):
         slot = locomotion_slot(c, number)
         clip, share = int(s[slot + col.CLIP]), s[slot + col.SHARE]
@@ -254,6 +252,7 @@ def mix_lower(
     mix_lanes(mixing, count, width, lanes, np.uint64(0))
     block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
     copy_lower(rig, lanes, rotations, character)
+    fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
     place_root(s, c, x, y, z, rotation_in(lanes, joint), character, roots, rotations, rig[arrays.COLUMNS])
 

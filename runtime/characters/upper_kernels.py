@@ -242,11 +242,11 @@ def sample_action(
     bank: BankArrays, s: Array, c: int, number: int, k: int, ahead: Index, lanes: Array, block: Array, mixing: Mixing
 ) -> None:
     """Samples an action's upper half into lanes, and prepares its splice in lane k of the block."""
-    fetch_cloud(bank.upper, ahead, bank.rig[arrays.FIRST_PLANE])
     slot, above = action_slot(c, number), np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]
     row, t = row_of_action(bank, s, slot)
     sample_half(bank, s, c, int(s[slot + col.CLIP]), row, ahead, np.float32(t), lanes, above)
     prepare_splice(bank, s, c, number, k, row, t, lanes, block, mixing)
+    fetch_cloud(bank.upper, ahead, bank.rig[arrays.FIRST_PLANE])
 
 
 @inlined
@@ -263,7 +263,6 @@ def sample_summand(
     source: int,
 ) -> None:
     """Makes an action's upper half a source, and prepares its splice in lane k of the block."""
-    fetch_cloud(bank.upper, ahead, bank.rig[arrays.FIRST_PLANE])
     rig, slot = bank.rig, action_slot(c, number)
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     row, t = row_of_action(bank, s, slot)
@@ -280,6 +279,7 @@ def sample_summand(
     prepare_splice(bank, s, c, number, k, row, t, lanes, block, mixing)
     if not in_planes:
         split_lanes(lanes, above, width, mixing, source)
+    fetch_cloud(bank.upper, ahead, rig[arrays.FIRST_PLANE])
 
 
 @inlined

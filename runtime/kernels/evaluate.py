@@ -200,7 +200,6 @@ def sample_halves(
     lower, rig = bank.lower, bank.rig
     row, t, first = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
     ahead_l, ahead_u = np.uint64(block[ROW_L * BLOCK + k + AHEAD]), np.uint64(block[ROW_U * BLOCK + k + AHEAD])
-    fetch_cloud(lower, ahead_l, first)
     for axis in range(np.uint64(ROOT), np.uint64(ROOT + 3)):
         here = lower[row, axis]
         roots[character, axis] = here + t * (lower[row + ONE, axis] - here)
@@ -209,7 +208,6 @@ def sample_halves(
         roots[character, ROOT] = -roots[character, ROOT]
         mirror_lower(bank, lanes)
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
-    fetch_cloud(bank.upper, ahead_u, first)
     sample_and_fetch(bank.upper, row, ahead_u, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
     request = requests[character]
     if request["hands"] > 0:
@@ -225,7 +223,9 @@ def sample_halves(
             mirror_upper(bank, lanes, own)
         lay_on(bank, request["action"], row, t, lanes, own, above)
     copy_lower(rig, lanes, rotations, character)
+    fetch_cloud(lower, ahead_l, first)
     copy_upper(rig, lanes, above, rotations, character)
+    fetch_cloud(bank.upper, ahead_u, first)
 
 
 @inlined

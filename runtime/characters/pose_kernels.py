@@ -26,6 +26,8 @@ from motionsplice.runtime.characters.slots import (
     AHEAD,
     FARTHER,
     action_slot,
+    fetch_action,
+    fetch_head,
     fetch_state,
     hands_slot,
     locomotion_slot,
@@ -82,7 +84,7 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
         for character in range(first, stop):
             c = row_at(character)
             if character + FARTHER < len(roots):
-                fetch_state(s, row_at(character + FARTHER))
+                fetch_head(s, row_at(character + FARTHER))
             lower = upper = own = np.uint64(0)
             if character + AHEAD < len(roots):
                 lower, upper, own = fetch_slots(bank, s, row_at(character + AHEAD))
@@ -92,6 +94,8 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
             else:
                 mix_lower(bank, s, c, k, lower, lanes, block, mixing, character, roots, rotations)
             mix_upper(bank, limbs, s, c, k, upper, own, lanes, block, mixing, character, rotations)
+            if character + FARTHER < len(roots):
+                fetch_action(s, row_at(character + FARTHER))
             splices += int(s[c + col.ACTIONS])
             k += lanes_of(s, c)
         if splices > 0:

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.ahead_kernels import fetch_slots, fetch_unlike
 from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
 from motionsplice.runtime.characters.arrays import Mixing, StageArrays
-from motionsplice.runtime.characters.bounds_kernels import keep_in_bounds
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import (
     add_cloud,
@@ -29,7 +29,6 @@ from motionsplice.runtime.characters.slots import (
     fetch_action,
     fetch_head,
     fetch_state,
-    hands_slot,
     locomotion_slot,
     origin_of,
     row_at,
@@ -45,13 +44,13 @@ from motionsplice.runtime.characters.turning_kernels import (
     turn_limbs,
     turn_pelvis,
 )
-from motionsplice.runtime.characters.upper_kernels import is_plain, mix_upper, row_of_action, shows_own
+from motionsplice.runtime.characters.upper_kernels import mix_upper
 from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
 from motionsplice.runtime.kernels.fetching import fetch_cloud, fetch_rows
-from motionsplice.runtime.kernels.lookup import between_rows, fetch_hands, is_mirrored
+from motionsplice.runtime.kernels.lookup import between_rows, is_mirrored
 from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
@@ -132,58 +131,6 @@ def lanes_of(s: Array, c: int) -> int:
 
 
 @inlined
-def fetch_slots(bank: BankArrays, s: Array, c: int) -> tuple[np.uint64, np.uint64, np.uint64]:
-    """Returns rows that are to be prefetched, and prefetches those of all further slots of a character.
-
-    These are rows of the first locomotion's lower half, of the first action, and of the first locomotion's own upper
-    half; one of the latter two in place of the other, if it is not needed. Keeps the character's row in bounds first.
-    """
-    keep_in_bounds(bank, s, c)
-    own, lower = shows_own(bank, s, c), np.uint64(0)
-    for number in range(int(s[c + col.LOCOMOTIONS])):
-        slot = locomotion_slot(c, number)
-        clip = int(s[slot + col.CLIP])
-        row, _ = row_of(bank, clip, s[slot + col.FRAME])
-        if number == 0:
-            lower = row
-        else:
-            fetch_rows(bank.lower, row)
-            if own:
-                fetch_rows(bank.upper, row)
-        if own:
-            fetch_worn(bank, s, c, clip, row)
-    first = True
-    upper = lower
-    for number in range(int(s[c + col.ACTIONS])):
-        slot = action_slot(c, number)
-        if s[slot + col.KIND] != col.OWN:
-            row, _ = row_of_action(bank, s, slot)
-            if first:
-                upper, first = row, False
-            else:
-                fetch_rows(bank.upper, row)
-            fetch_worn(bank, s, c, int(s[slot + col.CLIP]), row)
-    return lower, upper, lower if own else upper
-
-
-@inlined
-def fetch_unlike(bank: BankArrays, s: Array, c: int, upper: Index, own: Index) -> None:
-    """Prefetches what a character ahead reads, but this one does not, so that it would not prefetch it."""
-    if upper != own:
-        if s[c + col.ACTIONS] == 0.0:
-            fetch_rows(bank.upper, upper)
-        elif is_plain(s, c):
-            fetch_rows(bank.upper, own)
-
-
-@inlined
-def fetch_worn(bank: BankArrays, s: Array, c: int, clip: int, row: Index) -> None:
-    """Prefetches the rows of all hands that a character wears on a clip."""
-    for number in range(int(s[c + col.HANDS])):
-        fetch_hands(bank, int(s[hands_slot(c, number) + col.CLIP]), clip, row)
-
-
-@inlined
 def pose_lower(
     bank: BankArrays,
     s: Array,
@@ -198,7 +145,7 @@ def pose_lower(
 ) -> None:
     """Samples the lower half of the only locomotion into lanes, and writes root and joints into the pose.
 
-    Meanwhile prefetches the row `ahead` and the next one, as all that samples.
+    Meanwhile prefetches the row `ahead` and the next one.
     """
     rig, slot = bank.rig, locomotion_slot(c, 0)
     clip = int(s[slot + col.CLIP])

@@ -78,7 +78,7 @@ class Evaluator:
         self.scratch = arrays.scratch(self.arrays, threads)
         self._handle = handle_of(arrays.SpliceArrays(self.arrays, self.scratch))
         self._rig = handle_of(world_kernels.rig_arrays(bank.skeleton))
-        self._one = Requests.empty(1)
+        self._one, self._last = Requests.empty(1), Splice("")  # the request of `pose`, and the splice that it is for
         self._has_hybrids = any(clip.stretches for clip in bank.clips)
 
     def __reduce__(self) -> tuple[Callable[..., Evaluator], tuple[Bank]]:
@@ -104,20 +104,24 @@ class Evaluator:
                 gives the upper body, posture `running` has no memory, or sizes differ.
         """
         self._check_room(requests, out, memory)
+        self._evaluate_any(requests, out, memory)
+
+    def _evaluate_any(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         if self._has_hybrids and stretch_kernels.shows_hybrids(self._handle, requests.records):
             self._evaluate_stretches(requests, out, memory)
         else:
             self._evaluate(requests, out, memory)
 
     def _evaluate(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
-        remembered = memory or NO_MEMORY
-        work = (requests.records, remembered.state, remembered.share, out.root_positions, out.flat)
-        if self._threads == 1 or len(remembered.state) == 1:
-            fault = self._evaluate_alone(self._handle, *work)
+        records, roots, flat = requests.records, out.root_positions, out.flat
+        remembered = NO_MEMORY if memory is None else memory
+        state, share = remembered.state, remembered.share
+        if self._threads == 1 or len(state) == 1:
+            fault = self._evaluate_alone(self._handle, records, state, share, roots, flat)
         else:
             with ONE_AT_A_TIME:
                 numba.set_num_threads(self._threads)
-                fault = kernels.evaluate_in_parallel(self._handle, *work)
+                fault = kernels.evaluate_in_parallel(self._handle, records, state, share, roots, flat)
         if fault >= 0:
             raise self._fault(requests, fault)
 
@@ -184,8 +188,9 @@ class Evaluator:
             TimeRangeError: `time` or `start` is NaN or outside its clip.
             SettingsError: Method or posture is unknown, or the posture is `running`, which needs a memory.
         """
-        out = self.poses(1)
-        self._one.records[0] = self.record(splice)
+        out = Poses.empty(1, self._joints)
+        if splice is not self._last:
+            self._one.records[0], self._last = self.record(splice), splice
         self._one.time[0] = time
         self._evaluate_one(self._one, out, None)
         return out
@@ -276,9 +281,11 @@ class Evaluator:
         return locomotion, action, 0.0, splice.start, 0, method, known(POSTURES, "posture", splice.posture), hands
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
-        """Evaluates requests about one character; errors then leave out the number of the request."""
+        """Evaluates requests about one character, into poses made for them; errors leave out the request's number."""
+        if memory is not None:
+            self._check_room(requests, out, memory)
         try:
-            self.evaluate(requests, out, memory)
+            self._evaluate_any(requests, out, memory)
         except TimeRangeError as error:
             raise TimeRangeError(error.problem, mend=error.mend) from None
 

@@ -129,8 +129,11 @@ class Poses:
     @classmethod
     def empty(cls, count: int, joints: int) -> Poses:
         """Returns arrays for `count` characters of `joints` joints; their contents are undefined."""
-        room = np.empty((count, 3), np.float32), np.empty((count, joints, 4), np.float32)
-        return cls.__new__(cls)._set(*room)  # without checks, which take a fifth of a call by name
+        poses = cls.__new__(cls)  # without checks, which take a fifth of a call by name
+        poses.root_positions = np.empty((count, 3), FLOAT32)
+        poses.flat = np.empty((count, 4 * joints), FLOAT32)
+        poses.rotations = poses.flat.reshape(count, joints, 4)
+        return poses
 
     def rows(self, first: int, end: int) -> Poses:
         """Returns a view of the poses of characters `first` to `end` - 1."""

@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 from motionsplice.runtime.requests import Method, Posture
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, init=False)
 class Splice:
     """The upper body of one clip on the lower body of another.
 
@@ -31,6 +31,20 @@ class Splice:
     method: Method = "splice"
     posture: Posture = "relative"
     hands: str | None = None
+
+    def __init__(
+        self,
+        locomotion: str,
+        action: str | None = None,
+        *,
+        start: float = 0.0,
+        method: Method = "splice",
+        posture: Posture = "relative",
+        hands: str | None = None,
+    ) -> None:
+        fields = vars(self)  # the `__init__` of a frozen dataclass calls a function for each field: three times as long
+        fields["locomotion"], fields["action"], fields["start"] = locomotion, action, start
+        fields["method"], fields["posture"], fields["hands"] = method, posture, hands
 
     @property
     def name(self) -> str:

@@ -44,6 +44,7 @@ class Limbs(NamedTuple):
     """The parts of an upper body: trunk, arms, head. Each limb hangs on the trunk by its attachment joint.
 
     Attributes:
+        bits: [upper joints], the bit in a mask of each joint of the upper half.
         part_lanes: [parts, width] float32, 1 in the lanes of the upper half whose joints belong to a part, else 0.
         attachments: [parts], the lane of each limb's attachment; -1 if the rig has no such limb.
         lengths: [parts], number of joints in each limb's chain: from the pelvis's child to the attachment.
@@ -51,6 +52,7 @@ class Limbs(NamedTuple):
         columns: [parts, longest], the first columns of these joints in a pose.
     """
 
+    bits: Annotated[Array, np.int64, 1]
     part_lanes: Annotated[Array, np.float32, 2]
     attachments: Annotated[Array, np.int64, 1]
     lengths: Annotated[Array, np.int64, 1]

@@ -27,4 +27,4 @@ def limbs_of(skeleton: Skeleton, roles: Roles, layout: Layout) -> Limbs:
             attachments[number], lengths[number] = lanes[chain[-1]], len(chain)
             chains[number, : len(chain)] = [lanes[joint] for joint in chain]
             columns[number, : len(chain)] = [4 * joint for joint in chain]
-    return Limbs(part_lanes, attachments, lengths, chains, columns)
+    return Limbs(1 << parts, part_lanes, attachments, lengths, chains, columns)

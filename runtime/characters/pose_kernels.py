@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from motionsplice.runtime.characters import state as col
+from motionsplice.runtime.characters.ahead_kernels import fetch_slots, fetch_unlike
 from motionsplice.runtime.characters.aimed_pose_kernels import turn_to_targets
 from motionsplice.runtime.characters.arrays import Mixing, StageArrays
-from motionsplice.runtime.characters.bounds_kernels import keep_in_bounds
 from motionsplice.runtime.characters.lock_kernels import lock_feet
 from motionsplice.runtime.characters.mixing_kernels import (
     add_cloud,
@@ -26,8 +26,9 @@ from motionsplice.runtime.characters.slots import (
     AHEAD,
     FARTHER,
     action_slot,
+    fetch_action,
+    fetch_head,
     fetch_state,
-    hands_slot,
     locomotion_slot,
     origin_of,
     row_at,
@@ -37,23 +38,25 @@ from motionsplice.runtime.characters.turning_kernels import (
     LIMBS,
     MIXED,
     ONE_SPLICE,
+    ONLY_LIMBS,
+    keep_memory,
     set_pelvis,
     turn_limbs,
     turn_pelvis,
 )
-from motionsplice.runtime.characters.upper_kernels import mix_upper, row_of_action, shows_own
-from motionsplice.runtime.format.rows import FIRST_JOINT, LINE, PELVIS, ROOT
+from motionsplice.runtime.characters.upper_kernels import mix_upper
+from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, SHARE_L, BankArrays
 from motionsplice.runtime.kernels.evaluate import copy_lower, copy_rotation
-from motionsplice.runtime.kernels.lookup import between_rows, fetch_ahead, fetch_hands, is_mirrored
+from motionsplice.runtime.kernels.fetching import fetch_cloud, fetch_rows
+from motionsplice.runtime.kernels.lookup import between_rows, is_mirrored
 from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
-from motionsplice.runtime.kernels.rotations import ONE, sample, sample_planes
+from motionsplice.runtime.kernels.rotations import ONE, sample_and_fetch, sample_planes
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
-from motionsplice.runtime.simd.prefetch import prefetch
 
 Rotation = tuple[Real, Real, Real, Real]
 
@@ -67,7 +70,10 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
     for character in range(min(FARTHER, len(roots))):
         fetch_state(s, row_at(character))
     for character in range(min(AHEAD, len(roots))):
-        fetch_slots(bank, s, row_at(character))
+        lower, upper, own = fetch_slots(bank, s, row_at(character))
+        fetch_rows(bank.lower, lower)
+        fetch_rows(bank.upper, upper)
+        fetch_rows(bank.upper, own)
     while first < len(roots):
         stop, taken = first, 0
         while stop < len(roots) and taken + lanes_of(s, row_at(stop)) <= BLOCK:
@@ -77,14 +83,18 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
         for character in range(first, stop):
             c = row_at(character)
             if character + FARTHER < len(roots):
-                fetch_state(s, row_at(character + FARTHER))
+                fetch_head(s, row_at(character + FARTHER))
+            lower = upper = own = np.uint64(0)
             if character + AHEAD < len(roots):
-                fetch_slots(bank, s, row_at(character + AHEAD))
+                lower, upper, own = fetch_slots(bank, s, row_at(character + AHEAD))
+                fetch_unlike(bank, s, c, upper, own)
             if s[c + col.LOCOMOTIONS] == 1.0:
-                pose_lower(bank, s, c, k, lanes, block, character, roots, rotations)
+                pose_lower(bank, s, c, k, lower, lanes, block, character, roots, rotations)
             else:
-                mix_lower(bank, s, c, k, lanes, block, mixing, character, roots, rotations)
-            mix_upper(bank, limbs, s, c, k, lanes, block, mixing, character, rotations)
+                mix_lower(bank, s, c, k, lower, lanes, block, mixing, character, roots, rotations)
+            mix_upper(bank, limbs, s, c, k, upper, own, lanes, block, mixing, character, rotations)
+            if character + FARTHER < len(roots):
+                fetch_action(s, row_at(character + FARTHER))
             splices += int(s[c + col.ACTIONS])
             k += lanes_of(s, c)
         if splices > 0:
@@ -94,12 +104,14 @@ def evaluate_characters(handle: Handle, s: Array, share: float, roots: Array, ro
                 c = row_at(character)
                 if mixing.finish[k] == ONE_SPLICE:
                     set_pelvis(bank, s, c, k, block, mixing, character, rotations)
+                elif mixing.finish[k] == ONLY_LIMBS:
+                    keep_memory(s, action_slot(c, 0), k, mixing)
                 elif mixing.finish[k] >= MIXED:
                     turn_pelvis(bank, s, c, k, block, mixing, character, rotations)
                 k += lanes_of(s, c)
             k = ZERO
             for character in range(first, stop):
-                if mixing.finish[k] == LIMBS:
+                if mixing.finish[k] >= LIMBS:
                     turn_limbs(bank, limbs, s, row_at(character), k, block, mixing, character, rotations)
                 k += lanes_of(s, row_at(character))
         for character in range(first, stop):
@@ -119,65 +131,34 @@ def lanes_of(s: Array, c: int) -> int:
 
 
 @inlined
-def fetch_slots(bank: BankArrays, s: Array, c: int) -> None:
-    """Prefetches the rows of all slots of a character. Keeps its row in bounds first."""
-    keep_in_bounds(bank, s, c)
-    own = shows_own(bank, s, c)
-    for number in range(int(s[c + col.LOCOMOTIONS])):
-        slot = locomotion_slot(c, number)
-        clip = int(s[slot + col.CLIP])
-        row, _ = row_of(bank, clip, s[slot + col.FRAME])
-        fetch_ahead(bank.lower, row)
-        if own:
-            fetch_planes(bank, row)
-            fetch_worn(bank, s, c, clip, row)
-    for number in range(int(s[c + col.ACTIONS])):
-        slot = action_slot(c, number)
-        if s[slot + col.KIND] != col.OWN:
-            row, _ = row_of_action(bank, s, slot)
-            fetch_ahead(bank.upper, row)
-            fetch_worn(bank, s, c, int(s[slot + col.CLIP]), row)
-
-
-@inlined
-def fetch_planes(bank: BankArrays, row: Index) -> None:
-    """Prefetches the rotations of a row of `upper` and of the next one, without their clouds."""
-    for column in range(bank.rig[arrays.FIRST_PLANE], np.uint64(bank.upper.shape[1]), np.uint64(LINE)):
-        prefetch(bank.upper, row, column)
-        prefetch(bank.upper, row + ONE, column)
-
-
-@inlined
-def fetch_worn(bank: BankArrays, s: Array, c: int, clip: int, row: Index) -> None:
-    """Prefetches the rows of all hands that a character wears on a clip."""
-    for number in range(int(s[c + col.HANDS])):
-        fetch_hands(bank, int(s[hands_slot(c, number) + col.CLIP]), clip, row)
-
-
-@inlined
 def pose_lower(
     bank: BankArrays,
     s: Array,
     c: int,
     k: int,
+    ahead: Index,
     lanes: Array,
     block: Array,
     character: int,
     roots: Array,
     rotations: Array,
 ) -> None:
-    """Samples the lower half of the only locomotion into lanes, and writes root and joints into the pose."""
+    """Samples the lower half of the only locomotion into lanes, and writes root and joints into the pose.
+
+    Meanwhile prefetches the row `ahead` and the next one.
+    """
     rig, slot = bank.rig, locomotion_slot(c, 0)
     clip = int(s[slot + col.CLIP])
     row, t = row_of(bank, clip, s[slot + col.FRAME])
     t32 = np.float32(t)
     block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
-    sample(bank.lower, row, rig[arrays.FIRST_PLANE], rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
+    sample_and_fetch(bank.lower, row, ahead, rig[arrays.FIRST_PLANE], rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
     mirrored = is_mirrored(bank, clip)
     if mirrored:
         mirror_lower(bank, lanes)
     x, y, z = root_from_path(bank, s, slot, row, t32, mirrored)
     copy_lower(rig, lanes, rotations, character)
+    fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
     root = rotation_in(lanes, np.uint64(4 * FIRST_JOINT))
     root = turned_about_y(root, -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
@@ -190,6 +171,7 @@ def mix_lower(
     s: Array,
     c: int,
     k: int,
+    ahead: Index,
     lanes: Array,
     block: Array,
     mixing: Mixing,
@@ -206,11 +188,11 @@ def mix_lower(
         row, t = row_of(bank, clip, s[slot + col.FRAME])
         t32, mirrored = np.float32(t), is_mirrored(bank, clip)
         if mirrored:
-            sample(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, lanes, np.uint64(0))
+            sample_and_fetch(bank.lower, row, ahead, rig[arrays.FIRST_PLANE], width, t32, lanes, np.uint64(0))
             mirror_lower(bank, lanes)
             split_lanes(lanes, np.uint64(0), width, mixing, number)
         else:
-            sample_planes(bank.lower, row, rig[arrays.FIRST_PLANE], width, t32, mixing.planes, plane_of(number))
+            sample_planes(bank.lower, row, ahead, rig[arrays.FIRST_PLANE], width, t32, mixing.planes, plane_of(number))
         dx, dy, dz = root_from_path(bank, s, slot, row, t32, mirrored)
         x, y, z = x + share * dx, y + share * dy, z + share * dz
         root = rotation_of(mixing, number, np.uint64(FIRST_JOINT))
@@ -221,6 +203,7 @@ def mix_lower(
     mix_lanes(mixing, count, width, lanes, np.uint64(0))
     block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
     copy_lower(rig, lanes, rotations, character)
+    fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
     place_root(s, c, x, y, z, rotation_in(lanes, joint), character, roots, rotations, rig[arrays.COLUMNS])
 

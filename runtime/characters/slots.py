@@ -25,8 +25,20 @@ OFFSET, LANE = (1 << 60) - 1, BLOCK - 1  # and of a number of a lane
 @inlined
 def fetch_state(s: Array, c: int) -> None:
     """Prefetches what each frame reads of a character's row: the first columns and the first slots."""
+    fetch_head(s, c)
+    fetch_action(s, c)
+
+
+@inlined
+def fetch_head(s: Array, c: int) -> None:
+    """Prefetches the first columns of a character's row and its first locomotion slot."""
     for column in range(0, col.FIRST_LOCOMOTION + col.LOCOMOTION_COLUMNS, col.LINE):
         prefetch_at(s, c + column)
+
+
+@inlined
+def fetch_action(s: Array, c: int) -> None:
+    """Prefetches the first action slot of a character's row."""
     for column in range(col.FIRST_ACTION, col.FIRST_ACTION + col.REMEMBERED, col.LINE):
         prefetch_at(s, c + column)
 

@@ -8,17 +8,18 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
-from motionsplice.runtime.characters.mixing_kernels import rotation_of
 from motionsplice.runtime.characters.slots import LANE, action_slot
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, SPLICED, BankArrays
 from motionsplice.runtime.kernels.lookup import SPLICE
 from motionsplice.runtime.kernels.posture import RUNNING
-from motionsplice.runtime.kernels.rotations import TINY, product
+from motionsplice.runtime.kernels.rotations import FOUR, TINY, product
+from motionsplice.runtime.kernels.standing import quaternion_in
 from motionsplice.runtime.simd.compiled import Array, Index, inlined
 
-# of Mixing.finish: the pelvis is the locomotion's; it is that of the only splice; it is mixed; limbs are turned too
-UNTURNED, ONE_SPLICE, MIXED, LIMBS = range(4)
+# of Mixing.finish: the pelvis is the locomotion's; it is that of the only splice; it is mixed; it is mixed, and limbs
+# are turned; it is the locomotion's, and limbs are turned
+UNTURNED, ONE_SPLICE, MIXED, LIMBS, ONLY_LIMBS = range(5)
 
 
 @inlined
@@ -73,15 +74,15 @@ def keep_memory(s: Array, slot: int, lane: int, mixing: Mixing) -> None:
 
 
 @inlined
-def keep_limbs(limbs: Limbs, mask: int, source: int, k: int, mixing: Mixing) -> None:
+def keep_limbs(limbs: Limbs, mask: int, lanes: Array, above: Index, k: int, mixing: Mixing) -> None:
     """Stores the rotation of the attachment of each limb in a mask, relative to the pelvis, from an action's own upper
-    half."""
+    half at `above`."""
     for part in range(1, col.PARTS):
         if not mask >> part & 1:
             continue
         x, y, z, w = np.float32(0.0), np.float32(0.0), np.float32(0.0), np.float32(1.0)
         for number in range(limbs.lengths[part]):
-            qx, qy, qz, qw = rotation_of(mixing, source, np.uint64(limbs.chains[part, number]))
+            qx, qy, qz, qw = quaternion_in(lanes, above + FOUR * np.uint64(limbs.chains[part, number]))
             x, y, z, w = product(x, y, z, w, qx, qy, qz, qw)
         to = 4 * part
         mixing.turns[k, to], mixing.turns[k, to + 1], mixing.turns[k, to + 2], mixing.turns[k, to + 3] = x, y, z, w

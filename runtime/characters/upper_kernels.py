@@ -9,6 +9,16 @@ import numpy as np
 
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs, Mixing
+from motionsplice.runtime.characters.half_kernels import (
+    is_added,
+    is_bare,
+    keep_own,
+    prepare_splice,
+    row_of_action,
+    sample_action,
+    sample_half,
+    sample_own,
+)
 from motionsplice.runtime.characters.mixing_kernels import (
     copy_to_lanes,
     mix_lanes,
@@ -17,19 +27,24 @@ from motionsplice.runtime.characters.mixing_kernels import (
     split_lanes,
 )
 from motionsplice.runtime.characters.slots import LANE, action_slot, fade_of, locomotion_slot
-from motionsplice.runtime.characters.turning_kernels import LIMBS, MIXED, ONE_SPLICE, UNTURNED, is_apart, keep_limbs
-from motionsplice.runtime.characters.worn_kernels import wear_hands
-from motionsplice.runtime.format.rows import PELVIS, TORSO_OFFSET
+from motionsplice.runtime.characters.turning_kernels import (
+    LIMBS,
+    MIXED,
+    ONE_SPLICE,
+    ONLY_LIMBS,
+    UNTURNED,
+    is_apart,
+    keep_limbs,
+)
+from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, TORSO_OFFSET
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, ROW_L, ROW_U, SHARE_L, SHARE_U, SPLICED, BankArrays
-from motionsplice.runtime.kernels.evaluate import copy_upper
-from motionsplice.runtime.kernels.lookup import NAIVE, NONE, SPLICE, is_mirrored, locate, repeated
-from motionsplice.runtime.kernels.mirror import mirror_upper
+from motionsplice.runtime.kernels.arrays import BankArrays
+from motionsplice.runtime.kernels.evaluate import copy_rotation, copy_upper
+from motionsplice.runtime.kernels.fetching import fetch_cloud
+from motionsplice.runtime.kernels.lookup import NONE, SPLICE
 from motionsplice.runtime.kernels.phase import row_of
-from motionsplice.runtime.kernels.posture import ABSOLUTE, GIVEN, RELATIVE, RUNNING, correlate
-from motionsplice.runtime.kernels.rotations import sample, sample_planes
-from motionsplice.runtime.kernels.standing import lay_on
-from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
+from motionsplice.runtime.kernels.rotations import sample_planes
+from motionsplice.runtime.simd.compiled import Array, Index, inlined
 from motionsplice.runtime.simd.lanes import load, spread, store
 from motionsplice.runtime.simd.width import LANES
 
@@ -41,6 +56,8 @@ def mix_upper(
     s: Array,
     c: int,
     k: int,
+    ahead: Index,
+    ahead_own: Index,
     lanes: Array,
     block: Array,
     mixing: Mixing,
@@ -49,26 +66,30 @@ def mix_upper(
 ) -> None:
     """Mixes the upper halves of locomotions and actions into lanes, and writes their joints into the pose.
 
-    Prepares the splice of each action in a lane of the block.
+    Prepares the splice of each action in a lane of the block. Meanwhile prefetches the rows `ahead` and the next one
+    while actions are sampled, and `ahead_own` and the next one while locomotions are.
     """
     rig, count, k = bank.rig, int(s[c + col.ACTIONS]), k & LANE
     above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
     mixing.requests[k]["method"], mixing.finish[k] = NONE, UNTURNED
     if count == 0:
-        sample_own(bank, s, c, lanes, mixing)
+        sample_own(bank, s, c, ahead_own, lanes, mixing)
     elif is_plain(s, c):
         if is_added(bank, s, action_slot(c, 0)):
-            sample_own(bank, s, c, lanes, mixing)
+            sample_own(bank, s, c, ahead_own, lanes, mixing)
             keep_own(bank, lanes)
-        sample_action(bank, s, c, 0, k, lanes, block, mixing)
+        sample_action(bank, s, c, 0, k, ahead, lanes, block, mixing)
         mixing.finish[k] = ONE_SPLICE
         if mixing.requests[k]["method"] != SPLICE:
             mixing.finish[k] = MIXED
             for part in range(col.PARTS):
                 mixing.shares[k, part] = 1.0
+    elif is_masked(bank, s, c):
+        mask_action(bank, limbs, s, c, k, ahead, ahead_own, lanes, block, mixing, character, rotations)
+        return
     else:
         mixing.finish[k] = MIXED
-        mix_actions(bank, limbs, s, c, count, k, lanes, block, mixing)
+        mix_actions(bank, limbs, s, c, count, k, ahead, ahead_own, lanes, block, mixing)
         for number in range(count):
             for part in range(col.PARTS):
                 mixing.shares[k + number, part] = mixing.weights[col.PARTS * (number + 1) + part]
@@ -89,192 +110,119 @@ def is_plain(s: Array, c: int) -> bool:
 
 
 @inlined
-def shows_own(bank: BankArrays, s: Array, c: int) -> bool:
-    """Whether the locomotions' own upper halves are likely to be sampled: no action covers all of them."""
-    covered = False
-    for number in range(int(s[c + col.ACTIONS])):
-        slot = action_slot(c, number)
-        if s[slot + col.KIND] == col.OWN or is_added(bank, s, slot):
-            return True
-        covered |= (
-            s[slot + col.MASK] == col.UPPER_BODY
-            and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
-            and s[slot + col.WEIGHT] == 1.0
-        )
-    return not covered
-
-
-@inlined
-def is_added(bank: BankArrays, s: Array, slot: int) -> bool:
-    """Whether an action is added to the locomotion's own upper half: a standing action with posture `relative`."""
+def is_masked(bank: BankArrays, s: Array, c: int) -> bool:
+    """Whether one action alone gives limbs, and the locomotions all else."""
+    slot = c + col.FIRST_ACTION
     return (
-        s[slot + col.KIND] == SPLICE
-        and s[slot + col.POSTURE] == RELATIVE
-        and bank.clips[int(s[slot + col.CLIP]), arrays.STANCE] >= 0.0
+        s[c + col.ACTIONS] == 1.0
+        and s[slot + col.KIND] == SPLICE
+        and int(s[slot + col.MASK]) & col.TRUNK == 0
+        and s[slot + col.ELAPSED] >= s[slot + col.LASTING]
+        and s[slot + col.WEIGHT] == 1.0
+        and not is_added(bank, s, slot)
     )
 
 
 @inlined
-def keep_own(bank: BankArrays, lanes: Array) -> None:
-    """Keeps the locomotions' own upper halves where standing actions are laid on them."""
-    above, own = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH], np.uint64(4) * bank.rig[arrays.OWN_UPPER]
-    for number in range(np.uint64(4) * bank.rig[arrays.UPPER_WIDTH]):
-        lanes[own + number] = lanes[above + number]
-
-
-@inlined
-def sample_own(bank: BankArrays, s: Array, c: int, lanes: Array, mixing: Mixing) -> None:
-    """Mixes the locomotions' own upper halves into lanes."""
-    rig, count = bank.rig, int(s[c + col.LOCOMOTIONS])
-    above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
-    for number in range(count):
-        slot = locomotion_slot(c, number)
-        row, t = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
-        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
-        if count > 1:
-            split_lanes(lanes, above, width, mixing, number)
-            set_lane_weights(mixing, number, width, np.float32(s[slot + col.SHARE]))
-    if count > 1:
-        mix_lanes(mixing, count, width, lanes, above)
-
-
-@inlined
-def sample_half(bank: BankArrays, s: Array, c: int, clip: int, row: Index, t: Real, lanes: Array, above: Index) -> None:
-    """Samples the upper half of a clip into lanes, with the hands that the character wears on it."""
-    sample(bank.upper, row, bank.rig[arrays.FIRST_PLANE], bank.rig[arrays.UPPER_WIDTH], t, lanes, above)
-    if s[c + col.HANDS] > 0.0:
-        wear_hands(bank, s, c, clip, row, t, lanes, above)
-    if is_mirrored(bank, clip):
-        mirror_upper(bank, lanes, above)
-
-
-@inlined
-def is_bare(bank: BankArrays, s: Array, c: int, clip: int) -> bool:
-    """Whether the upper half of a clip is shown as it is stored: not mirrored, and without a hands layer."""
-    return s[c + col.HANDS] == 0.0 and not is_mirrored(bank, clip)
-
-
-@inlined
-def row_of_action(bank: BankArrays, s: Array, slot: int) -> tuple[np.uint64, float]:
-    """Returns the row before an action's frame, and the share of the next row."""
-    clip, frame = int(s[slot + col.CLIP]), s[slot + col.FRAME]
-    first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
-    if s[slot + col.KIND] == NAIVE:
-        count = bank.clips[clip, arrays.FRAME_COUNT]
-        frame = repeated(frame, count - 1.0)
-    return locate(frame, first, count)
-
-
-@inlined
-def sample_action(
-    bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing
+def mask_action(
+    bank: BankArrays,
+    limbs: Limbs,
+    s: Array,
+    c: int,
+    k: int,
+    ahead: Index,
+    ahead_own: Index,
+    lanes: Array,
+    block: Array,
+    mixing: Mixing,
+    character: int,
+    rotations: Array,
 ) -> None:
-    """Samples an action's upper half into lanes, and prepares its splice in lane k of the block."""
-    slot, above = action_slot(c, number), np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]
-    row, t = row_of_action(bank, s, slot)
-    sample_half(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
-    prepare_splice(bank, s, c, number, k, row, t, lanes, block, mixing)
+    """Writes the joints of the locomotions' own upper half into the pose, and those of an action where its mask is.
+
+    Prepares the action's splice in lane k of the block.
+    """
+    rig, mask = bank.rig, int(s[c + col.FIRST_ACTION + col.MASK])
+    above, own = np.uint64(4) * rig[arrays.LOWER_WIDTH], np.uint64(4) * rig[arrays.OWN_UPPER]
+    if s[c + col.LOCOMOTIONS] == 1.0 and s[c + col.HANDS] == 0.0:
+        slot = locomotion_slot(c, 0)
+        row, t = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
+        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, ahead_own, np.float32(t), lanes, own)
+    else:
+        sample_own(bank, s, c, ahead_own, lanes, mixing)
+        keep_own(bank, lanes)
+    sample_action(bank, s, c, 0, k, ahead, lanes, block, mixing)
+    keep_limbs(limbs, mask, lanes, above, k, mixing)
+    for part in range(col.PARTS):
+        mixing.shares[k, part] = mask >> part & 1
+    mixing.finish[k] = ONLY_LIMBS
+    first = np.uint64(arrays.COLUMNS) + rig[arrays.LOWER_COUNT]
+    above, own = above + np.uint64(4 * FIRST_JOINT), own + np.uint64(4 * FIRST_JOINT)
+    for joint in range(np.uint64(len(limbs.bits))):
+        at = above if mask & limbs.bits[joint] else own
+        copy_rotation(lanes, at + np.uint64(4) * joint, rotations, character, rig[first + joint])
 
 
 @inlined
 def sample_summand(
-    bank: BankArrays, s: Array, c: int, number: int, k: int, lanes: Array, block: Array, mixing: Mixing, source: int
+    bank: BankArrays,
+    s: Array,
+    c: int,
+    number: int,
+    k: int,
+    ahead: Index,
+    lanes: Array,
+    block: Array,
+    mixing: Mixing,
+    source: int,
 ) -> None:
     """Makes an action's upper half a source, and prepares its splice in lane k of the block."""
     rig, slot = bank.rig, action_slot(c, number)
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     row, t = row_of_action(bank, s, slot)
     in_planes = is_bare(bank, s, c, int(s[slot + col.CLIP])) and not is_added(bank, s, slot)
+    in_planes &= int(s[slot + col.MASK]) & col.TRUNK != 0
     if in_planes:
-        sample_planes(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), mixing.planes, plane_of(source))
+        sample_planes(
+            bank.upper, row, ahead, rig[arrays.FIRST_PLANE], width, np.float32(t), mixing.planes, plane_of(source)
+        )
         copy_to_lanes(mixing, source, np.uint64(PELVIS), lanes, above)
         copy_to_lanes(mixing, source, np.uint64(TORSO_OFFSET), lanes, above)
     else:
-        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, np.float32(t), lanes, above)
+        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, ahead, np.float32(t), lanes, above)
     prepare_splice(bank, s, c, number, k, row, t, lanes, block, mixing)
     if not in_planes:
         split_lanes(lanes, above, width, mixing, source)
-
-
-@inlined
-def prepare_splice(
-    bank: BankArrays,
-    s: Array,
-    c: int,
-    number: int,
-    k: int,
-    row: Index,
-    t: float,
-    lanes: Array,
-    block: Array,
-    mixing: Mixing,
-) -> None:
-    """Prepares the splice of an action, `t` of the way from a row to the next, in lane k of the block.
-
-    Of its upper half, pelvis and torso offset must be in lanes; all of it, if it is added to the locomotion.
-    """
-    rig, slot = bank.rig, action_slot(c, number)
-    first, k = (k - number) & LANE, k & LANE
-    above, mirrored = np.uint64(4) * rig[arrays.LOWER_WIDTH], is_mirrored(bank, int(s[slot + col.CLIP]))
-    block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
-    request, kind = mixing.requests[k], int(s[slot + col.KIND])
-    if is_added(bank, s, slot):
-        own = np.uint64(4) * rig[arrays.OWN_UPPER]
-        lay_on(bank, int(s[slot + col.CLIP]), row, np.float32(t), lanes, own, above)
-        kind = NAIVE  # its pelvis is known
-    request["method"], request["posture"] = kind, int(s[slot + col.POSTURE])
-    request["action"], request["locomotion"] = int(s[slot + col.CLIP]), int(s[c + col.FIRST_LOCOMOTION + col.CLIP])
-    if kind == SPLICE:
-        for column in range(arrays.MEAN_POSTURE):
-            mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
-        if request["posture"] == RUNNING:
-            for column in range(arrays.MEAN_POSTURE, arrays.MEMORY_COLUMNS):
-                mixing.memory[k, column] = s[slot + col.REMEMBERED + column]
-        if s[c + col.LOCOMOTIONS] > 1.0:
-            block[ROW_L * BLOCK + k] = block[SHARE_L * BLOCK + k] = 0.0
-            correlate(bank, mixing.row, False, mirrored, block, k, lanes, above)  # the row is mirrored already
-            if request["posture"] == ABSOLUTE:
-                mix_postures(bank, s, c, k, mixing)
-        else:
-            block[ROW_L * BLOCK + k] = block[ROW_L * BLOCK + first]
-            block[SHARE_L * BLOCK + k] = block[SHARE_L * BLOCK + first]
-            correlate(bank, bank.lower, is_mirrored(bank, request["locomotion"]), mirrored, block, k, lanes, above)
-    elif kind == NAIVE:
-        for i in range(4):
-            block[(SPLICED + i) * BLOCK + k] = 0.0
-            mixing.turns[k, i] = lanes[above + np.uint64(4 * PELVIS + i)]
-
-
-@kernel
-def mix_postures(bank: BankArrays, s: Array, c: int, k: int, mixing: Mixing) -> None:
-    """Mixes the locomotions' stored postures into the memory of an action with posture `absolute`."""
-    mixing.requests[k]["posture"] = GIVEN
-    for i in range(6):
-        mixing.memory[k, arrays.MEAN_POSTURE + i] = 0.0
-    for number in range(int(s[c + col.LOCOMOTIONS])):
-        slot = locomotion_slot(c, number)
-        for i in range(6):
-            stored = bank.clips[int(s[slot + col.CLIP]), arrays.POSTURE + i]
-            mixing.memory[k, arrays.MEAN_POSTURE + i] += s[slot + col.SHARE] * stored
+    fetch_cloud(bank.upper, ahead, rig[arrays.FIRST_PLANE])
 
 
 @inlined
 def mix_actions(
-    bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, k: int, lanes: Array, block: Array, mixing: Mixing
+    bank: BankArrays,
+    limbs: Limbs,
+    s: Array,
+    c: int,
+    count: int,
+    k: int,
+    ahead: Index,
+    ahead_own: Index,
+    lanes: Array,
+    block: Array,
+    mixing: Mixing,
 ) -> None:
     """Mixes the upper halves of locomotions and actions into lanes, each part by its shares."""
     rig = bank.rig
     above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
     share_parts(s, c, count, mixing.weights)
-    sources = sample_own_summand(bank, limbs, s, c, count, lanes, mixing)
+    sources = sample_own_summand(bank, limbs, s, c, count, ahead_own, lanes, mixing)
     for number in range(count):
         slot = action_slot(c, number)
         mixing.requests[k + number]["method"] = 0
         if s[slot + col.KIND] != col.OWN:
-            sample_summand(bank, s, c, number, k + number, lanes, block, mixing, sources)
+            sample_summand(bank, s, c, number, k + number, ahead, lanes, block, mixing, sources)
             apart = is_apart(s, slot, k + number, mixing)
             if apart:
-                keep_limbs(limbs, int(s[slot + col.MASK]), sources, k + number, mixing)
+                keep_limbs(limbs, int(s[slot + col.MASK]), lanes, above, k + number, mixing)
                 mixing.finish[k] = LIMBS
             set_part_weights(limbs, width, mixing, sources, number + 1, apart)
             sources += 1
@@ -283,7 +231,7 @@ def mix_actions(
 
 @inlined
 def sample_own_summand(
-    bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, lanes: Array, mixing: Mixing
+    bank: BankArrays, limbs: Limbs, s: Array, c: int, count: int, ahead: Index, lanes: Array, mixing: Mixing
 ) -> int:
     """Makes the locomotions' own upper half the first source, if any of it is visible; returns the number of sources.
 
@@ -297,9 +245,9 @@ def sample_own_summand(
         kept |= is_added(bank, s, action_slot(c, number))
     if visible and not kept and s[c + col.LOCOMOTIONS] == 1.0 and is_bare(bank, s, c, clip):
         row, t = row_of(bank, clip, s[slot + col.FRAME])
-        sample_planes(bank.upper, row, rig[arrays.FIRST_PLANE], width, np.float32(t), mixing.planes, plane_of(0))
+        sample_planes(bank.upper, row, ahead, rig[arrays.FIRST_PLANE], width, np.float32(t), mixing.planes, plane_of(0))
     elif visible or kept:
-        sample_own(bank, s, c, lanes, mixing)
+        sample_own(bank, s, c, ahead, lanes, mixing)
         if kept:
             keep_own(bank, lanes)
         split_lanes(lanes, above, width, mixing, 0)

@@ -39,10 +39,11 @@ HANDS_WIDTH, SPARE, HANDS_COUNT, OWN_UPPER, COLUMNS = 7, 8, 9, 10, 11
 TWIN, MATRIX, MIRROR_COLUMNS = 0, 1, 17
 # columns of a memory
 LAST_TURN, MEAN_POSTURE, MEMORY_COLUMNS = 0, 4, 10
-# rows of Scratch.block, BLOCK lanes each: rows and shares between them, phase, a correlation, its bound and its gap;
-# from ALIGNED on quaternions, four rows each
-ROW_L, SHARE_L, ROW_U, SHARE_U, PHASE, CORRELATION, BOUND, GAP = 0, 1, 2, 3, 4, 5, 14, 15
-ALIGNED, SPLICED, FRAME, OWN, THEIRS, TURN, BLOCK_ROWS = 16, 20, 24, 28, 32, 36, 40
+# rows of Scratch.block, BLOCK lanes each: rows and shares between them, each followed by those of the NEXT block;
+# phase, a correlation, its bound and its gap; from ALIGNED on quaternions, four rows each
+ROW_L, SHARE_L, ROW_U, SHARE_U, PHASE, CORRELATION, BOUND, GAP = 0, 2, 4, 6, 8, 9, 18, 19
+ALIGNED, SPLICED, FRAME, OWN, THEIRS, TURN, BLOCK_ROWS = 20, 24, 28, 32, 36, 40, 44
+NEXT = BLOCK  # lane of the next block's first character
 
 
 class BankArrays(NamedTuple):

@@ -1,7 +1,7 @@
 """Evaluates splices on flat arrays.
 
-Characters are computed in blocks. Their rows are looked up and prefetched, each character is sampled on its own, and
-alignment and posture are computed across the block.
+Characters are computed in blocks. The rows of a block are looked up before those of the block before are sampled, which
+prefetches them. Each character is sampled on its own; alignment and posture are computed across the block.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from motionsplice.runtime.format.rows import FIRST_JOINT, PELVIS, ROOT
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import (
     BLOCK,
+    NEXT,
     ROW_L,
     ROW_U,
     SHARE_L,
@@ -22,6 +23,7 @@ from motionsplice.runtime.kernels.arrays import (
     Scratch,
     SpliceArrays,
 )
+from motionsplice.runtime.kernels.fetching import fetch_cloud, fetch_rows
 from motionsplice.runtime.kernels.hands import lay_hands
 from motionsplice.runtime.kernels.lookup import (
     NAIVE,
@@ -38,10 +40,12 @@ from motionsplice.runtime.kernels.lookup import (
 )
 from motionsplice.runtime.kernels.mirror import mirror_lower, mirror_upper
 from motionsplice.runtime.kernels.posture import RUNNING, correlate, is_aligned, turn_pelves
-from motionsplice.runtime.kernels.rotations import ONE, sample
+from motionsplice.runtime.kernels.rotations import ONE, sample, sample_and_fetch
 from motionsplice.runtime.kernels.standing import lay_on
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel, parallel_kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
+
+AHEAD = 2  # characters by which rows are prefetched
 
 
 @kernel
@@ -136,9 +140,14 @@ def evaluate_part(
     """Evaluates the requests from `begin` to `end` with the scratch memory of one thread."""
     lanes, block, pelvis = scratch.lanes[thread], scratch.block[thread], bank.rig[arrays.PELVIS_COLUMN]
     above = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]  # offset of the upper half in lanes
+    look_up(bank, requests, begin, min(BLOCK, end - begin), block)
+    for k in range(NEXT, NEXT + min(AHEAD, end - begin)):
+        fetch_rows(bank.lower, np.uint64(block[ROW_L * BLOCK + k]))
+        fetch_rows(bank.upper, np.uint64(block[ROW_U * BLOCK + k]))
     for first in range(begin, end, BLOCK):
         count = min(BLOCK, end - first)
-        look_up(bank, requests, first, count, block)
+        take_next(block)
+        look_up(bank, requests, first + count, min(BLOCK, end - first - count), block)
         splices = added = 0
         for k in range(count):
             method = requests[first + k]["method"]
@@ -163,6 +172,14 @@ def evaluate_part(
 
 
 @inlined
+def take_next(block: Array) -> None:
+    """Makes the rows and shares that were looked up those of this block."""
+    for row in (ROW_L, SHARE_L, ROW_U, SHARE_U):
+        for k in range(BLOCK):
+            block[row * BLOCK + k] = block[row * BLOCK + NEXT + k]
+
+
+@inlined
 def sample_halves(
     bank: BankArrays,
     requests: Array,
@@ -177,19 +194,21 @@ def sample_halves(
 ) -> None:
     """Samples both halves of a character: root and joints into its pose, all rotations into `lanes`.
 
-    If the request `adds` its action to the locomotion, the upper half is that of the splice.
+    Meanwhile prefetches the rows of the character AHEAD; after the last character, any rows. If the request `adds` its
+    action to the locomotion, the upper half is that of the splice.
     """
     lower, rig = bank.lower, bank.rig
     row, t, first = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
+    ahead_l, ahead_u = np.uint64(block[ROW_L * BLOCK + k + AHEAD]), np.uint64(block[ROW_U * BLOCK + k + AHEAD])
     for axis in range(np.uint64(ROOT), np.uint64(ROOT + 3)):
         here = lower[row, axis]
         roots[character, axis] = here + t * (lower[row + ONE, axis] - here)
-    sample(lower, row, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
+    sample_and_fetch(lower, row, ahead_l, first, rig[arrays.LOWER_WIDTH], t, lanes, np.uint64(0))
     if is_mirrored(bank, requests[character]["locomotion"]):
         roots[character, ROOT] = -roots[character, ROOT]
         mirror_lower(bank, lanes)
     row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
-    sample(bank.upper, row, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
+    sample_and_fetch(bank.upper, row, ahead_u, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
     request = requests[character]
     if request["hands"] > 0:
         hands = int(request["hands"]) - 1
@@ -204,7 +223,9 @@ def sample_halves(
             mirror_upper(bank, lanes, own)
         lay_on(bank, request["action"], row, t, lanes, own, above)
     copy_lower(rig, lanes, rotations, character)
+    fetch_cloud(lower, ahead_l, first)
     copy_upper(rig, lanes, above, rotations, character)
+    fetch_cloud(bank.upper, ahead_u, first)
 
 
 @inlined

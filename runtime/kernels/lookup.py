@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from motionsplice.runtime.format.rows import LINE
 from motionsplice.runtime.kernels import arrays
-from motionsplice.runtime.kernels.arrays import BLOCK, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
+from motionsplice.runtime.kernels.arrays import BLOCK, NEXT, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
+from motionsplice.runtime.kernels.fetching import fetch_rows
 from motionsplice.runtime.kernels.rotations import ONE
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
-from motionsplice.runtime.simd.prefetch import prefetch
 
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
 IN_STEP = 1e-3  # cycles by which an action may begin before its start
@@ -20,44 +19,44 @@ IN_STEP = 1e-3  # cycles by which an action may begin before its start
 
 @kernel
 def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Array) -> None:
-    """Finds the rows of `count` characters from `first` on, and prefetches them.
+    """Finds the rows of `count` characters from `first` on, as those of the next block.
 
-    Each step is done for all characters before the next step, so that their waits for memory overlap.
+    Each step is done for all characters before the next step, so that their waits for memory overlap. Rows that few
+    requests need are prefetched.
     """
     clips, own_clocks = bank.clips, 0
+    row_l, share_l = ROW_L * BLOCK + NEXT, SHARE_L * BLOCK + NEXT
+    row_u, share_u = ROW_U * BLOCK + NEXT, SHARE_U * BLOCK + NEXT
     for k in range(count):
         request = requests[first + k]
         clip_l, clip_u = request["locomotion"], request["action"]
         first_l, count_l = clips[clip_l, arrays.FIRST_ROW], clips[clip_l, arrays.FRAME_COUNT]
         row, t = locate(request["time"] * clips[clip_l, arrays.RATE], first_l, count_l)
-        fetch_ahead(bank.lower, row)
-        block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
+        block[row_l + k], block[share_l + k] = row, t
         if follows_phase(bank, request):
             block[PHASE * BLOCK + k] = phase_in_step(bank, clip_l, row, t, clip_u, request["start"], request["cycles"])
         else:
             if request["method"] == SPLICE:
                 own_clocks += 1
-                fetch_ahead(bank.upper, row)  # of the locomotion
+                fetch_rows(bank.upper, row)  # of the locomotion
                 frame = own_frame(bank, clip_u, seconds_played(bank, request))
                 row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
             elif request["method"] == NAIVE:
                 count_u = clips[clip_u, arrays.FRAME_COUNT]
                 frame = repeated((request["start"] + request["time"]) * clips[clip_u, arrays.RATE], count_u - 1.0)
                 row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], count_u)
-            fetch_ahead(bank.upper, row)
             fetch_hands(bank, int(request["hands"]) - 1, clip_l if request["method"] == NONE else clip_u, row)
-            block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
+            block[row_u + k], block[share_u + k] = row, t
     for k in range(count):
         if requests[first + k]["method"] == SPLICE and (own_clocks == 0 or follows_phase(bank, requests[first + k])):
-            block[ROW_U * BLOCK + k] = frame_near(bank, requests[first + k]["action"], block[PHASE * BLOCK + k])
+            block[row_u + k] = frame_near(bank, requests[first + k]["action"], block[PHASE * BLOCK + k])
     for k in range(count):
         if requests[first + k]["method"] == SPLICE and (own_clocks == 0 or follows_phase(bank, requests[first + k])):
             clip_u = requests[first + k]["action"]
-            frame = frame_at(bank, clip_u, block[PHASE * BLOCK + k], block[ROW_U * BLOCK + k])
+            frame = frame_at(bank, clip_u, block[PHASE * BLOCK + k], block[row_u + k])
             row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
-            fetch_ahead(bank.upper, row)
             fetch_hands(bank, int(requests[first + k]["hands"]) - 1, clip_u, row)
-            block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
+            block[row_u + k], block[share_u + k] = row, t
 
 
 @inlined
@@ -190,17 +189,10 @@ def repeated(frame: float, last: float) -> float:
 
 
 @inlined
-def fetch_ahead(table: Array, row: Index) -> None:
-    """Prefetches a row of a table and the next one."""
-    for column in range(0, 2 * table.shape[1], LINE):
-        prefetch(table, row, column)
-
-
-@inlined
 def fetch_hands(bank: BankArrays, worn: int, clip: int, row: Index) -> None:
     """Prefetches the rows of hands on a clip, if aligned; `worn` is the number of the hands, negative for none."""
     if worn >= 0 and bank.hand_rows[worn, clip] >= 0:
-        fetch_ahead(bank.hands, row_of_hands(bank, worn, clip, row))
+        fetch_rows(bank.hands, row_of_hands(bank, worn, clip, row))
 
 
 @inlined

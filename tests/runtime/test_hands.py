@@ -133,7 +133,8 @@ def test_poses_agree_with_the_twin(one: Setup, hands_bank: Bank, seed: int) -> N
             if kind < 0.04:
                 characters.wear([row], worn[draw.integers(3)], blend=blend, weight=draw.uniform(0.3, 1.0))
             elif kind < 0.06:
-                characters.act([row], Action(str(draw.choice(names)), blend=blend))
+                mask: Any = draw.choice(list(col.MASKS))
+                characters.act([row], Action(str(draw.choice(names)), blend=blend, mask=mask))
             elif kind < 0.08:
                 characters.play([row], str(draw.choice(names)), blend=blend)
         characters.advance()

@@ -53,7 +53,8 @@ def command(characters: Characters, rows: list[int], draw: np.random.Generator) 
     elif kind == 3:
         mask: Any = draw.choice(list(col.MASKS))
         posture: Any = draw.choice(sorted(POSTURES.keys() - {"running"}))
-        characters.act(rows, Action(first, blend=blend, mask=mask, weight=draw.uniform(0.3, 1.0), posture=posture))
+        weight = draw.choice([1.0, draw.uniform(0.3, 1.0)])
+        characters.act(rows, Action(first, blend=blend, mask=mask, weight=weight, posture=posture))
     elif kind == 4:
         characters.stop(rows, blend=blend)
     else:
@@ -104,6 +105,20 @@ def test_poses_agree_with_the_twin(one: Setup, seed: int) -> None:
         characters.add(1, str(draw.choice(names)))
     commanded(characters, draw, 60)
     naive_character.check(characters)
+
+
+@pytest.mark.parametrize("mask", ["arms", "head"])
+@pytest.mark.parametrize("locomotion", ["walk", "walk~mirror", {"walk": 0.5, "run": 0.5}])
+def test_a_whole_action_behind_a_mask_agrees_with_the_twin_and_with_nearly_all_of_it(
+    one: Setup, locomotion: Any, mask: Any
+) -> None:
+    whole, nearly = one(), one()
+    for characters, weight in ((whole, 1.0), (nearly, 1.0 - 1e-7)):
+        characters.add(1, locomotion, time=0.4)
+        characters.act([0], Action("carry_box", mask=mask, blend=0.0, weight=weight))
+        characters.advance(20)
+    np.testing.assert_allclose(evaluated(whole)[1], evaluated(nearly)[1], atol=1e-6)
+    naive_character.check(whole)
 
 
 @pytest.mark.parametrize("locomotion", ["walk", "run", "turn_180", "stairs_up", {"walk": 0.5, "run": 0.5}])

@@ -43,16 +43,18 @@ def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
     with serving(place, "--watch") as server:
         streams = Streams(Job(server.port, PATH, STREAMS, PATIENCE * exchanges, [json.dumps(still)], keep=2))
         time.sleep(2.0)
+        done = 0
         for number in range(exchanges):
             if number == min(WARM, exchanges // 2):  # by then it has allocated what it allocates once
                 memory, descriptors = server.memory(), server.descriptors()
-            after = number > exchanges // 2  # the damaged one, which is followed by the same bank, whole
-            put((other, first)[(number - after) % 2], place, damaged=number == exchanges // 2)
-            _wait(server, number + 1)
+            damaged = number == exchanges // 2
+            put((other, first)[done % 2], place, damaged=damaged)
+            done += not damaged
+            _wait(server, "refused" if damaged else "ok", 1 if damaged else done)
         memory, descriptors = server.memory() - memory, server.descriptors() - descriptors
         streams.end()
         taken = streams.taken()
-        refused, done = _exchanges(server)
+        refused, served = _exchanges(server, "refused"), _exchanges(server, "ok")
         skipped = server.metric("motionsplice_frames_skipped_total")
     expected = {}
     for folder in (first, other):
@@ -65,7 +67,7 @@ def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
     frames = [msgpack.unpackb(message) for one in taken for message in one.kept]
     torn = sum(frame["rotations"] != expected[frame["bank"]] for frame in frames)
     findings = Findings(f"{exchanges} exchanges under {STREAMS} streams at 60 Hz")
-    findings.add("banks exchanged", done, "{:.0f}", least=exchanges - 1)
+    findings.add("banks exchanged", served, "{:.0f}", least=exchanges - 1)
     findings.add("damaged banks refused", refused, "{:.0f}", least=1, most=None)
     findings.add("connections dropped", sum(one.lost for one in taken), "{:.0f}", most=0)
     missing = sum(lost(one.numbers) for one in taken)
@@ -81,18 +83,16 @@ def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:
     return findings
 
 
-def _wait(server: Process, exchanges: int) -> None:
-    """Waits until the service has served or refused as many banks."""
+def _wait(server: Process, result: str, count: int) -> None:
+    """Waits until as many exchanges have had a result."""
     deadline = time.monotonic() + PATIENCE
-    while sum(_exchanges(server)) < exchanges and time.monotonic() < deadline:
+    while _exchanges(server, result) < count and time.monotonic() < deadline:
         time.sleep(INTERVAL)
     time.sleep(INTERVAL)
 
 
-def _exchanges(server: Process) -> tuple[float, float]:
-    """Returns how many banks were refused and how many were exchanged."""
-    refused, done = (server.metric(f'motionsplice_bank_exchanges_total{{result="{one}"}}') for one in ("refused", "ok"))
-    return refused, done
+def _exchanges(server: Process, result: str) -> float:
+    return server.metric(f'motionsplice_bank_exchanges_total{{result="{result}"}}')
 
 
 def put_aside(bank: Path, place: Path) -> None:

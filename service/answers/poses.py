@@ -72,8 +72,10 @@ async def _read(shared: Shared, body: bytes, is_json: bool) -> Batch:
 
 
 async def _written(shared: Shared, bank: str, arrays: Arrays, form: str) -> bytes:
-    """Returns arrays as a message. JSON of many characters is written in several turns."""
+    """Returns arrays as a message. That of many characters has a turn of its own, and JSON several."""
     if form != "json" or sum(one.size for one in arrays.values()) <= JSON_NUMBERS:
+        if len(next(iter(arrays.values()))) > BLOCK:
+            await shared.turns.next()
         return FORMS[form].write(bank, {}, arrays)
     made = []
     for piece in json_pieces(bank, {}, arrays):

@@ -75,7 +75,9 @@ def _body(times: Any) -> bytes:
     return bytes(msgpack.packb({"clips": ["walk"], **columns}))
 
 
-@pytest.mark.parametrize(("count", "turns"), [(0, 0), (1, 0), (BLOCK, 0), (BLOCK + 1, 2), (2 * BLOCK + 1000, 1 + 3)])
+@pytest.mark.parametrize(
+    ("count", "turns"), [(0, 0), (1, 0), (BLOCK, 0), (BLOCK + 1, 2 + 1), (2 * BLOCK + 1000, 1 + 3 + 1)]
+)
 def test_each_block_of_a_batch_has_a_turn_and_they_are_the_whole(edition: Edition, count: int, turns: int) -> None:
     times = np.linspace(0.0, 1.0, count)
     answer, taken = _answer(edition, times)
@@ -95,7 +97,7 @@ def test_a_wrong_request_of_a_later_block_is_named_by_its_place(edition: Edition
         _answer(edition, times)
 
 
-@pytest.mark.parametrize(("count", "turns"), [(5, 0), (5000, 1 + 3 + 5)])
+@pytest.mark.parametrize(("count", "turns"), [(5, 0), (5000, 1 + 3 + 5 + 1)])
 def test_a_large_body_in_json_is_parsed_in_turns(edition: Edition, count: int, turns: int) -> None:
     shared, times = _shared(edition), np.linspace(0.0, 1.0, count).round(3)
     body = {"clips": ["walk"], "locomotion": [0] * count, "time": times.tolist()}

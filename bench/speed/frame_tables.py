@@ -18,7 +18,8 @@ TITLES = {
     "cold": "Cold batches: caches emptied before each call",
     "paced": "60 Hz ticks, with sleep in between",
     "single": "Single calls of one character, Python included",
-    "libraries": "Warm batches: the kernels, and libraries in C",
+    "libraries, random times": "Warm batches at random times: the kernels, and libraries in C",
+    "libraries, sequential times": "Warm batches at sequential times: the kernels, and libraries in C",
 }
 
 
@@ -46,8 +47,13 @@ def summary_table(title: str, rows: Sequence[Summary]) -> Table:
             table.add_section()
         before = one.characters
         times = (f"{1e9 * time:,.0f}" for time in (one.median, one.p95, one.p99, one.worst))
-        table.add_row(f"{one.characters:,}", one.what, *times, *(f"{one.ratios[other]:.2f}" for other in against))
+        table.add_row(f"{one.characters:,}", one.what, *times, *(_ratio(one.ratios[other]) for other in against))
     return table
+
+
+def _ratio(value: float) -> str:
+    """Two digits at least: 1.45, 0.98, 0.052."""
+    return f"{value:.3f}" if value < 0.1 else f"{value:.2f}"
 
 
 def roofline_table(roof: Roofline, batches: Sequence[Summary]) -> Table:

@@ -212,6 +212,8 @@ public:
 
     int joint_count() const { return static_cast<int>(skeleton_.names.size()); }
     const Skeleton& skeleton() const { return skeleton_; }
+    /// The joint by which the upper body hangs on the root.
+    int pelvis() const { return static_cast<int>(pelvis_); }
     /// Whether clips have mirror images: not if left and right limbs hang on different joints.
     bool has_mirror_images() const { return !upper_images_.twins.empty(); }
     /// The clips, without their mirror images.

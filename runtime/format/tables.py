@@ -27,7 +27,7 @@ def open_tables(files: Mapping[str, Path]) -> dict[str, NDArray[Any]]:
     """Opens all tables of a bank, read-only. Raises BankError, or OSError if a file cannot be read.
 
     A SMALL bank is read into memory. Larger ones are mapped, so that processes share their pages; but who cuts a mapped
-    file short while it is in use kills these processes.
+    file short while it is in use kills these processes, unless they lease it, as the service does.
     """
     small = sum(file.stat().st_size for file in files.values() if file.exists()) <= SMALL
     return {name: _opened(name, file, small) for name, file in files.items()}

@@ -11,6 +11,7 @@ from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST, mark_of
 from motionsplice.service.exchange.background import in_background
+from motionsplice.service.exchange.leases import Leases
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition, Serving
 
@@ -20,8 +21,8 @@ INTERVAL = 0.5  # seconds between two checks
 LATER = 10  # checks, after which a bank that could not be read is tried again
 
 
-async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) -> None:
-    """Serves each new bank once it is verified and its kernels are compiled. Runs until cancelled.
+async def watch(serving: Serving, metrics: Metrics, leases: Leases, interval: float = INTERVAL) -> None:
+    """Serves each new bank once it is leased, verified, and its kernels are compiled. Runs until cancelled.
 
     A damaged bank is refused, and checked again only when its manifest changes; one that cannot be read, such as when
     the process has too many files open, is tried again. The old bank stays in service.
@@ -35,7 +36,7 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
             continue
         known = mark
         try:
-            edition = await in_background(partial(_open, path, serving.bank.digest))
+            edition = await in_background(partial(_open, path, serving.bank.digest, leases))
         except MotionError as error:
             metrics.exchanges.labels("refused").inc()
             logger.warning("a new bank was refused", extra={"detail": str(error), "serving": serving.bank.digest})
@@ -52,10 +53,11 @@ async def watch(serving: Serving, metrics: Metrics, interval: float = INTERVAL) 
                 logger.info("a new bank is served", extra={"bank": edition.bank.digest})
 
 
-def _open(path: Path, served: str) -> Edition | None:
+def _open(path: Path, served: str, leases: Leases) -> Edition | None:
     """Returns the bank on disk, or None if it is the one that is served. Raises BankError."""
     bank = Bank.open(path, verify=False)
     if bank.digest == served:
         return None
+    leases.hold(bank)
     bank.verify()
     return Edition.warm(bank)

@@ -21,6 +21,7 @@ from tests.clients.happenings import lose
 from tests.service.running import Running
 
 ROOT = Path(__file__).parents[2]
+WINDOW = 10.0  # seconds, for which playback keeps samples of the clocks' offset
 GDPARSE = shutil.which("gdparse")
 needs_godot = pytest.mark.skipif(GODOT is None, reason="Godot 3 is not installed: apt-get install godot3-server")
 
@@ -76,6 +77,8 @@ def check_playback(log: list[dict[str, Any]]) -> None:
     exec(program[: program.index("with connect(")], names)
     playback, pictures, between = names["Playback"](60), 0, 0
     for entry in log:
+        if entry["now"] - log[0]["now"] > WINDOW:
+            break  # on a busy machine: the program forgets old samples at pictures, and the client at messages
         if "message" in entry:
             playback.take(first_alone(base64.b64decode(entry["message"])), entry["now"])
             continue

@@ -16,7 +16,7 @@ from motionsplice.service.edge.config import EdgeConfig
 from motionsplice.service.server import listen
 from motionsplice.service.settings import Settings
 
-PATIENCE = 30.0  # seconds, far more than any step takes
+PATIENCE = 120.0  # seconds, far more than any step takes, also on a machine that is busy
 COMPILING = 600.0  # if kernels are compiled for the first time
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect, sync_playwright
 
 from bench.chromium import ARGUMENTS, CHROMIUM, MISSING
 from motionsplice.runtime.bank import Bank
@@ -25,12 +25,14 @@ SHOW = """const { values } = new State(new URLSearchParams(QUERY));
     state.set({ playing });
     viewer.view.onchange();"""
 SIZE: ViewportSize = {"width": 1000, "height": 640}
+PATIENCE = 60_000.0  # milliseconds, far more than any step takes, also on a machine that is busy
 
 
 @pytest.fixture(scope="module")  # not longer: while it is open, other tests cannot run an event loop
 def browser() -> Iterator[Browser]:
     if CHROMIUM is None:
         pytest.skip(MISSING)
+    expect.set_options(timeout=PATIENCE)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         yield browser
@@ -100,7 +102,7 @@ class View:
 @contextmanager
 def new_context(browser: Browser) -> Iterator[BrowserContext]:
     context = browser.new_context(viewport=SIZE)
-    context.set_default_timeout(15_000)
+    context.set_default_timeout(PATIENCE)
     yield context
     context.close()
 

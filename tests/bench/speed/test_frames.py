@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import fields, replace
 from pathlib import Path
@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from bench.generated import Size, generate
-from bench.rounds import Summary
+from bench.rounds import Summary, Work
 from bench.speed import cpp_twin, flatness, frames, roofline
+from bench.speed.frame_tables import summary_table
 from bench.speed.memory import FIELDS, state_of, table_pages
 from bench.speed.numpy_twin import NumpyTwin
 from bench.speed.sampler import Sampler
@@ -21,7 +22,7 @@ from bench.speed.workload import SETS, Copy, Scene, request_sets
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.requests import METHODS, Requests
+from motionsplice.runtime.requests import METHODS, Poses, Requests
 from motionsplice.runtime.splice import Splice
 
 MANY = Scene()
@@ -94,8 +95,34 @@ def test_a_library_is_given_the_moment_of_the_action_and_timed_beside_the_kernel
         assert poses.root_positions[k, 0] == pytest.approx(frame / other.rate, abs=1e-5)
     frames.main(bank=generated.path, characters=[1], rounds=2, ticks=2, against=engine)
     printed = capsys.readouterr().out
-    assert "Warm batches: the kernels, and libraries in C" in printed
+    for times in ("random", "sequential"):
+        assert f"Warm batches at {times} times: the kernels, and libraries in C" in printed
     assert "engine.so: its rotations differ from the kernels' by" in printed
+
+
+@pytest.mark.parametrize("sequential", [False, True])
+def test_a_library_gets_the_times_of_its_table(generated: Bank, sequential: bool) -> None:
+    received: list[Sequence[Requests]] = []
+
+    class Recorder(Sampler):
+        def __init__(self) -> None:
+            pass
+
+        def evaluation(self, sets: Sequence[Requests], poses: Poses) -> Work:
+            received.append(sets)
+            return lambda number: number
+
+    rows = frames.in_libraries(Evaluator(generated), {"engine": Recorder()}, Scene(sequential=sequential), 2)
+    assert [row.what for row in rows] == ["splice", "engine"] * len(received)
+    for sets in received:
+        later = sets[1].time - sets[0].time
+        assert np.isclose(later[later > 0.0], 1.0 / 60.0).all() == sequential
+
+
+def test_a_small_ratio_is_printed_to_two_digits() -> None:
+    one = Summary("splice", 1000, 3, 1e-6, 1e-6, 1e-6, 1e-6, {"engine": 0.0846, "copy": 1.234})
+    table = summary_table("", [one])
+    assert [next(iter(column.cells)) for column in table.columns][-2:] == ["0.085", "1.23"]
 
 
 @needs_gcc
@@ -179,7 +206,8 @@ def test_a_small_run_prints_tables_and_writes_them(
     assert document["bank"]["joints"] == 22
     tables = document["tables"]
     names = {"batches", "scenes", "forms", "threads", "cold", "paced", "single"}
-    assert set(tables) == (names if cpp_twin.MISSING else names | {"libraries"})
+    libraries = {"libraries, random times", "libraries, sequential times"}
+    assert set(tables) == (names if cpp_twin.MISSING else names | libraries)
     assert [(row["characters"], row["what"]) for row in tables["batches"]] == [
         (count, what) for count in (1, 20) for what in ("splice", "naive", "none", "copy", "NumPy")
     ]

@@ -68,7 +68,7 @@ def test_ctrl_c_ends_it_with_a_report(bank: Bank, listeners: tuple[socket.socket
     for _ in range(20):
         vmc.recv(65536)
     sending.send_signal(signal.SIGINT)
-    printed, _ = sending.communicate(timeout=10.0)
+    printed, _ = sending.communicate(timeout=120.0)
     assert sending.returncode == 0
     assert f"Sending 'walk' with 'wave' to 127.0.0.1:{port(vmc)}, 60 frames per second" in printed
     assert "frames, " in printed

@@ -209,7 +209,7 @@ def test_messages_are_parsed_one_at_a_time_and_none_is_lost(patient: Running, mo
 
 def test_a_client_whose_commands_wait_is_not_cut_off_for_its_pong(bank: Bank) -> None:
     """Its pong is behind commands, which wait for longer than an unanswered ping may."""
-    with running(bank.path, Settings(stall_seconds=0.4, max_commands=1000)) as service, Player(service) as player:
+    with running(bank.path, Settings(stall_seconds=2.0, max_commands=1000)) as service, Player(service) as player:
         player.do({"do": "create", "id": 1, "locomotion": "walk"})
         stop = json.dumps({"do": "stop", "id": 1})
         for _ in range(8):

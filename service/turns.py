@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 AT_ONCE = 12  # pieces between two ticks of the clock that are begun whenever they are asked for
 SHARE = 0.5  # of the time between two ticks, in which further pieces are begun
+MOST_FREE = 0.02  # seconds before a frame is due in which no further pieces are begun
 
 
 class Turns:
@@ -48,7 +49,9 @@ class Turns:
 
     def next_tick(self, due: float) -> None:
         """Notes when the next frame is due, infinite if none is."""
-        self._until = self._ticked + SHARE * (due - self._ticked)
+        if math.isinf(self._until):  # none was, for however long
+            self.ticked(asyncio.get_running_loop().time())
+        self._until = max(self._ticked + SHARE * (due - self._ticked), due - MOST_FREE)
         self._give_later()
 
     def _give_later(self) -> None:

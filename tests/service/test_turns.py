@@ -72,6 +72,24 @@ def test_a_few_pieces_are_begun_at_once_and_the_others_after_the_next_tick(monke
     assert asyncio.run(run()) == [AT_ONCE, 2 * AT_ONCE, 3 * AT_ONCE, 3 * AT_ONCE]
 
 
+def test_the_first_pieces_after_an_idle_time_do_not_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turns_module, "SHARE", 0.0)
+
+    async def run() -> int:
+        turns, done = Turns(), list[int]()
+        for piece in range(3 * AT_ONCE):
+            turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
+        await _turns(4 * AT_ONCE)
+        assert len(done) == 3 * AT_ONCE
+        turns.next_tick(asyncio.get_running_loop().time())
+        for piece in range(3 * AT_ONCE):
+            turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
+        await _turns(4 * AT_ONCE)
+        return len(done)
+
+    assert asyncio.run(run()) == 4 * AT_ONCE
+
+
 @pytest.mark.parametrize("due", [1e9, float("inf")])
 def test_long_before_the_next_frame_no_piece_waits(due: float) -> None:
     async def run() -> int:

@@ -26,7 +26,7 @@ PATH = "/v1/characters?rate=60"
 WARM = 20  # exchanges, after which memory must not grow
 PATIENCE = 30.0  # seconds in which a bank must be served or refused
 INTERVAL = 0.1  # seconds between two looks whether it is, and until the next bank
-LONGEST_PAUSE = 1000  # ms; a busy machine causes some hundred, and a kernel that must be compiled thousands
+LONGEST_PAUSE = 2000  # ms; a busy machine causes 750, and a kernel that must be compiled thousands
 
 
 def exchange(bank: Path, *, exchanges: int = EXCHANGES) -> Findings:

@@ -117,7 +117,7 @@ quality: $(VENV)/ready        ## judge splices against the truth: built-in motio
 	$(BIN)/python -m bench.quality --out quality/built-in
 	test ! -d $(REAL) || $(BIN)/python -m bench.quality $(REAL) --out quality/real
 
-soak: $(VENV)/ready           ## two hours: jobs killed, disks that fail, power cuts, damaged banks; the service under load
+soak: $(VENV)/ready           ## two hours: jobs killed, disks that fail, power cuts, damaged banks; 40 minutes of them the service under load
 	$(BIN)/python -m tests.hardening.killed --kills 500
 	$(BIN)/python -m tests.hardening.failing_disk
 	$(BIN)/python -m tests.hardening.power_loss --variants 20

@@ -99,6 +99,7 @@ class Characters:
         characters.add(1, stage.bank.clips[0].name)
         characters.advance()
         characters.evaluate(stage.evaluator.poses(1))
+        characters.moved(stage)
 
     def __len__(self) -> int:
         return len(self.state)

@@ -63,6 +63,34 @@ class Allowance:
             self._left += self._burst.draw(max(0.0, -self._left))
         return max(0.0, -self._left / self._rate)
 
+    def is_full(self, now: float) -> bool:
+        """Whether no more can be saved up."""
+        return self._left + (now - self._since) * self._rate >= self._most
+
+
+class SharedAllowances:
+    """The allowances of addresses, each shared by all that an address asks for. They begin full.
+
+    Args:
+        rate: Growth per second.
+        most: The most that can be saved up.
+    """
+
+    def __init__(self, rate: float, most: float) -> None:
+        self._rate, self._most = rate, most
+        self._of: dict[str, Allowance] = {}
+
+    def __len__(self) -> int:
+        """The number of addresses whose allowances are remembered."""
+        return len(self._of)
+
+    def charge(self, address: str, cost: float, now: float) -> float:
+        """Charges an address, as `Allowance.charge` does. Allowances that are full again are forgotten."""
+        if address not in self._of:
+            self._of = {one: allowance for one, allowance in self._of.items() if not allowance.is_full(now)}
+            self._of[address] = Allowance(self._rate, self._most, now, left=self._most)
+        return self._of[address].charge(cost, now)
+
 
 class Allowances:
     """The allowances of all connections. Those of an address share its burst, also with connections that ended."""

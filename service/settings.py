@@ -63,7 +63,9 @@ class Settings(BaseSettings):
     max_ahead: int = Field(default=120, ge=1, le=1000, description="Frames in one message")
     max_commands: int = Field(default=1000, ge=1, description="Commands per second of one WebSocket; further ones wait")
     max_load: int = Field(
-        default=600_000, ge=1, description="Characters evaluated per second for all WebSockets, in each process"
+        default=600_000,
+        ge=1,
+        description="Characters evaluated per second for all WebSockets, or in batches of an address, in each process",
     )
     max_streams: int = Field(default=256, ge=1, description="Streams and WebSockets at once, in each process")
     max_connections: int = Field(default=4096, ge=1, description="Connections at once, in each process")

@@ -6,7 +6,9 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 
+from motionsplice.service.allowance import SharedAllowances
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import BusyError
 from motionsplice.service.serving import Serving
@@ -19,6 +21,8 @@ class Shared:
     """The settings, the bank that is served, the metrics, the open streams, and whether the service is stopping.
 
     turns: for work whose length clients choose.
+    batches: the characters that an address may ask for in batches: as many per second as all WebSockets, and as many at
+        once as in a second.
     retargeting: held while a take is put onto a rig in a thread: one at a time, as that takes a core and much memory.
     estimating: held while a thread uses the edition's estimator.
     """
@@ -31,6 +35,10 @@ class Shared:
     retargeting: asyncio.Lock = field(default_factory=asyncio.Lock)
     estimating: asyncio.Lock = field(default_factory=asyncio.Lock)
     turns: Turns = field(default_factory=Turns)
+
+    @cached_property
+    def batches(self) -> SharedAllowances:
+        return SharedAllowances(self.settings.max_load, self.settings.max_load)
 
     @contextmanager
     def admitted(self) -> Iterator[None]:

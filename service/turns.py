@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections import deque
 from collections.abc import Callable
+
+AT_ONCE = 12  # pieces between two ticks of the clock that are begun whenever they are asked for
+SHARE = 0.5  # of the time between two ticks, in which further pieces are begun
+MOST_FREE = 0.02  # seconds before a frame is due in which no further pieces are begun
 
 
 class Turns:
     """Gives each turn of the event loop to one piece of work, in the order of asking.
 
-    However many clients flood the service, the clock of frames then waits for one piece at most.
+    However many clients flood the service, the clock of frames then waits for one piece at most. More than AT_ONCE
+    pieces are begun in the first part of the time until the next frame only, so that it waits for none, and the process
+    sleeps for a part of the time: the system prefers those that do.
     """
 
     def __init__(self) -> None:
         self._waiting: deque[Callable[[], None]] = deque()
+        self._will_give = False
+        self._left = AT_ONCE
+        self._ticked, self._until = 0.0, math.inf
 
     def call(self, work: Callable[[], None]) -> None:
         """Calls a function in a later turn, which it has for itself."""
         self._waiting.append(work)
-        if len(self._waiting) == 1:
-            asyncio.get_running_loop().call_soon(self._give)
+        self._give_later()
 
     async def next(self) -> None:
         """Waits for a turn. What the task does until it waits again is one piece."""
@@ -33,8 +42,30 @@ class Turns:
         self.call(give)
         await turn
 
-    def _give(self) -> None:
-        work = self._waiting.popleft()
-        if self._waiting:
+    def ticked(self, now: float) -> None:
+        """Notes that the clock has made the frames that were due."""
+        self._ticked, self._left = now, AT_ONCE
+        self._give_later()
+
+    def next_tick(self, due: float) -> None:
+        """Notes when the next frame is due, infinite if none is."""
+        if math.isinf(self._until):  # none was, for however long
+            self.ticked(asyncio.get_running_loop().time())
+        self._until = max(self._ticked + SHARE * (due - self._ticked), due - MOST_FREE)
+        self._give_later()
+
+    def _give_later(self) -> None:
+        if self._waiting and not self._will_give and self._may_give():
+            self._will_give = True
             asyncio.get_running_loop().call_soon(self._give)
-        work()
+
+    def _may_give(self) -> bool:
+        return self._left > 0 or asyncio.get_running_loop().time() < self._until
+
+    def _give(self) -> None:
+        self._will_give = False
+        if self._may_give():
+            self._left -= 1
+            work = self._waiting.popleft()
+            self._give_later()
+            work()

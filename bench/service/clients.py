@@ -58,6 +58,10 @@ class Streams:
     def __init__(self, job: stream_client.Job) -> None:
         self._process = started("stream_client", job)
 
+    def end(self) -> None:
+        """Ends the clients before their time is over."""
+        self._process.terminate()
+
     def taken(self) -> list[Taken]:
         """Waits until the clients are done, and returns what each received."""
         assert self._process.stdout is not None

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+import signal
 import sys
 import time
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -126,8 +128,9 @@ def _number(buffer: bytearray, at: int) -> int:
 
 
 async def take(job: Job) -> list[Client]:
-    """Connects all clients, and waits until the job ends."""
-    loop = asyncio.get_running_loop()
+    """Connects all clients, and waits until the job ends, or until SIGTERM."""
+    loop, ended = asyncio.get_running_loop(), asyncio.Event()
+    loop.add_signal_handler(signal.SIGTERM, ended.set)
     clients = []
     for _ in range(job.connections):
         _, client = await loop.create_connection(lambda: Client(job), "127.0.0.1", job.port)
@@ -135,7 +138,8 @@ async def take(job: Job) -> list[Client]:
     await asyncio.sleep(0.5)
     for client in clients[: job.stalled]:
         client.transport.pause_reading()
-    await asyncio.sleep(job.seconds)
+    with suppress(TimeoutError):
+        await asyncio.wait_for(ended.wait(), job.seconds)
     for client in clients:
         client.transport.abort()
     return clients

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any, Self, get_args
 
 import msgpack
 import numpy as np
@@ -41,7 +41,7 @@ class Batch:
     posture: str
 
     @classmethod
-    def from_msgpack(cls, body: bytes, most: int) -> Batch:
+    def from_msgpack(cls, body: bytes, most: int) -> Self:
         """Parses a map of blobs. Raises RequestError or LimitError.
 
         Nested containers are not unpacked, so that memory stays within a few times the body's size.
@@ -67,26 +67,22 @@ class Batch:
         return cls._checked(values, columns, most)
 
     @classmethod
-    def from_json(cls, body: bytes, most: int) -> Batch:
-        """Parses a map of lists. Raises RequestError or LimitError."""
+    def from_json(cls, body: bytes, most: int) -> Iterator[Self | None]:
+        """Parses a map of lists in steps of less than half a millisecond. Raises RequestError or LimitError.
+
+        Yields None after each step but the last, and then the batch.
+        """
         values, columns = json_map(body), {}
+        yield None
         for key in list(values):
             _known(key, {})
             if key in COLUMNS:
-                kinds = {int, float} if COLUMNS[key] == "<f8" else {int}
-                if isinstance(values[key], list) and len(values[key]) > most:
-                    raise LimitError(f"{key}: {len(values[key])} numbers are more than {most}", mend=FEWER)
-                if not isinstance(values[key], list) or not set(map(type, values[key])) <= kinds:
-                    whole = "" if float in kinds else "whole "
-                    raise RequestError(f"{key}: expected a list of {whole}numbers")
-                try:
-                    columns[key] = np.array(values[key], COLUMNS[key])
-                except (ValueError, OverflowError):
-                    raise RequestError(f"{key}: a number is too large") from None
-        return cls._checked(values, columns, most)
+                columns[key] = _column(key, values[key], most)
+                yield None
+        yield cls._checked(values, columns, most)
 
     @classmethod
-    def _checked(cls, values: Mapping[str, Any], columns: dict[str, NDArray[Any]], most: int) -> Batch:
+    def _checked(cls, values: Mapping[str, Any], columns: dict[str, NDArray[Any]], most: int) -> Self:
         for key in ("clips", "locomotion", "time"):
             if key not in values:
                 raise RequestError(f"{key}: missing")
@@ -135,6 +131,20 @@ class Batch:
         requests.method[:] = np.where(has_action, METHODS[self.method], METHODS["none"])
         requests.posture[:] = POSTURES[self.posture]
         return requests
+
+
+def _column(key: str, value: object, most: int) -> NDArray[Any]:
+    """Returns a list of numbers as a column. Raises RequestError or LimitError."""
+    kinds = {int, float} if COLUMNS[key] == "<f8" else {int}
+    if isinstance(value, list) and len(value) > most:
+        raise LimitError(f"{key}: {len(value)} numbers are more than {most}", mend=FEWER)
+    if not isinstance(value, list) or not set(map(type, value)) <= kinds:
+        whole = "" if float in kinds else "whole "
+        raise RequestError(f"{key}: expected a list of {whole}numbers")
+    try:
+        return np.array(value, COLUMNS[key])
+    except (ValueError, OverflowError):
+        raise RequestError(f"{key}: a number is too large") from None
 
 
 def _uses(count: int, columns: Mapping[str, NDArray[Any]]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

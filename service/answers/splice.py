@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from typing import Any
 
 import numpy as np
-import orjson
 
 from motionsplice.service.answers.answer import Answer, joined
 from motionsplice.service.answers.files import FILES, check_encoding, clip_of, file_answer, written
 from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
-from motionsplice.service.wire.messages import FORMS, frame_fields, json, packed
+from motionsplice.service.wire.messages import FORMS, frame_fields, json_pieces, packed
 from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter
 from motionsplice.service.wire.query import Query
 
-JSON_BLOCK = 64
 SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", *FILES))
 
 
@@ -44,28 +42,22 @@ def _fields(frames: Frames) -> dict[str, Any]:
 
 
 def _msgpack(frames: Frames, how: Encoding) -> Iterator[bytes]:
-    blocks: list[Arrays] = []
-    for _, poses in frames.blocks(BLOCK):
-        blocks.append(how.arrays(frames.evaluator, poses))
-        yield b""
-    arrays = {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
+    arrays = yield from _arrays(frames, how)
     yield packed(frames.edition.bank.digest, _fields(frames), arrays)
 
 
 def _json(frames: Frames, how: Encoding) -> Iterator[bytes]:
-    """Yields JSON, one array after the other, each in small pieces."""
-    blocks = []
-    for _, poses in frames.blocks(JSON_BLOCK):
+    arrays = yield from _arrays(frames, how)
+    yield from json_pieces(frames.edition.bank.digest, _fields(frames), arrays)
+
+
+def _arrays(frames: Frames, how: Encoding) -> Generator[bytes, None, Arrays]:
+    """Returns the encoded frames. Yields nothing, so that others are served in between."""
+    blocks: list[Arrays] = []
+    for _, poses in frames.blocks(BLOCK):
         blocks.append(how.arrays(frames.evaluator, poses))
         yield b""
-    yield json(frames.edition.bank.digest, _fields(frames), {})[:-1]
-    for name in blocks[0]:
-        yield b"," + orjson.dumps(name) + b":["
-        for number, block in enumerate(blocks):
-            rows = np.ascontiguousarray(block[name])
-            yield (b"," if number else b"") + orjson.dumps(rows, option=orjson.OPT_SERIALIZE_NUMPY)[1:-1]
-        yield b"]"
-    yield b"}"
+    return {name: np.concatenate([one[name] for one in blocks]) for name in blocks[0]}
 
 
 def _file(frames: Frames, form: str) -> Iterator[bytes]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, get_args
 
@@ -151,20 +151,26 @@ def cost(text: str) -> float:
     return max(1.0, text.count("{"), text.count("["), text.count(",") / IDS, len(text) / 1024.0)
 
 
-def in_pieces(commands: Sequence[Command]) -> list[list[Command]]:
-    """Returns commands in pieces that are done within about a millisecond. Long lists of characters are divided."""
-    pieces: list[list[Command]] = []
-    room = 0.0
+def in_pieces(commands: Iterable[Command]) -> Iterator[list[Command]]:
+    """Yields commands in pieces that are done within about a millisecond. Long lists of characters are divided."""
+    piece: list[Command] = []
+    room = PIECE
     for command in commands:
-        some = MOST_IDS if command.do not in WHOLE else max(1, len(command.ids))
-        for first in range(0, max(1, len(command.ids)), some):
-            part = replace(command, ids=command.ids[first : first + some])
+        for part in _parts(command):
             if room <= 0.0:
-                pieces.append([])
-                room = PIECE
-            pieces[-1].append(part)
+                yield piece
+                piece, room = [], PIECE
+            piece.append(part)
             room -= 1.0 + len(part.ids) * PIECE / MOST_IDS
-    return pieces
+    if piece:
+        yield piece
+
+
+def _parts(command: Command) -> Iterable[Command]:
+    if len(command.ids) <= MOST_IDS or command.do in WHOLE:
+        return (command,)
+    firsts = range(0, len(command.ids), MOST_IDS)
+    return (replace(command, ids=command.ids[first : first + MOST_IDS]) for first in firsts)
 
 
 def parse(text: str) -> list[Any]:

@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 
 TRANSPORT = "motionsplice.transport"  # name of the ASGI extension
 COPIED = 100.0  # copying this many characters costs about as much as one command; every message copies the scene
-CHECKED = 100  # commands that are checked in a turn, within half a millisecond
+CHECKED = 64  # commands that are checked in a turn, within half a millisecond
 MOST_EVENTS = 1000  # unsent events of one client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
 REFUSED = 4000  # and the status of the problem: close codes of WebSockets that are refused

@@ -6,8 +6,8 @@ import asyncio
 import logging
 import math
 import time
-from collections.abc import Mapping
-from contextlib import nullcontext
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
 from typing import Any
 
 from starlette.types import Receive, Scope, Send
@@ -98,14 +98,16 @@ class Hub:
 
     async def run(self) -> None:
         """Runs the clock: makes frames when they are due, until cancelled."""
-        loop = asyncio.get_running_loop()
+        loop, turns = asyncio.get_running_loop(), self._shared.turns
         while True:
             due, now = min((one.wanted for one in self.connections if not one.is_held), default=math.inf), loop.time()
             if due <= now + EARLY:
                 self._tick(now)
+                turns.ticked(loop.time())
                 await _serve_others(loop, TURNS if self._lateness.sheds else 1, loop.time() - now)
                 continue
             self._lateness.end()
+            turns.next_tick(due)
             self._changed.clear()
             alarm = loop.call_at(due, self._changed.set) if due < math.inf else None
             await self._changed.wait()
@@ -119,7 +121,7 @@ class Hub:
         missed = {one: self._lateness.missed(one.play.due, one.play.rate, now) for group in groups for one in group}
         self._shared.metrics.frames_skipped.inc(sum(missed.values()))
         work = sum(moved(count, one.play.rate) * len(one.play.scene) for one, count in missed.items())
-        for group in groups:
+        for group in _punctual_first(groups, missed):
             try:
                 _catch_up(group, missed, work)
                 self._make(group)
@@ -187,11 +189,13 @@ class Hub:
 
         Those of a long list are done in several turns of the event loop, while the connection's next frame waits.
         """
-        loop, pieces = asyncio.get_running_loop(), in_pieces(commands)
+        loop = asyncio.get_running_loop()
         play = connection.rewound(loop.time())
         try:
-            with connection.held() if len(pieces) > 1 else nullcontext():
-                for number, piece in enumerate(pieces):
+            with ExitStack() as stack:
+                for number, piece in enumerate(in_pieces(commands)):
+                    if number == 1:
+                        stack.enter_context(connection.held())
                     if number:
                         await self._shared.turns.next()
                     play = _done(play, piece, loop.time())
@@ -296,6 +300,14 @@ def _together(group: list[Connection]) -> Ensemble:
         for one in group:
             one.ensemble = ensemble
     return ensemble
+
+
+def _punctual_first(groups: list[list[Connection]], missed: Mapping[Connection, int]) -> Iterator[list[Connection]]:
+    """Yields the groups, first of those that miss no frames, so that they do not wait for those that catch up."""
+    for misses in (False, True):
+        for group in groups:
+            if some := [one for one in group if bool(missed[one]) is misses]:
+                yield some
 
 
 def _catch_up(group: list[Connection], missed: Mapping[Connection, int], work: int) -> None:

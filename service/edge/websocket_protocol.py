@@ -42,6 +42,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self.close_timeout = seconds
         self._unparsed = bytearray()
         self._will_parse = False  # once it has its turn
+        self._waits_for_allowance = False  # before it gets its turn
         self._frames = self._controls = 0  # of the current turn: frames, and those of them that are no messages
         rate = float(self.config.settings.max_commands)
         self._allowance = Allowance(rate, CONTROLS, self.loop.time(), left=CONTROLS)
@@ -95,7 +96,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self.transport.pause_reading()
         if self._will_parse:
             return
-        self._will_parse = True
+        self._will_parse, self._waits_for_allowance = True, seconds > 0.0
         turns = self.config.front.shared.turns
         if seconds:
             self.loop.call_later(seconds, turns.call, self._parse)
@@ -138,7 +139,8 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self.transport.close()
 
     def keepalive_timeout(self) -> None:
-        if self.read_paused:  # its pong may be behind commands that wait for their allowance
+        waits_for_turn = self._will_parse and not self._waits_for_allowance
+        if self.read_paused or waits_for_turn:  # its pong may be behind commands that wait
             assert self.ping_timeout is not None
             self.pong_timer = self.loop.call_later(self.ping_timeout, self.keepalive_timeout)
         else:

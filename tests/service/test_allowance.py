@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motionsplice.service.allowance import BURST, Allowances
+from motionsplice.service.allowance import BURST, Allowances, SharedAllowances
 
 RATE = 1000.0
 
@@ -86,3 +86,22 @@ def test_what_an_address_gets_done_is_bounded(connections: int, asked: list[tupl
             done += cost
         end = max([clock.now, *free])
         assert done <= BURST + connections * RATE * end + 1e-6
+
+
+def test_all_that_an_address_asks_for_shares_its_allowance_which_begins_full() -> None:
+    allowances = SharedAllowances(RATE, 3.0 * RATE)
+    assert allowances.charge("a", 3.0 * RATE, 0.0) == 0.0
+    assert allowances.charge("a", RATE, 0.0) == 1.0
+    assert allowances.charge("b", 3.0 * RATE, 0.0) == 0.0
+    assert allowances.charge("a", 2.0 * RATE, 2.0) == 1.0
+    assert allowances.charge("a", 3.5 * RATE, 100.0) == 0.5
+
+
+def test_addresses_whose_allowance_is_full_again_are_forgotten() -> None:
+    allowances = SharedAllowances(RATE, RATE)
+    for number in range(100):
+        allowances.charge(f"{number}", RATE, 0.0)
+    allowances.charge("a", 1.0, 0.5)
+    assert len(allowances) == 101
+    allowances.charge("b", 1.0, 1.5)
+    assert len(allowances) == 1

@@ -2,7 +2,10 @@ from __future__ import annotations
 
 import asyncio
 
-from motionsplice.service.turns import Turns
+import pytest
+
+from motionsplice.service import turns as turns_module
+from motionsplice.service.turns import AT_ONCE, Turns
 
 
 def test_each_turn_of_the_event_loop_has_one_piece_in_the_order_of_asking() -> None:
@@ -43,3 +46,61 @@ def test_a_task_that_is_cancelled_holds_up_no_other() -> None:
         return done
 
     assert asyncio.run(run()) == ["next", "later"]
+
+
+async def _turns(count: int) -> None:
+    for _ in range(count):
+        await asyncio.sleep(0)
+
+
+def test_a_few_pieces_are_begun_at_once_and_the_others_after_the_next_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turns_module, "SHARE", 0.0)
+
+    async def run() -> list[int]:
+        turns, done, counts, now = Turns(), list[int](), list[int](), asyncio.get_running_loop().time()
+        turns.next_tick(now)
+        for piece in range(3 * AT_ONCE):
+            turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
+        for _ in range(4):
+            await _turns(4 * AT_ONCE)
+            counts.append(len(done))
+            turns.ticked(now)
+            turns.next_tick(now)
+        assert done == list(range(3 * AT_ONCE))
+        return counts
+
+    assert asyncio.run(run()) == [AT_ONCE, 2 * AT_ONCE, 3 * AT_ONCE, 3 * AT_ONCE]
+
+
+def test_the_first_pieces_after_an_idle_time_do_not_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turns_module, "SHARE", 0.0)
+
+    async def run() -> int:
+        turns, done = Turns(), list[int]()
+        for piece in range(3 * AT_ONCE):
+            turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
+        await _turns(4 * AT_ONCE)
+        assert len(done) == 3 * AT_ONCE
+        turns.next_tick(asyncio.get_running_loop().time())
+        for piece in range(3 * AT_ONCE):
+            turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
+        await _turns(4 * AT_ONCE)
+        return len(done)
+
+    assert asyncio.run(run()) == 4 * AT_ONCE
+
+
+@pytest.mark.parametrize("due", [1e9, float("inf")])
+def test_long_before_the_next_frame_no_piece_waits(due: float) -> None:
+    async def run() -> int:
+        turns, done = Turns(), list[int]()
+        turns.next_tick(0.0)
+        for piece in range(10 * AT_ONCE):
+            turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
+        await _turns(4 * AT_ONCE)
+        assert len(done) == AT_ONCE
+        turns.next_tick(due)
+        await _turns(20 * AT_ONCE)
+        return len(done)
+
+    assert asyncio.run(run()) == 10 * AT_ONCE

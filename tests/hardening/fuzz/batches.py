@@ -94,7 +94,8 @@ def enter(files: Files, folder: Path) -> None:
     (item,) = files.items()
     form, body = item
     bank = small_bank()
-    batch = (Batch.from_json if form == "json" else Batch.from_msgpack)(body, MOST)
+    *_, batch = Batch.from_json(body, MOST) if form == "json" else (Batch.from_msgpack(body, MOST),)
+    assert batch is not None
     requests, evaluator = batch.requests(bank), Evaluator(bank)
     evaluator.evaluate(requests, evaluator.poses(len(requests)))
 

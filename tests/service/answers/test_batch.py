@@ -42,7 +42,7 @@ GOOD: dict[str, Any] = {
 
 @pytest.mark.parametrize("form", ["msgpack", "json"])
 def test_columns_become_requests(bank: Bank, form: str) -> None:
-    batch = Batch.from_msgpack(as_msgpack(GOOD), MOST) if form == "msgpack" else Batch.from_json(_json(GOOD), MOST)
+    batch = Batch.from_msgpack(as_msgpack(GOOD), MOST) if form == "msgpack" else _from_json(_json(GOOD), MOST)
     requests = batch.requests(bank)
     walk, wave, run = (bank.number(name) for name in GOOD["clips"])
     assert requests.locomotion.tolist() == [walk, run, run]
@@ -57,17 +57,28 @@ def _json(batch: dict[str, Any]) -> bytes:
     return json.dumps(batch).encode()
 
 
+def _from_json(body: bytes, most: int) -> Batch:
+    *steps, batch = Batch.from_json(body, most)
+    assert batch is not None
+    assert not any(steps)
+    return batch
+
+
+def test_json_is_parsed_in_a_step_for_the_text_and_for_each_column() -> None:
+    assert [one is None for one in Batch.from_json(_json(GOOD), MOST)] == [True] * 5 + [False]
+
+
 @pytest.mark.parametrize("form", ["msgpack", "json"])
 def test_hands_are_counted_from_1_and_none_is_0(hands_bank: Bank, form: str) -> None:
     batch = GOOD | {"clips": ["walk", "counting", "run", "other_hands", "counting_hands"], "hands": [4, -1, 3]}
-    read, body = (Batch.from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
+    read, body = (_from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
     assert read(body, MOST).requests(hands_bank).hands.tolist() == [
         1 + hands_bank.hand_number("counting_hands"),
         0,
         1 + hands_bank.hand_number("other_hands"),
     ]
     without = {key: value for key, value in batch.items() if key != "hands"} | {"clips": batch["clips"][:3]}
-    assert Batch.from_json(_json(without), MOST).requests(hands_bank).hands.tolist() == [0, 0, 0]
+    assert _from_json(_json(without), MOST).requests(hands_bank).hands.tolist() == [0, 0, 0]
 
 
 NAMES = st.sampled_from(["walk", "run", "counting", "counting_hands", "other_hands", "nobody"])
@@ -101,7 +112,7 @@ def test_any_hands_on_any_clips_are_shown_or_refused(
 
 
 def test_a_batch_may_be_empty(bank: Bank) -> None:
-    batch = Batch.from_json(_json({"clips": [], "locomotion": [], "time": []}), MOST)
+    batch = _from_json(_json({"clips": [], "locomotion": [], "time": []}), MOST)
     assert len(batch.requests(bank)) == 0
 
 
@@ -124,7 +135,7 @@ def test_a_batch_may_be_empty(bank: Bank) -> None:
 @pytest.mark.parametrize("form", ["msgpack", "json"])
 def test_an_error_names_the_key(change: dict[str, Any], words: str, form: str) -> None:
     batch = GOOD | change
-    read, body = (Batch.from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
+    read, body = (_from_json, _json(batch)) if form == "json" else (Batch.from_msgpack, as_msgpack(batch))
     with pytest.raises(RequestError) as caught:
         read(body, MOST)
     assert words in str(caught.value) or "not a MessagePack map of names" in str(caught.value)
@@ -136,17 +147,17 @@ def test_a_missing_key_is_named(key: str) -> None:
     with pytest.raises(RequestError, match=f"{key}: missing"):
         Batch.from_msgpack(as_msgpack(less), MOST)
     with pytest.raises(RequestError, match=f"{key}: missing"):
-        Batch.from_json(_json(less), MOST)
+        _from_json(_json(less), MOST)
 
 
 @pytest.mark.parametrize("times", [[0.5, 1.0, "2"], [0.5, None, 1.0], [True, 1.0, 1.0], 3])
 def test_json_must_have_numbers(times: Any) -> None:
     with pytest.raises(RequestError, match="time: expected a list of numbers"):
-        Batch.from_json(_json(GOOD | {"time": times}), MOST)
+        _from_json(_json(GOOD | {"time": times}), MOST)
     with pytest.raises(RequestError, match="locomotion: expected a list of whole numbers"):
-        Batch.from_json(_json(GOOD | {"locomotion": [0, 1.5, 0]}), MOST)
+        _from_json(_json(GOOD | {"locomotion": [0, 1.5, 0]}), MOST)
     with pytest.raises(RequestError, match="too large"):
-        Batch.from_json(_json(GOOD | {"locomotion": [0, 2**40, 0]}), MOST)
+        _from_json(_json(GOOD | {"locomotion": [0, 2**40, 0]}), MOST)
 
 
 def test_blobs_of_wrong_size_are_refused() -> None:
@@ -164,14 +175,14 @@ def test_too_many_are_refused() -> None:
 
 
 def test_an_error_about_an_unknown_clip_suggests_similar_names(bank: Bank) -> None:
-    batch = Batch.from_json(_json(GOOD | {"clips": ["wlak", "wave", "run"]}), MOST)
+    batch = _from_json(_json(GOOD | {"clips": ["wlak", "wave", "run"]}), MOST)
     with pytest.raises(UnknownClipError, match="Did you mean 'walk'"):
         batch.requests(bank)
 
 
 @given(st.binary(max_size=300))
 def test_any_bytes_are_read_or_refused(body: bytes) -> None:
-    for read in (Batch.from_msgpack, Batch.from_json):
+    for read in (Batch.from_msgpack, _from_json):
         with suppress(RequestError, LimitError):
             read(body, MOST)
 

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from motionsplice.motion.axes import AXES
 from motionsplice.runtime.bank import Bank
+from motionsplice.service import turns
 from motionsplice.service.allowance import Allowance
 from motionsplice.service.characters.commands import MOST_IDS, PIECE, WHOLE, Command, checked, cost, in_pieces, parse
 from motionsplice.service.characters.connection import Connection, State
@@ -58,12 +59,18 @@ COMMANDS = st.lists(
 
 @given(COMMANDS)
 def test_pieces_are_the_commands_in_their_order_and_none_is_long(commands: list[Command]) -> None:
-    pieces = in_pieces(commands)
+    pieces = list(in_pieces(commands))
     found = [(one.do, number) for piece in pieces for one in piece for number in one.ids or (None,)]
     assert found == [(one.do, number) for one in commands for number in one.ids or (None,)]
     for piece in pieces:
         assert 0 < len(piece) <= PIECE
         assert sum(len(one.ids) for one in piece if one.do not in WHOLE) <= 2 * MOST_IDS
+
+
+def test_a_piece_is_made_when_it_is_done() -> None:
+    made = iter(range(1000))
+    next(in_pieces(Command("stop", (number,), {}) for number in made))
+    assert next(made) <= PIECE + 1
 
 
 class Counting(Allowance):
@@ -147,6 +154,7 @@ def test_a_long_list_takes_several_turns_and_shows_from_one_frame_on(edition: Ed
         await task
         assert not flooding.is_held
         assert flooding.wanted >= moment
+        flooding.wanted = moment + 3 * TICK  # however long the list took here
         room.hub._tick(moment + 3 * TICK)
         assert (room.numbers(healthy), room.numbers(flooding)) == ([0, 1, 2, 3], [0])
 
@@ -218,3 +226,30 @@ def test_many_characters_of_one_command_are_done_in_parts(edition: Edition) -> N
         twin.play.scene.do(command)
     assert one.play.scene.ids.tolist() == twin.play.scene.ids.tolist()
     assert one.play.scene.characters.state.tobytes() == twin.play.scene.characters.state.tobytes()
+
+
+def test_the_clock_bounds_the_pieces_between_two_frames(edition: Edition, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turns, "SHARE", 0.0)
+    room, done = Room(edition), list[str]()
+    healthy, tick = room.connect(), room.hub._tick
+
+    def ticked(now: float) -> None:
+        done.append("tick")
+        tick(now)
+
+    monkeypatch.setattr(room.hub, "_tick", ticked)
+
+    async def run() -> None:
+        healthy.go_on(healthy.play._replace(due=asyncio.get_running_loop().time()))
+        clock = asyncio.create_task(room.hub.run())
+        await _turns(2)
+        for _ in range(10 * turns.AT_ONCE):
+            room.shared.turns.call(lambda: done.append("piece"))
+        while done.count("piece") < 10 * turns.AT_ONCE:
+            await asyncio.sleep(0.001)
+        clock.cancel()
+
+    asyncio.run(run())
+    counts = [len(one) for one in "".join(one[0] for one in done).split("t")]
+    assert max(counts) == turns.AT_ONCE
+    assert room.numbers(healthy) == list(range(len(room.numbers(healthy))))

@@ -234,3 +234,27 @@ def test_other_tasks_have_turns_after_a_late_tick_but_not_all_the_time(seconds: 
 
     asyncio.run(run())
     assert turns == taken
+
+
+def test_clients_that_miss_no_frames_do_not_wait_for_one_that_catches_up(
+    edition: Edition, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    room, done = Room(edition), list[object]()
+    held, healthy = room.connect(), room.connect()
+    leave_out, send = Ensemble.leave_out, Wire.send_at_once
+
+    def left_out(ensemble: Ensemble, frames: int, step: int) -> Any:
+        done.append(frames)
+        return leave_out(ensemble, frames, step)
+
+    def sent(wire: Wire, message: bytes, *, text: bool) -> bool:
+        done.append(wire)
+        return send(wire, message, text=text)
+
+    monkeypatch.setattr(Ensemble, "leave_out", left_out)
+    monkeypatch.setattr(Wire, "send_at_once", sent)
+    healthy.go_on(healthy.play._replace(due=30 * TICK, frame=30))
+    held.wanted = 30 * TICK  # its frames waited for a list of commands
+    room.tick(30 * TICK)
+    assert done == [room.wires[healthy], 30, room.wires[held]]
+    assert (room.numbers(healthy), room.numbers(held)) == ([30], [30])

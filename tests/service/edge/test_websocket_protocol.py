@@ -5,6 +5,9 @@ import logging
 import socket
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from types import SimpleNamespace
+from typing import Any, cast
+from unittest.mock import Mock
 
 import pytest
 
@@ -212,3 +215,20 @@ def test_a_client_whose_commands_wait_is_not_cut_off_for_its_pong(bank: Bank) ->
         for _ in range(8):
             player.socket.send(f"[{','.join([stop] * 1600)}]")
         assert [player.event("done", "refused")["event"] for _ in range(8)] == ["done"] * 8
+
+
+@pytest.mark.parametrize(("seconds", "is_cut_off"), [(0.0, False), (1.0, True)])
+def test_a_client_is_cut_off_for_its_pong_only_if_that_is_behind_its_own_flood(
+    seconds: float, is_cut_off: bool
+) -> None:
+    calls = list[str]()
+    one = WebSocketProtocol.__new__(WebSocketProtocol)
+    one.transport = cast("Any", SimpleNamespace(pause_reading=lambda: None, abort=lambda: calls.append("abort")))
+    one.loop = cast("Any", SimpleNamespace(call_later=lambda *_: calls.append("later")))
+    one.config = cast("Any", SimpleNamespace(front=SimpleNamespace(shared=SimpleNamespace(turns=Mock()))))
+    one.read_paused = one._will_parse = one._waits_for_allowance = False
+    one.ping_timeout = 1.0
+    one._parse_later(seconds)
+    calls.clear()
+    one.keepalive_timeout()
+    assert calls == ["abort" if is_cut_off else "later"]

@@ -17,6 +17,7 @@ from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime import bank as opening
 from motionsplice.runtime.bank import Bank
+from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.format.manifest import MANIFEST
 from motionsplice.runtime.splice import Splice
@@ -129,6 +130,20 @@ def test_a_bank_that_cannot_be_read_for_a_while_is_served_later(
         put(other.path, place)
         eventually(lambda: refusals(service) > refused)
     eventually(lambda: served(service) == other.digest)
+
+
+def test_the_kernel_that_moves_characters_to_a_bank_is_compiled_before_the_bank_is_served(
+    bank: Bank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kernel, called = clock_kernels.recompute_from_frames, list[int]()
+
+    def noted(*arguments: object) -> None:
+        called.append(len(arguments))
+        kernel(*arguments)
+
+    monkeypatch.setattr(clock_kernels, "recompute_from_frames", noted)
+    Edition.warm(bank)
+    assert called
 
 
 def test_twenty_exchanges_tear_no_frame(service: Running, bank: Bank, other: Bank, place: Path) -> None:

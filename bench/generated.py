@@ -29,7 +29,8 @@ from motionsplice.precompute.job.written import Parts, write_tables
 from motionsplice.precompute.preparation.feet import standing_feet
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
-from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry
+from motionsplice.runtime.format.entries import BaselineEntry, ClipEntry, HandsEntry
+from motionsplice.runtime.format.manifest import TABLES
 from motionsplice.runtime.format.packed_rows import packed
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 from motionsplice.runtime.format.tables import TABLE_FOLDER

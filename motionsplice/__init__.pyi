@@ -43,9 +43,9 @@ from .runtime.evaluator import Evaluator as Evaluator
 from .runtime.expectation import Expectation as Expectation
 from .runtime.expectation import expectation as expectation
 from .runtime.format.contacts import Contact as Contact
-from .runtime.format.manifest import BaselineEntry as BaselineEntry
-from .runtime.format.manifest import ClipEntry as ClipEntry
-from .runtime.format.manifest import HandsEntry as HandsEntry
+from .runtime.format.entries import BaselineEntry as BaselineEntry
+from .runtime.format.entries import ClipEntry as ClipEntry
+from .runtime.format.entries import HandsEntry as HandsEntry
 from .runtime.requests import METHODS as METHODS
 from .runtime.requests import POSTURES as POSTURES
 from .runtime.requests import Memory as Memory

@@ -16,7 +16,7 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.motion.twins import MIRROR
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
-from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.runtime.format.rows import TorsoRows
 
 MIRRORED = "~mirror"

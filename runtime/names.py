@@ -8,7 +8,8 @@ from motionsplice.motion.errors import UnknownClipError, did_you_mean
 from motionsplice.motion.mirror import Mirror
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
-from motionsplice.runtime.format.manifest import BaselineEntry, ClipEntry, HandsEntry, Manifest
+from motionsplice.runtime.format.entries import BaselineEntry, ClipEntry, HandsEntry
+from motionsplice.runtime.format.manifest import Manifest
 from motionsplice.runtime.mirrored import MIRRORED, mirrored_entry
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError, TimeRangeError, did_you_mean
 from motionsplice.motion.quaternion import IDENTITY
-from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.runtime.kernels.arrays import LAST_TURN, LATE, MEAN_POSTURE, MEMORY_COLUMNS
 from motionsplice.runtime.kernels.lookup import NAIVE, NONE, SPLICE
 from motionsplice.runtime.kernels.posture import ABSOLUTE, OFF, RELATIVE, RUNNING

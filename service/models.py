@@ -10,7 +10,7 @@ from motionsplice import __version__
 from motionsplice.motion.axes import AXES, Axes
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.contacts import FEET, Contact
-from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.service.report import ReportFile
 from motionsplice.service.settings import Settings
 from motionsplice.service.wire.encoding import INT16_ERROR, NUMBERS, PARTS

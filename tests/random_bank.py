@@ -18,7 +18,8 @@ from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Skeleton
 from motionsplice.precompute.job.bank_builder import frame_of_phase
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.format.manifest import TABLES, BaselineEntry, ClipEntry, HandsEntry, Manifest
+from motionsplice.runtime.format.entries import BaselineEntry, ClipEntry, HandsEntry
+from motionsplice.runtime.format.manifest import TABLES, Manifest
 from motionsplice.runtime.format.packed_rows import packed, packed_stance
 from motionsplice.runtime.format.rows import Layout, TorsoRows
 

@@ -14,7 +14,7 @@ from bench.characters.joint_speeds import RATE, pose_positions
 from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.format.contacts import which_stand
-from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.runtime.splice import Splice
 from motionsplice.runtime.stage import Stage
 

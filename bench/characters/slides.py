@@ -18,7 +18,7 @@ from bench.findings import Findings
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.runtime.stage import Stage
 
 FADE = 0.3  # seconds, as by default

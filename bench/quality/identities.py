@@ -34,7 +34,7 @@ from motionsplice.precompute.preparation.prepared import prepare
 from motionsplice.precompute.splice import align_in_time, splice_exact
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.runtime.splice import Splice
 
 

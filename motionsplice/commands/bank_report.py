@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.format.manifest import ClipEntry
+from motionsplice.runtime.format.entries import ClipEntry
 
 NAMES = 6  # clips that a line about many of them names
 STEADY = (0.67, 1.5)  # paces of a phase, relative to its mean, that need no mention

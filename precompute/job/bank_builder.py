@@ -32,17 +32,8 @@ from motionsplice.precompute.job.written import (
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured
 from motionsplice.precompute.preparation.torso_offset import MeanStride, believed, shoulder_motion, torso_offsets
-from motionsplice.runtime.format.manifest import (
-    FORMAT,
-    LARGEST_MANIFEST,
-    MANIFEST,
-    TABLES,
-    VERSION,
-    BaselineEntry,
-    ClipEntry,
-    HandsEntry,
-    content_digest,
-)
+from motionsplice.runtime.format.entries import BaselineEntry, ClipEntry, HandsEntry
+from motionsplice.runtime.format.manifest import FORMAT, LARGEST_MANIFEST, MANIFEST, TABLES, VERSION, content_digest
 from motionsplice.runtime.format.packed_rows import packed_stance
 from motionsplice.runtime.format.rows import Layout
 from motionsplice.runtime.format.tables import TABLE_FOLDER

@@ -14,6 +14,7 @@ from motionsplice.motion.errors import BankError
 from motionsplice.motion.parts import UPPER_BODY
 from motionsplice.motion.role_names import OPTIONAL
 from motionsplice.runtime.format.contacts import LEFT_FOOT, RIGHT_FOOT
+from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.runtime.format.manifest import (
     CELLS,
     HAND_ROWS,
@@ -25,7 +26,6 @@ from motionsplice.runtime.format.manifest import (
     TABLES,
     UPPER,
     C,
-    ClipEntry,
     Manifest,
     file_digest,
 )

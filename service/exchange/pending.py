@@ -14,7 +14,8 @@ from motionsplice.motion.clip_settings import (
 )
 from motionsplice.motion.errors import BankError, FormatError, SettingsError
 from motionsplice.motion.formats.files import clip_files, clips_in, files_behind
-from motionsplice.runtime.format.manifest import MANIFEST, ClipEntry, Manifest, Mark, file_digest, mark_of
+from motionsplice.runtime.format.entries import ClipEntry
+from motionsplice.runtime.format.manifest import MANIFEST, Manifest, Mark, file_digest, mark_of
 
 
 class Folder:

@@ -37,27 +37,18 @@ def is_added(bank: BankArrays, s: Array, slot: int) -> bool:
 
 
 @inlined
-def sample_own(bank: BankArrays, s: Array, c: int, ahead: Index, lanes: Array, mixing: Mixing) -> None:
-    """Mixes the locomotions' own upper halves into lanes."""
-    rig, count = bank.rig, int(s[c + col.LOCOMOTIONS])
-    above, width = np.uint64(4) * rig[arrays.LOWER_WIDTH], rig[arrays.UPPER_WIDTH]
+def sample_own(bank: BankArrays, s: Array, c: int, ahead: Index, lanes: Array, at: Index, mixing: Mixing) -> None:
+    """Mixes the locomotions' own upper halves into lanes from `at` on."""
+    count, width = int(s[c + col.LOCOMOTIONS]), bank.rig[arrays.UPPER_WIDTH]
     for number in range(count):
         slot = locomotion_slot(c, number)
         row, t = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
-        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, ahead, np.float32(t), lanes, above)
+        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, ahead, np.float32(t), lanes, at)
         if count > 1:
-            split_lanes(lanes, above, width, mixing, number)
+            split_lanes(lanes, at, width, mixing, number)
             set_lane_weights(mixing, number, width, np.float32(s[slot + col.SHARE]))
     if count > 1:
-        mix_lanes(mixing, count, width, lanes, above)
-
-
-@inlined
-def keep_own(bank: BankArrays, lanes: Array) -> None:
-    """Keeps the locomotions' own upper halves where standing actions are laid on them."""
-    above, own = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH], np.uint64(4) * bank.rig[arrays.OWN_UPPER]
-    for number in range(np.uint64(4) * bank.rig[arrays.UPPER_WIDTH]):
-        lanes[own + number] = lanes[above + number]
+        mix_lanes(mixing, count, width, lanes, at)
 
 
 @inlined

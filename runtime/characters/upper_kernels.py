@@ -12,7 +12,6 @@ from motionsplice.runtime.characters.arrays import Limbs, Mixing
 from motionsplice.runtime.characters.half_kernels import (
     is_added,
     is_bare,
-    keep_own,
     prepare_splice,
     row_of_action,
     sample_action,
@@ -70,14 +69,13 @@ def mix_upper(
     while actions are sampled, and `ahead_own` and the next one while locomotions are.
     """
     rig, count, k = bank.rig, int(s[c + col.ACTIONS]), k & LANE
-    above = np.uint64(4) * rig[arrays.LOWER_WIDTH]
+    above, own = np.uint64(4) * rig[arrays.LOWER_WIDTH], np.uint64(4) * rig[arrays.OWN_UPPER]
     mixing.requests[k]["method"], mixing.finish[k] = NONE, UNTURNED
     if count == 0:
-        sample_own(bank, s, c, ahead_own, lanes, mixing)
+        sample_own(bank, s, c, ahead_own, lanes, above, mixing)
     elif is_plain(s, c):
         if is_added(bank, s, action_slot(c, 0)):
-            sample_own(bank, s, c, ahead_own, lanes, mixing)
-            keep_own(bank, lanes)
+            sample_own(bank, s, c, ahead_own, lanes, own, mixing)
         sample_action(bank, s, c, 0, k, ahead, lanes, block, mixing)
         mixing.finish[k] = ONE_SPLICE
         if mixing.requests[k]["method"] != SPLICE:
@@ -144,13 +142,7 @@ def mask_action(
     """
     rig, mask = bank.rig, int(s[c + col.FIRST_ACTION + col.MASK])
     above, own = np.uint64(4) * rig[arrays.LOWER_WIDTH], np.uint64(4) * rig[arrays.OWN_UPPER]
-    if s[c + col.LOCOMOTIONS] == 1.0 and s[c + col.HANDS] == 0.0:
-        slot = locomotion_slot(c, 0)
-        row, t = row_of(bank, int(s[slot + col.CLIP]), s[slot + col.FRAME])
-        sample_half(bank, s, c, int(s[slot + col.CLIP]), row, ahead_own, np.float32(t), lanes, own)
-    else:
-        sample_own(bank, s, c, ahead_own, lanes, mixing)
-        keep_own(bank, lanes)
+    sample_own(bank, s, c, ahead_own, lanes, own, mixing)
     sample_action(bank, s, c, 0, k, ahead, lanes, block, mixing)
     keep_limbs(limbs, mask, lanes, above, k, mixing)
     for part in range(col.PARTS):
@@ -237,7 +229,7 @@ def sample_own_summand(
 
     If any action is added to it, keeps it in lanes too.
     """
-    rig, above, slot = bank.rig, np.uint64(4) * bank.rig[arrays.LOWER_WIDTH], locomotion_slot(c, 0)
+    rig, slot = bank.rig, locomotion_slot(c, 0)
     width, clip, visible, kept = rig[arrays.UPPER_WIDTH], int(s[slot + col.CLIP]), False, False
     for part in range(col.PARTS):
         visible |= mixing.weights[part] != 0.0
@@ -247,10 +239,9 @@ def sample_own_summand(
         row, t = row_of(bank, clip, s[slot + col.FRAME])
         sample_planes(bank.upper, row, ahead, rig[arrays.FIRST_PLANE], width, np.float32(t), mixing.planes, plane_of(0))
     elif visible or kept:
-        sample_own(bank, s, c, ahead, lanes, mixing)
-        if kept:
-            keep_own(bank, lanes)
-        split_lanes(lanes, above, width, mixing, 0)
+        own = np.uint64(4) * rig[arrays.OWN_UPPER]
+        sample_own(bank, s, c, ahead, lanes, own, mixing)
+        split_lanes(lanes, own, width, mixing, 0)
     if visible:
         set_part_weights(limbs, width, mixing, 0, 0, False)
     return 1 if visible else 0

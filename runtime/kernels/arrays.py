@@ -80,7 +80,7 @@ class BankArrays(NamedTuple):
 class Scratch(NamedTuple):
     """Scratch memory of each thread, for one block of characters."""
 
-    # [threads, 4 lower lanes + 4 upper lanes + 4 lanes of hands + 4 spare lanes + 4 upper lanes]
+    # [threads, 4 lower lanes + 4 upper lanes + 4 lanes of hands + 4 spare lanes + 4 upper lanes + 4 lanes of hands]
     lanes: Annotated[Array, np.float32, 2]
     block: Annotated[Array, np.float64, 2]  # [threads, BLOCK_ROWS * BLOCK]
 
@@ -182,5 +182,5 @@ def _image(above: Floats, turn: Floats) -> Floats:
 
 def scratch(bank: BankArrays, threads: int) -> Scratch:
     """Returns scratch memory for `threads` threads."""
-    lanes = 4 * int(bank.rig[OWN_UPPER] + bank.rig[UPPER_WIDTH])
+    lanes = 4 * int(bank.rig[OWN_UPPER] + bank.rig[UPPER_WIDTH] + bank.rig[HANDS_WIDTH])
     return Scratch(np.zeros((threads, lanes), np.float32), np.zeros((threads, BLOCK_ROWS * BLOCK)))

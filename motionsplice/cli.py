@@ -55,8 +55,9 @@ class LazyCommand(TyperCommand):
 def _load(name: str) -> Any:
     """Imports a command's module, and returns the command."""
     if name == "precompute":  # its matrix products are so small that more threads only take time from others
-        for library in ("OMP", "OPENBLAS", "MKL"):  # BLAS reads this when NumPy is imported
-            os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+        from motionsplice.precompute.job.processes import ONE_THREAD  # imports no NumPy, at which BLAS reads this
+
+        os.environ.update(ONE_THREAD | os.environ)
     module = import_module(f"motionsplice.commands.{COMMANDS[name][0]}")
     group = typer.Typer(rich_markup_mode="rich", pretty_exceptions_enable=False)
     group.callback()(_nothing)  # makes it a group even if the module has one command

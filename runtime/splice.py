@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import dataclass
 
 from motionsplice.runtime.requests import Method, Posture
 
@@ -25,12 +25,11 @@ class Splice:
     """
 
     locomotion: str
-    action: str | None = None
-    _: KW_ONLY
-    start: float = 0.0
-    method: Method = "splice"
-    posture: Posture = "relative"
-    hands: str | None = None
+    action: str | None
+    start: float
+    method: Method
+    posture: Posture
+    hands: str | None
 
     def __init__(
         self,

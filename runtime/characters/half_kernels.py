@@ -113,7 +113,7 @@ def prepare_splice(
     rig, slot = bank.rig, action_slot(c, number)
     first, k = (k - number) & LANE, k & LANE
     above, mirrored = np.uint64(4) * rig[arrays.LOWER_WIDTH], is_mirrored(bank, int(s[slot + col.CLIP]))
-    block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = row, t
+    block[ROW_U * BLOCK + k], block[SHARE_U * BLOCK + k] = np.int64(row), t
     request, kind = mixing.requests[k], int(s[slot + col.KIND])
     if is_added(bank, s, slot):
         own = np.uint64(4) * rig[arrays.OWN_UPPER]

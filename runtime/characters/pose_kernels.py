@@ -151,7 +151,7 @@ def pose_lower(
     clip = int(s[slot + col.CLIP])
     row, t = row_of(bank, clip, s[slot + col.FRAME])
     t32 = np.float32(t)
-    block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = row, t
+    block[ROW_L * BLOCK + k], block[SHARE_L * BLOCK + k] = np.int64(row), t
     sample_and_fetch(bank.lower, row, ahead, rig[arrays.FIRST_PLANE], rig[arrays.LOWER_WIDTH], t32, lanes, np.uint64(0))
     mirrored = is_mirrored(bank, clip)
     if mirrored:

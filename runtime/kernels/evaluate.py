@@ -42,7 +42,7 @@ from motionsplice.runtime.kernels.mirror import mirror_lower, mirror_upper
 from motionsplice.runtime.kernels.posture import RUNNING, correlate, is_aligned, turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample, sample_and_fetch
 from motionsplice.runtime.kernels.standing import lay_on
-from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel, parallel_kernel
+from motionsplice.runtime.simd.compiled import Array, Index, as_index, inlined, kernel, parallel_kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
 
 AHEAD = 2  # characters by which rows are prefetched
@@ -142,8 +142,8 @@ def evaluate_part(
     above = np.uint64(4) * bank.rig[arrays.LOWER_WIDTH]  # offset of the upper half in lanes
     look_up(bank, requests, begin, min(BLOCK, end - begin), block)
     for k in range(NEXT, NEXT + min(AHEAD, end - begin)):
-        fetch_rows(bank.lower, np.uint64(block[ROW_L * BLOCK + k]))
-        fetch_rows(bank.upper, np.uint64(block[ROW_U * BLOCK + k]))
+        fetch_rows(bank.lower, as_index(block[ROW_L * BLOCK + k]))
+        fetch_rows(bank.upper, as_index(block[ROW_U * BLOCK + k]))
     for first in range(begin, end, BLOCK):
         count = min(BLOCK, end - first)
         take_next(block)
@@ -198,8 +198,8 @@ def sample_halves(
     action to the locomotion, the upper half is that of the splice.
     """
     lower, rig = bank.lower, bank.rig
-    row, t, first = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
-    ahead_l, ahead_u = np.uint64(block[ROW_L * BLOCK + k + AHEAD]), np.uint64(block[ROW_U * BLOCK + k + AHEAD])
+    row, t, first = as_index(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k]), rig[arrays.FIRST_PLANE]
+    ahead_l, ahead_u = as_index(block[ROW_L * BLOCK + k + AHEAD]), as_index(block[ROW_U * BLOCK + k + AHEAD])
     for axis in range(np.uint64(ROOT), np.uint64(ROOT + 3)):
         here = lower[row, axis]
         roots[character, axis] = here + t * (lower[row + ONE, axis] - here)
@@ -207,7 +207,7 @@ def sample_halves(
     if is_mirrored(bank, requests[character]["locomotion"]):
         roots[character, ROOT] = -roots[character, ROOT]
         mirror_lower(bank, lanes)
-    row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    row, t = as_index(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     sample_and_fetch(bank.upper, row, ahead_u, first, rig[arrays.UPPER_WIDTH], t, lanes, above)
     request = requests[character]
     if request["hands"] > 0:
@@ -217,7 +217,7 @@ def sample_halves(
         mirror_upper(bank, lanes, above)
     if adds:
         own = np.uint64(4) * rig[arrays.OWN_UPPER]
-        row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
+        row_l, t_l = as_index(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
         sample(bank.upper, row_l, first, rig[arrays.UPPER_WIDTH], t_l, lanes, own)
         if is_mirrored(bank, request["locomotion"]):
             mirror_upper(bank, lanes, own)

@@ -11,7 +11,7 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, NEXT, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
 from motionsplice.runtime.kernels.fetching import fetch_rows
 from motionsplice.runtime.kernels.rotations import ONE
-from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, as_index, inlined, kernel
 
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
 IN_STEP = 1e-3  # cycles by which an action may begin before its start
@@ -32,7 +32,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
         clip_l, clip_u = request["locomotion"], request["action"]
         first_l, count_l = clips[clip_l, arrays.FIRST_ROW], clips[clip_l, arrays.FRAME_COUNT]
         row, t = locate(request["time"] * clips[clip_l, arrays.RATE], first_l, count_l)
-        block[row_l + k], block[share_l + k] = row, t
+        block[row_l + k], block[share_l + k] = np.int64(row), t
         if follows_phase(bank, request):
             block[PHASE * BLOCK + k] = phase_in_step(bank, clip_l, row, t, clip_u, request["start"], request["cycles"])
         else:
@@ -46,7 +46,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
                 frame = repeated((request["start"] + request["time"]) * clips[clip_u, arrays.RATE], count_u - 1.0)
                 row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], count_u)
             fetch_hands(bank, int(request["hands"]) - 1, clip_l if request["method"] == NONE else clip_u, row)
-            block[row_u + k], block[share_u + k] = row, t
+            block[row_u + k], block[share_u + k] = np.int64(row), t
     for k in range(count):
         if requests[first + k]["method"] == SPLICE and (own_clocks == 0 or follows_phase(bank, requests[first + k])):
             block[row_u + k] = frame_near(bank, requests[first + k]["action"], block[PHASE * BLOCK + k])
@@ -56,7 +56,7 @@ def look_up(bank: BankArrays, requests: Array, first: int, count: int, block: Ar
             frame = frame_at(bank, clip_u, block[PHASE * BLOCK + k], block[row_u + k])
             row, t = locate(frame, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.ROW_COUNT])
             fetch_hands(bank, int(requests[first + k]["hands"]) - 1, clip_u, row)
-            block[row_u + k], block[share_u + k] = row, t
+            block[row_u + k], block[share_u + k] = np.int64(row), t
 
 
 @inlined
@@ -109,9 +109,12 @@ def phase_in_step(bank: BankArrays, clip_l: int, row: Index, t: float, clip_u: i
     brought back by whole loops if the action has ended.
     """
     clips = bank.clips
-    phase, rate_u = between(bank.phases, row, t) + clips[clip_l, arrays.PHASE_SHIFT], clips[clip_u, arrays.RATE]
-    row, t = locate(start * rate_u, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
-    begins = between(bank.phases, row, t) + clips[clip_u, arrays.PHASE_SHIFT]
+    phase = between(bank.phases, row, t) + clips[clip_l, arrays.PHASE_SHIFT]
+    begins = clips[clip_u, arrays.FIRST_PHASE]
+    if start > 0.0:
+        at = start * clips[clip_u, arrays.RATE]
+        row, t = locate(at, clips[clip_u, arrays.FIRST_ROW], clips[clip_u, arrays.FRAME_COUNT])
+        begins = between(bank.phases, row, t) + clips[clip_u, arrays.PHASE_SHIFT]
     phase += np.ceil(begins - clips[clip_l, arrays.FIRST_PHASE] - IN_STEP) + cycles
     last, loop = clips[clip_u, arrays.LAST_PHASE], clips[clip_u, arrays.LOOP]
     if loop > 0.0 and phase > last:
@@ -140,9 +143,10 @@ def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
     first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
     phase -= bank.clips[clip, arrays.PHASE_SHIFT]
     for _ in range(2):
-        row, _ = locate(near, first, count)
+        before, _ = divided(near, count)
+        row = as_index(first) + np.uint64(before)
         here = bank.phases[row]
-        near = row - first + (phase - here) / (bank.phases[row + ONE] - here)
+        near = before + (phase - here) / (bank.phases[row + ONE] - here)
     return near
 
 
@@ -162,10 +166,17 @@ def frame_after_last(bank: BankArrays, clip: int) -> float:
 @inlined
 def locate(at: float, first: float, count: float) -> tuple[np.uint64, float]:
     """Returns the row before a real-valued position in a clip's `count` rows, and the share of the next; clamped."""
+    before, t = divided(at, count)
+    return as_index(first) + np.uint64(before), t
+
+
+@inlined
+def divided(at: float, count: float) -> tuple[int, float]:
+    """Returns the row before a position in `count` rows, as a number from the first on, and the share of the next."""
     at = at if at > 0.0 else 0.0  # NaN becomes 0 too
     at = at if at < count - 1.0 else count - 1.0
-    before = min(np.floor(at), count - 2.0)
-    return np.uint64(first + before), at - before
+    before = np.int64(min(at, count - 1.5))  # the last row but one at most
+    return before, at - before
 
 
 @inlined
@@ -198,4 +209,4 @@ def fetch_hands(bank: BankArrays, worn: int, clip: int, row: Index) -> None:
 @inlined
 def row_of_hands(bank: BankArrays, worn: int, clip: int, row: Index) -> np.uint64:
     """Returns the row of the table `hands` that goes with a row of a clip."""
-    return row - np.uint64(bank.clips[clip, arrays.FIRST_ROW]) + np.uint64(bank.hand_rows[worn, clip])
+    return row - as_index(bank.clips[clip, arrays.FIRST_ROW]) + np.uint64(bank.hand_rows[worn, clip])

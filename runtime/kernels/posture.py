@@ -28,8 +28,8 @@ from motionsplice.runtime.kernels.arrays import (
 from motionsplice.runtime.kernels.lookup import SPLICE, between_rows, is_mirrored
 from motionsplice.runtime.kernels.mirror import correlate_mirrored, point_between
 from motionsplice.runtime.kernels.rotations import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
-from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
-from motionsplice.runtime.simd.lanes import load, spread, total
+from motionsplice.runtime.simd.compiled import Array, Index, Real, as_index, inlined, kernel
+from motionsplice.runtime.simd.lanes import copy_down, load, spread, store_down, total, totals
 from motionsplice.runtime.simd.width import LANES
 
 OFF, RELATIVE, ABSOLUTE, RUNNING = 0, 1, 2, 3  # postures
@@ -53,8 +53,8 @@ def correlate(
 
     mirrored_l, mirrored_u: whether the clouds of the locomotion and of the action are to be mirrored.
     """
-    row_l, t_l = np.uint64(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
-    row_u, t_u = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    row_l, t_l = as_index(block[ROW_L * BLOCK + k]), np.float32(block[SHARE_L * BLOCK + k])
+    row_u, t_u = as_index(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     if mirrored_l or mirrored_u:
         correlate_mirrored(bank, lower, row_l, t_l, mirrored_l, row_u, t_u, mirrored_u, block, k)
     else:
@@ -63,12 +63,10 @@ def correlate(
     size_l = between_rows(lower, row_l, np.uint64(SIZE), t_l)
     size_u = between_rows(bank.upper, row_u, np.uint64(SIZE), t_u)
     block[BOUND * BLOCK + k] = SLACK * (size_l + size_u)
-    for i in range(4):
-        column = np.uint64(i)
-        block[(SPLICED + i) * BLOCK + k] = lanes[np.uint64(4 * PELVIS) + column]
-        block[(FRAME + i) * BLOCK + k] = lanes[np.uint64(4 * POSTURE_FRAME) + column]
-        block[(OWN + i) * BLOCK + k] = lanes[np.uint64(4 * TORSO_OFFSET) + column]
-        block[(THEIRS + i) * BLOCK + k] = lanes[above + np.uint64(4 * TORSO_OFFSET) + column]
+    copy_down(lanes, np.uint64(4 * PELVIS), block, SPLICED * BLOCK + k, BLOCK)
+    copy_down(lanes, np.uint64(4 * POSTURE_FRAME), block, FRAME * BLOCK + k, BLOCK)
+    copy_down(lanes, np.uint64(4 * TORSO_OFFSET), block, OWN * BLOCK + k, BLOCK)
+    copy_down(lanes, above + np.uint64(4 * TORSO_OFFSET), block, THEIRS * BLOCK + k, BLOCK)
 
 
 @inlined
@@ -76,20 +74,25 @@ def correlate_clouds(
     bank: BankArrays, lower: Array, row_l: Index, t_l: Real, row_u: Index, t_u: Real, block: Array, k: int
 ) -> None:
     """Writes the correlation of two clouds, each between a row and the next, into lane k of the block."""
-    upper, width = bank.upper, bank.rig[arrays.CLOUD_WIDTH]
-    xx = xy = xz = yx = yy = yz = zx = zy = zz = spread(np.float32(0.0))
-    for x in range(np.uint64(CLOUD), np.uint64(CLOUD) + width, np.uint64(LANES)):
-        y, z = x + width, x + width + width
-        lx, ux = mixed(lower, row_l, x, t_l), mixed(upper, row_u, x, t_u)
-        ly, uy = mixed(lower, row_l, y, t_l), mixed(upper, row_u, y, t_u)
-        lz, uz = mixed(lower, row_l, z, t_l), mixed(upper, row_u, z, t_u)
+    width, first, after = bank.rig[arrays.CLOUD_WIDTH], np.uint64(CLOUD), np.uint64(CLOUD + LANES)
+    lx, ly, lz = points_between(lower, row_l, first, width, t_l)
+    ux, uy, uz = points_between(bank.upper, row_u, first, width, t_u)
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = lx * ux, lx * uy, lx * uz, ly * ux, ly * uy, ly * uz, lz * ux, lz * uy, lz * uz
+    for x in range(after, first + width, np.uint64(LANES)):
+        lx, ly, lz = points_between(lower, row_l, x, width, t_l)
+        ux, uy, uz = points_between(bank.upper, row_u, x, width, t_u)
         xx, xy, xz = xx + lx * ux, xy + lx * uy, xz + lx * uz
         yx, yy, yz = yx + ly * ux, yy + ly * uy, yz + ly * uz
         zx, zy, zz = zx + lz * ux, zy + lz * uy, zz + lz * uz
     at = CORRELATION * BLOCK + k
-    block[at], block[at + BLOCK], block[at + 2 * BLOCK] = total(xx), total(xy), total(xz)
-    block[at + 3 * BLOCK], block[at + 4 * BLOCK], block[at + 5 * BLOCK] = total(yx), total(yy), total(yz)
-    block[at + 6 * BLOCK], block[at + 7 * BLOCK], block[at + 8 * BLOCK] = total(zx), total(zy), total(zz)
+    store_down(block, at, BLOCK, totals(xx, xy, xz, yx, yy, yz, zx, zy))
+    block[at + 8 * BLOCK] = total(zz)
+
+
+@inlined
+def points_between(table: Array, row: Index, x: Index, width: Index, t: Real) -> tuple[Array, Array, Array]:
+    """Interpolates eight points `t` of the way from a row to the next; x is the column of the first one's x."""
+    return mixed(table, row, x, t), mixed(table, row, x + width, t), mixed(table, row, x + width + width, t)
 
 
 @inlined
@@ -188,7 +191,7 @@ def follow_posture(
     bank: BankArrays, mean: Array, share: float, stored: Array, mirrored: bool, block: Array, k: int
 ) -> None:
     """Updates a running mean of six numbers by the splice's shoulders in the posture frame."""
-    row, t = np.uint64(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
+    row, t = as_index(block[ROW_U * BLOCK + k]), np.float32(block[SHARE_U * BLOCK + k])
     frame, spliced = FRAME * BLOCK + k, SPLICED * BLOCK + k
     turn = product(
         -block[frame],

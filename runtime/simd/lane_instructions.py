@@ -102,6 +102,54 @@ def llvm_total(_, lanes):
 
 
 @intrinsic
+def llvm_totals(_, a, b, c, d, e, f, g, h):
+    def generate(context, builder, signature, arguments):
+        def folded(one, other, near, far):
+            near, far = (_shuffled(builder, one, other, order) for order in (near, far))
+            return builder.fadd(near, far, flags=FLAGS)
+
+        halves = [0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]
+        quarters = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+        eighths = [0, 2, 8, 10, 4, 6, 12, 14], [1, 3, 9, 11, 5, 7, 13, 15]
+        a, b, c, d = (folded(arguments[i], arguments[i + 4], *halves) for i in range(4))
+        return folded(folded(a, b, *quarters), folded(c, d, *quarters), *eighths)
+
+    return lanes_type(a, b, c, d, e, f, g, h), generate
+
+
+@intrinsic
+def llvm_store_down(_, out, at, step, lanes):
+    def generate(context, builder, signature, arguments):
+        out, at, step, lanes = arguments
+        _store_down(context, builder, signature.args[0], out, at, step, lanes)
+        return context.get_dummy_value()
+
+    return types.void(out, at, step, lanes), generate
+
+
+@intrinsic
+def llvm_copy_down(_, table, place, out, at, step):
+    def generate(context, builder, signature, arguments):
+        table, place, out, at, step = arguments
+        place = _address(context, builder, signature.args[0], table, [place])
+        quad = builder.load(builder.bitcast(place, ir.VectorType(ir.FloatType(), 4).as_pointer()), align=4)
+        _store_down(context, builder, signature.args[2], out, at, step, quad)
+        return context.get_dummy_value()
+
+    return types.void(table, place, out, at, step), generate
+
+
+def _store_down(context, builder, kind, out, at, step, vector):
+    """Stores numbers as float64, each `step` after the one before."""
+    count = vector.type.count
+    wide = builder.fpext(vector, ir.VectorType(ir.DoubleType(), count))
+    first = context.make_array(kind)(context, builder, out).data
+    for lane in range(count):
+        number = builder.extract_element(wide, ir.Constant(ir.IntType(32), lane))
+        builder.store(number, builder.gep(first, [builder.add(at, builder.mul(step, ir.Constant(step.type, lane)))]))
+
+
+@intrinsic
 def llvm_root(_, lanes):
     def generate(context, builder, signature, arguments):
         kind = ir.FunctionType(VECTOR, [VECTOR])

@@ -12,6 +12,7 @@ from numba.extending import overload
 
 from motionsplice.runtime.simd.compiled import Array, Index, Real
 from motionsplice.runtime.simd.lane_instructions import (
+    llvm_copy_down,
     llvm_gather,
     llvm_interleave,
     llvm_load,
@@ -21,7 +22,9 @@ from motionsplice.runtime.simd.lane_instructions import (
     llvm_signed,
     llvm_spread,
     llvm_store,
+    llvm_store_down,
     llvm_total,
+    llvm_totals,
 )
 from motionsplice.runtime.simd.width import LANES
 
@@ -44,6 +47,21 @@ def spread(value: Real) -> Array:
 def total(lanes: Array) -> Real:
     """Returns the sum of all lanes."""
     return lanes.sum()
+
+
+def totals(a: Array, b: Array, c: Array, d: Array, e: Array, f: Array, g: Array, h: Array) -> Array:
+    """Returns the sums of all lanes of eight vectors, in fewer instructions than eight calls of `total`."""
+    return np.stack([a, b, c, d, e, f, g, h]).sum(axis=1)
+
+
+def store_down(out: Array, at: Index, step: Index, lanes: Array) -> None:
+    """Stores eight numbers as float64, each `step` after the one before."""
+    out[at : at + LANES * step : step] = lanes
+
+
+def copy_down(table: Array, place: Index, out: Array, at: Index, step: Index) -> None:
+    """Copies four neighbouring numbers as float64, each `step` after the one before."""
+    out[at : at + 4 * step : step] = table[place : place + 4]
 
 
 def root(lanes: Array) -> Array:
@@ -98,6 +116,21 @@ def _(value):
 @overload(total, inline="always")
 def _(lanes):
     return lambda lanes: llvm_total(lanes)
+
+
+@overload(totals, inline="always")
+def _(a, b, c, d, e, f, g, h):
+    return lambda a, b, c, d, e, f, g, h: llvm_totals(a, b, c, d, e, f, g, h)
+
+
+@overload(store_down, inline="always")
+def _(out, at, step, lanes):
+    return lambda out, at, step, lanes: llvm_store_down(out, at, step, lanes)
+
+
+@overload(copy_down, inline="always")
+def _(table, place, out, at, step):
+    return lambda table, place, out, at, step: llvm_copy_down(table, place, out, at, step)
 
 
 @overload(root, inline="always")

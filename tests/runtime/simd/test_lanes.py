@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from motionsplice.runtime.simd.compiled import Array, Real, kernel
 from motionsplice.runtime.simd.lanes import (
+    copy_down,
     gather,
     interleave,
     load,
@@ -17,7 +18,9 @@ from motionsplice.runtime.simd.lanes import (
     signed,
     spread,
     store,
+    store_down,
     total,
+    totals,
 )
 from motionsplice.runtime.simd.width import LANES
 
@@ -38,6 +41,30 @@ def transpose(table: Array, first: int, last: int, column: int, rows: Array, fla
     interleave(flat, 5, x, y, z, w)
     x, y, z, w = separate(flat, 5)
     scatter(rows, first, last, column, y, z, w)
+
+
+@kernel
+def sum_rows(table: Array, flat: Array, place: int, out: Array, at: int, step: int) -> None:
+    a, b, c, d = load(table, 0, 1), load(table, 1, 1), load(table, 2, 1), load(table, 3, 1)
+    e, f, g, h = load(table, 4, 1), load(table, 5, 1), load(table, 6, 1), load(table, 7, 1)
+    store_down(out, at, step, totals(a, b, c, d, e, f, g, h))
+    copy_down(flat, place, out, at + LANES * step, step)
+
+
+@given(seeds, st.integers(0, 6), st.integers(0, 5), st.integers(1, 9))
+def test_sums_of_eight_vectors_and_four_neighbours_are_stored_a_step_apart(
+    seed: int, place: int, at: int, step: int
+) -> None:
+    draw = np.random.default_rng(seed)
+    table = draw.normal(size=(LANES, LANES + 2)).astype(np.float32)
+    flat = draw.normal(size=place + 4).astype(np.float32)
+    for form in (sum_rows, getattr(sum_rows, "py_func", sum_rows)):
+        out = np.full(at + step * (LANES + 4), np.nan)
+        form(table, flat, place, out, at, step)
+        stored = out[at::step]
+        np.testing.assert_allclose(stored[:LANES], table[:, 1 : 1 + LANES].sum(axis=1, dtype=np.float64), atol=1e-5)
+        np.testing.assert_array_equal(stored[LANES:], flat[place:].astype(np.float64))
+        assert np.count_nonzero(~np.isnan(out)) == LANES + 4  # nothing in between
 
 
 @given(seeds, st.integers(0, 2), st.integers(0, 9))

@@ -171,7 +171,7 @@ def test_a_bank_that_was_written_while_the_service_started_is_served(bank: Bank,
     async def start() -> str:
         serving = Serving(opened)
         await serving.warm()
-        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(), 0.01))
+        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(None), 0.01))
         async with asyncio.timeout(PATIENCE):
             while serving.bank.digest == bank.digest:
                 await asyncio.sleep(0.01)
@@ -198,7 +198,7 @@ def test_a_service_that_stops_does_not_wait_for_the_verification_of_a_bank(
         serving.exchange(Edition.warm(bank))
         put(other.path, place)
         serving.bank = replace(bank, path=place)
-        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(), 0.01))
+        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(None), 0.01))
         await asyncio.to_thread(begun.wait, PATIENCE)
         watches.cancel()
 

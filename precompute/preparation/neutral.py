@@ -48,7 +48,7 @@ def nearest_gaits(actions: Sequence[ShownGait], locomotions: Sequence[ShownGait]
     by_name = sorted(locomotions, key=lambda one: one.name)
     usable = [one for one in by_name if one.shows_a_stride] or by_name
     theirs, tempos = np.stack([one.gait for one in usable], axis=-1), np.array([one.tempo for one in usable])
-    seen, nearest = np.isfinite(theirs).all(axis=2).astype(np.float64), list[int]()
+    seen, nearest = np.asarray(np.isfinite(theirs).all(axis=2), np.float64), list[int]()
     theirs[~np.isfinite(theirs)] = 0.0
     for first in range(0, len(actions), AT_ONCE):
         some = actions[first : first + AT_ONCE]

@@ -33,14 +33,15 @@ from motionsplice.service.viewer.routes import viewer_routes
 
 def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     """Returns an ASGI application that serves a bank. It is ready (`/readyz`) once the kernels are compiled."""
-    shared = Shared(settings or Settings(), Serving(bank), Metrics())
-    clips = shared.settings.clips if shared.settings.token is not None else None
-    job, leases = Job(clips, bank.path) if clips is not None else None, Leases()
+    settings = settings or Settings()
+    leases = Leases(settings.copies)
+    shared = Shared(settings, Serving(leases.hold(bank)), Metrics())  # nothing reads the tables before they are held
+    clips = settings.clips if settings.token is not None else None
+    job = Job(clips, bank.path) if clips is not None else None
     shared.serving.listeners.append(lambda edition: shared.metrics.serves(edition.bank.digest))
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        leases.hold(shared.serving.bank)
         warming = asyncio.create_task(_warm(shared.serving))
         tasks = [asyncio.create_task(front.hub.run()), asyncio.create_task(leases.keep())]
         if shared.settings.watch or job is not None:

@@ -25,7 +25,10 @@ class Settings(BaseSettings):
     port: int = Field(default=8000, ge=0, le=65535, description="Port; 0 chooses a free one")
     workers: int = Field(default=1, ge=1, le=256, description="Processes that share the port and the mapped bank")
     watch: bool = Field(default=False, description="Serve a new bank when one is written in place of the old")
-    copies: Path | None = Field(default=None, description="Folder for copies of banks at URLs; default: user's cache")
+    copies: Path | None = Field(
+        default=None,
+        description="Folder for copies of banks at URLs, or that others may write over; default: user's cache",
+    )
     clips: Path | None = Field(default=None, description="Folder for uploaded clips; without it, uploads are refused")
     report: Path | None = Field(default=None, description="scores.json of `bench.quality`, which /view/report shows")
     token: SecretStr | None = Field(

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from motionsplice.motion.errors import MotionError
 
 EXTRAS = {"s3": "s3", "s3a": "s3", "gs": "gs", "gcs": "gs"}  # extras of motionsplice by protocol
+IN_ONE = {name: {"max_concurrency": 1} for name in ("s3", "s3a")}  # else s3fs asks for a file's size before it reads it
 
 
 class StorageError(MotionError):
@@ -108,7 +110,8 @@ class Remote:
         return self.listings[self.url]
 
     def read_bytes(self) -> bytes:
-        with _reached(self.url) as (system, path):
+        """Returns the contents of the file, by one request."""
+        with _reached(self.url, IN_ONE) as (system, path):
             return bytes(system.cat_file(path))
 
     def read_text(self, encoding: str) -> str:
@@ -159,13 +162,16 @@ class Remote:
 
 
 @contextmanager
-def _reached(url: str) -> Iterator[tuple[Any, str]]:
-    """Yields the file system of a URL and the path in it. What it raises becomes a StorageError that names the URL."""
+def _reached(url: str, options: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> Iterator[tuple[Any, str]]:
+    """Yields the file system of a URL and the path in it. What it raises becomes a StorageError that names the URL.
+
+    options: those of file systems, by protocol.
+    """
     protocol = url.partition("://")[0]
     try:
         from fsspec.core import url_to_fs
 
-        yield url_to_fs(url)
+        yield url_to_fs(url, **options.get(protocol, {}))
     except (FileNotFoundError, NotADirectoryError, MotionError):
         raise
     except (ImportError, ValueError) as error:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging.config
-import os
 import signal
 import time
 from collections.abc import Iterator
@@ -22,12 +20,6 @@ from motionsplice.service.logs import log_config
 INTERVAL = 5.0  # seconds between two looks at the manifest
 
 logger = logging.getLogger(__name__)
-
-
-def folder_for(bank: Remote, copies: Path | None) -> Path:
-    """Returns the folder for the copy: one of its own for each URL, in `copies` or the user's cache."""
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return (copies or cache / "motionsplice" / "banks") / hashlib.blake2b(bank.url.encode(), digest_size=8).hexdigest()
 
 
 @contextmanager

@@ -35,13 +35,14 @@ def serve_command(bank: str, **flags: Any) -> None:
     if isinstance(place, Path):
         start(place, settings)
         return
-    from motionsplice.commands.copied_bank import copied, folder_for
+    from motionsplice.commands.copied_bank import copied
+    from motionsplice.service.exchange.copies import folder_for
 
     if settings.clips is not None:
         mend = "Serve a folder, or run `motionsplice precompute --out URL` where the clips are"
         problem = "uploaded clips cannot be added to a bank at a URL"
         raise SettingsError(problem, file=f"--clips {settings.clips}", mend=mend)
-    folder = folder_for(place, settings.copies)
+    folder = folder_for(place.url, settings.copies)
     with copied(place, folder, follow=settings.watch):
         start(folder, settings)
 

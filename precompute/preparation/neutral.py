@@ -7,11 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.preparation.prepared import PreparedClip
 
 TEMPO_WEIGHT = 0.1  # metres that a tempo ratio of e adds to the distance of two gaits
+AT_ONCE = 256  # gaits that are compared with as many others, while both are in a core's cache
+ROUNDING = 1e-9  # metres; rounding changes distances by less
 FEWEST_STRIDES = 1.5  # of a neutral: less shows no mean stride
 
 
@@ -44,29 +47,54 @@ def nearest_gaits(actions: Sequence[ShownGait], locomotions: Sequence[ShownGait]
         return []
     by_name = sorted(locomotions, key=lambda one: one.name)
     usable = [one for one in by_name if one.shows_a_stride] or by_name
-    theirs, tempos = np.stack([one.gait for one in usable]), np.array([one.tempo for one in usable])
-    return [usable[nearest_of(theirs, tempos, one.gait, one.tempo)].name for one in actions]
+    theirs, tempos = np.stack([one.gait for one in usable], axis=-1), np.array([one.tempo for one in usable])
+    seen, nearest = np.asarray(np.isfinite(theirs).all(axis=2), np.float64), list[int]()
+    theirs[~np.isfinite(theirs)] = 0.0
+    for first in range(0, len(actions), AT_ONCE):
+        some = actions[first : first + AT_ONCE]
+        ours, our_tempos = np.stack([one.gait for one in some]), np.array([one.tempo for one in some])
+        nearest += nearest_of(theirs, seen, tempos, ours, our_tempos).tolist()
+    return [usable[one].name for one in nearest]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def nearest_of(gaits: Floats, tempos: Floats, gait: Floats, tempo: float) -> int:
-    """Returns which of `gaits` [n, bins, 3, 3] with `tempos` [n] is nearest to a gait [bins, 3, 3] with a tempo.
+def nearest_of(theirs: Floats, seen: Floats, tempos: Floats, ours: Floats, our_tempos: Floats) -> NDArray[np.int64]:
+    """Returns [m] which of `theirs` [bins, 3, 3, n] is nearest to each of `ours` [m, bins, 3, 3]. Of equals the first.
 
-    Of equals it is the first. Bins that one of the two does not have, which are NaN, do not count.
+    seen: [bins, 3, n] 1 where one of theirs has a point, else 0; its coordinates are then 0. Points that one of ours
+    does not have are NaN. Points that one of the two does not have do not count.
     """
-    nearest, least = 0, np.inf
-    for one in range(len(gaits)):
-        total, common = 0.0, 0
-        for k in range(gait.shape[0]):
-            for point in range(gait.shape[1]):
-                square = 0.0
-                for axis in range(3):
-                    square += (gaits[one, k, point, axis] - gait[k, point, axis]) ** 2
-                if np.isfinite(square):
-                    total += square
-                    common += 1
-        if common > 0:
-            apart = np.sqrt(total / common) + TEMPO_WEIGHT * abs(np.log(tempos[one] / tempo))
-            if apart < least:
-                nearest, least = one, apart
+    nearest, least = np.zeros(len(ours), np.int64), np.full(len(ours), np.inf)
+    for first in range(0, len(tempos), AT_ONCE):
+        size = min(AT_ONCE, len(tempos) - first)
+        total, common = np.empty(size), np.empty(size)
+        for mine in range(len(ours)):
+            _add_squares(theirs, seen, first, ours[mine], total, common)
+            for one in range(size):
+                enough = common[one] * (least[mine] + ROUNDING) ** 2 if common[one] > 0.0 else 0.0
+                if total[one] < enough:  # else it is farther, whatever its tempo
+                    apart = np.sqrt(total[one] / common[one])
+                    apart += TEMPO_WEIGHT * abs(np.log(tempos[first + one] / our_tempos[mine]))
+                    if apart < least[mine]:
+                        nearest[mine], least[mine] = first + one, apart
     return nearest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _add_squares(theirs: Floats, seen: Floats, first: int, ours: Floats, total: Floats, common: Floats) -> None:
+    """Sets the sums of squared distances of points and the numbers of points, of as many of theirs as `total` is long.
+
+    The inner loop takes several of theirs in one instruction.
+    """
+    size = len(total)
+    total[:], common[:] = 0.0, 0.0
+    for k in range(ours.shape[0]):
+        for point in range(ours.shape[1]):
+            x, y, z = ours[k, point, 0], ours[k, point, 1], ours[k, point, 2]
+            if np.isfinite(x + y + z):
+                xs, ys = theirs[k, point, 0][first : first + size], theirs[k, point, 1][first : first + size]
+                zs, counts = theirs[k, point, 2][first : first + size], seen[k, point][first : first + size]
+                for one in range(size):
+                    total[one] += counts[one] * ((xs[one] - x) ** 2 + (ys[one] - y) ** 2 + (zs[one] - z) ** 2)
+                for one in range(size):  # a loop of its own, as compilers vectorise few arrays at once
+                    common[one] += counts[one]

@@ -19,6 +19,8 @@ from motionsplice.service.front import Front
 from motionsplice.service.logs import log_config
 from motionsplice.service.settings import Settings
 
+STARTING = 60  # seconds that a worker may take to import everything, before which it answers no check of its health
+
 
 def _application(path: Path, settings: Settings) -> Front:
     if parent := multiprocessing.parent_process():
@@ -49,6 +51,7 @@ class EdgeConfig(EdgeContext):
             ws_ping_timeout=settings.stall_seconds / 2.0,
             timeout_keep_alive=settings.idle_seconds,  # type: ignore[arg-type]  # fractions work too
             timeout_graceful_shutdown=settings.stop_seconds,  # type: ignore[arg-type]
+            timeout_worker_healthcheck=STARTING,  # uvicorn then kills it, and starts another
             proxy_headers=False,  # limits count real addresses, not those that clients claim
             server_header=False,
             access_log=False,  # the front logs refusals and failures

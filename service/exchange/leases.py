@@ -4,12 +4,16 @@ A process that reads a mapped page beyond the end of its file is killed. On Linu
 opens it for writing, or truncates it, waits until the lease is given back (for at most 45 s, `lease-break-time`). So
 each table is leased, and copied into memory before its lease is given back. The copy takes the place of the mapped
 pages at their address, so frames go on.
+
+Only the owner of a file may lease it, and some file systems have no leases (NFS). A bank with such a table is mapped
+from copies.
 """
 
 from __future__ import annotations
 
 import asyncio
 import ctypes
+import errno
 import fcntl
 import logging
 import mmap
@@ -19,13 +23,16 @@ import sys
 import weakref
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.exchange.background import in_background
+from motionsplice.service.exchange.copies import folder_for, from_copies
 
 logger = logging.getLogger(__name__)
 
@@ -47,22 +54,45 @@ class _Lease:
 
 
 class Leases:
-    """The leases of all mapped tables of the banks that one process serves."""
+    """The leases of all mapped tables of the banks that one process serves.
 
-    def __init__(self) -> None:
+    Banks that cannot be leased are copied to a folder of their own in `copies`, or in the user's cache.
+    """
+
+    def __init__(self, copies: Path | None) -> None:
+        self._copies = copies
         self._leases: list[_Lease] = []
 
-    def hold(self, bank: Bank) -> None:
-        """Leases the files of a bank's mapped tables. What cannot be leased is logged, and stays mapped."""
-        if sys.platform != "linux":
-            return
+    def hold(self, bank: Bank) -> Bank:
+        """Returns the bank with its mapped tables leased or, if one cannot be leased, all mapped from copies.
+
+        If they cannot be copied either, that is logged, and they stay mapped as they are. Raises BankError if a table
+        that is copied was altered. May take seconds.
+        """
+        leases = []
         for name, table in bank.tables.items():
             if isinstance(table.base, np.memmap):
                 try:
-                    self._leases.append(_leased(bank, name))
+                    leases.append(_leased(bank, name))
                 except OSError as error:
-                    detail = f"{bank.files[name]}: {error.strerror}; only the owner of a file may lease it"
-                    logger.warning("a mapped table is not protected from truncation", extra={"detail": detail})
+                    for lease in leases:
+                        lease.give_back()
+                    return self._from_copies(bank, f"{bank.files[name]} cannot be leased: {error.strerror}")
+        self._leases += leases
+        return bank
+
+    def _from_copies(self, bank: Bank, reason: str) -> Bank:
+        try:
+            folder = folder_for(str(bank.path.absolute()), self._copies)
+            if folder.parent.absolute() in bank.path.absolute().parents:
+                raise SettingsError("the bank is a copy already", mend="Nothing but the service should write there")
+            copy = from_copies(bank, folder)
+        except (OSError, SettingsError) as error:
+            detail = f"{reason}, and it cannot be copied: {error}"
+            logger.warning("mapped tables are not protected from truncation", extra={"detail": detail})
+            return bank
+        logger.info("a bank is mapped from copies of its tables", extra={"detail": reason, "copies": str(folder)})
+        return copy
 
     async def keep(self, interval: float = INTERVAL) -> None:
         """Copies tables whose files somebody is about to change. Runs until cancelled."""
@@ -91,6 +121,8 @@ async def _is_copied(bank: Bank, table: str) -> bool:
 
 
 def _leased(bank: Bank, table: str) -> _Lease:
+    if sys.platform != "linux":
+        raise OSError(errno.ENOSYS, "this system has no leases")
     descriptor = os.open(bank.files[table], os.O_RDONLY | os.O_CLOEXEC)
     give_back = weakref.finalize(bank, os.close, descriptor)
     try:

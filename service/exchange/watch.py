@@ -22,7 +22,7 @@ LATER = 10  # checks, after which a bank that could not be read is tried again
 
 
 async def watch(serving: Serving, metrics: Metrics, leases: Leases, interval: float = INTERVAL) -> None:
-    """Serves each new bank once it is leased, verified, and its kernels are compiled. Runs until cancelled.
+    """Serves each new bank once it is leased or copied, verified, and its kernels are compiled. Runs until cancelled.
 
     A damaged bank is refused, and checked again only when its manifest changes; one that cannot be read, such as when
     the process has too many files open, is tried again. The old bank stays in service.
@@ -58,6 +58,6 @@ def _open(path: Path, served: str, leases: Leases) -> Edition | None:
     bank = Bank.open(path, verify=False)
     if bank.digest == served:
         return None
-    leases.hold(bank)
+    bank = leases.hold(bank)
     bank.verify()
     return Edition.warm(bank)

@@ -16,6 +16,7 @@ from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make
 from motionsplice.motion.storage.place import among, place_of, read_ahead
 from motionsplice.motion.storage.remote import Remote, StorageError
+from tests.s3 import bucket
 
 fsspec = pytest.importorskip("fsspec", reason="the extra motionsplice[cluster] is not installed")
 
@@ -123,3 +124,22 @@ def test_an_extra_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("fsspec.core.url_to_fs", without_s3fs)
     with pytest.raises(StorageError, match=r"Install s3fs to access S3\. Run `pip install 'motionsplice\[s3\]'`"):
         Remote("s3://bucket/clips").exists()
+
+
+def test_an_object_is_read_by_one_request_whether_it_is_there_or_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    with bucket(monkeypatch) as url:
+        (Remote(url) / "walk.bvh").write_bytes(b"walk")
+        (Remote(url) / "empty.toml").write_bytes(b"")
+        s3fs, asked = pytest.importorskip("s3fs"), list[str]()
+        call = s3fs.S3FileSystem._call_s3
+
+        async def noting(self: Any, method: str, *given: Any, **how: Any) -> Any:
+            asked.append(method)
+            return await call(self, method, *given, **how)
+
+        monkeypatch.setattr(s3fs.S3FileSystem, "_call_s3", noting)
+        assert (Remote(url) / "walk.bvh").read_bytes() == b"walk"
+        assert (Remote(url) / "empty.toml").read_bytes() == b""
+        with pytest.raises(FileNotFoundError):
+            (Remote(url) / "run.bvh").read_bytes()
+        assert asked == ["get_object"] * 3

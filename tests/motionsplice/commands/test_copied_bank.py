@@ -9,12 +9,13 @@ from typer.testing import CliRunner
 
 from motionsplice.cli import app
 from motionsplice.commands import serve
-from motionsplice.commands.copied_bank import copied, folder_for
+from motionsplice.commands.copied_bank import copied
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.storage.remote import Remote
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import Manifest
+from motionsplice.service.exchange.copies import folder_for
 from motionsplice.service.settings import Settings
 from tests.conftest import CLIPS
 from tests.precompute.job.test_job import files_of, write
@@ -45,20 +46,13 @@ def test_a_bank_is_built_on_s3_copied_served_and_followed(tmp_path: Path, monkey
         assert "2 clips, 0 reused" in run(*command)
         assert "nothing to do" in run(*command)
         run("serve", place.url, "--copies", str(tmp_path / "copies"))
-        folder = folder_for(place, tmp_path / "copies")
+        folder = folder_for(place.url, tmp_path / "copies")
         assert served == [(folder, Bank.open(tmp_path / "bank").digest)]
         assert files_of(folder) == files_of(tmp_path / "bank")
         with copied(place, folder, follow=True, interval=0.1):
             Remote(f"{url}/clips").remove(["run.bvh"])  # the baseline
             assert "1 clip, 0 reused" in run(*command)
             eventually(lambda: [clip.name for clip in Manifest.read(folder).clips] == ["walk"], 60.0)
-
-
-def test_each_url_has_a_folder_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    first, second = (folder_for(Remote(f"s3://bucket/{name}"), None) for name in "ab")
-    assert first != second
-    assert first.parent == second.parent == tmp_path / "motionsplice" / "banks"
 
 
 def test_uploads_cannot_be_added_to_a_bank_at_a_url(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from motionsplice.motion.quaternion import Floats
-from motionsplice.precompute.preparation.neutral import TEMPO_WEIGHT, ShownGait, nearest_gaits
+from motionsplice.precompute.preparation.neutral import AT_ONCE, TEMPO_WEIGHT, ShownGait, nearest_gaits
 
 BINS = 4
 
@@ -39,6 +39,22 @@ def test_the_nearest_gait_is_that_of_the_twin(seed: int, count: int, usable: str
     locomotions = [shown(f"{random.integers(100):02}-{number}", gait) for number, gait in enumerate(gaits)]
     actions = [shown(str(number), gait(random)) for number in range(3)]
     assert nearest_gaits(actions, locomotions) == [naive(action, locomotions) for action in actions]
+
+
+def test_more_gaits_than_are_compared_at_once_are_all_compared() -> None:
+    random = np.random.default_rng(3)
+    actions, locomotions = (
+        [
+            ShownGait(f"{kind}-{number:03}", gait(random), float(random.uniform(0.5, 2.0)), True)
+            for number in range(count)
+        ]
+        for kind, count in (("action", AT_ONCE + 2), ("walk", 2 * AT_ONCE + 1))
+    )
+    nearest = nearest_gaits(actions, locomotions)
+    for number in (0, AT_ONCE - 1, AT_ONCE, AT_ONCE + 1):
+        assert nearest[number] == naive(actions[number], locomotions)
+    last = ShownGait("wave", locomotions[-1].gait, locomotions[-1].tempo, True)
+    assert nearest_gaits([last], locomotions) == [locomotions[-1].name]
 
 
 def test_of_equals_the_first_by_name_is_taken() -> None:

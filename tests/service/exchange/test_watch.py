@@ -19,8 +19,10 @@ from motionsplice.runtime import bank as opening
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import clock_kernels
 from motionsplice.runtime.evaluator import Evaluator
+from motionsplice.runtime.format import tables
 from motionsplice.runtime.format.manifest import MANIFEST
 from motionsplice.runtime.splice import Splice
+from motionsplice.service.exchange import leases as leasing
 from motionsplice.service.exchange import watch as watching
 from motionsplice.service.exchange.leases import Leases
 from motionsplice.service.metrics import Metrics
@@ -164,6 +166,29 @@ def test_twenty_exchanges_tear_no_frame(service: Running, bank: Bank, other: Ban
         assert all(abs(one - wanted).max() < 1e-6 for one in some)
 
 
+def test_banks_that_cannot_be_leased_are_served_from_copies(
+    bank: Bank, other: Bank, place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(_: Bank, __: str) -> None:
+        raise OSError(errno.EACCES, "Permission denied")
+
+    def mapped(evaluated: Bank) -> set[Path]:
+        return {Path(str(table.base.filename)).parent for table in evaluated.tables.values()}  # type: ignore[union-attr]
+
+    monkeypatch.setattr(leasing, "_leased", refused)
+    monkeypatch.setattr(tables, "SMALL", 0)
+    monkeypatch.setattr(watching.watch, "__defaults__", (0.05,))
+    with running(place, Settings(watch=True, copies=tmp_path / "copies")) as service:
+        serving = service.config.front.shared.serving
+        assert serving.edition.bank.digest == bank.digest
+        (folder,) = mapped(serving.edition.bank)
+        assert folder.is_relative_to(tmp_path / "copies")
+        put(other.path, place)
+        eventually(lambda: served(service) == other.digest)
+        assert mapped(serving.edition.bank) == {folder}
+        assert {file.stem for file in folder.iterdir()} == set(other.manifest.tables.values())
+
+
 def test_a_bank_that_was_written_while_the_service_started_is_served(bank: Bank, other: Bank, place: Path) -> None:
     opened = Bank.open(place)
     put(other.path, place)
@@ -171,7 +196,7 @@ def test_a_bank_that_was_written_while_the_service_started_is_served(bank: Bank,
     async def start() -> str:
         serving = Serving(opened)
         await serving.warm()
-        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(), 0.01))
+        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(None), 0.01))
         async with asyncio.timeout(PATIENCE):
             while serving.bank.digest == bank.digest:
                 await asyncio.sleep(0.01)
@@ -198,7 +223,7 @@ def test_a_service_that_stops_does_not_wait_for_the_verification_of_a_bank(
         serving.exchange(Edition.warm(bank))
         put(other.path, place)
         serving.bank = replace(bank, path=place)
-        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(), 0.01))
+        watches = asyncio.create_task(watching.watch(serving, Metrics(), Leases(None), 0.01))
         await asyncio.to_thread(begun.wait, PATIENCE)
         watches.cancel()
 

@@ -118,11 +118,12 @@ class Hub:
     def _tick(self, now: float) -> None:
         groups = self._due(now)
         self._lateness.begin(late := _late(groups, now))
-        self._shared.metrics.tick_lateness.observe(late)
         missed = {one: self._lateness.missed(one.play.due, one.play.rate, now) for group in groups for one in group}
         ordered, most = list(punctual_first(groups, missed)), math.inf
-        if not self._lateness.sheds:  # some waited for their own commands: they catch up in turns of their own
+        if not self._lateness.sheds and any(missed.values()):  # some waited for their own commands
             ordered, most = alike(ordered, missed), IN_A_TURN
+        if most == math.inf or not missed[ordered[0][0]]:  # the clock does not wait for those that catch up
+            self._shared.metrics.tick_lateness.observe(late)
         work = sum(moved(missed[one], one.play.rate) * len(one.play.scene) for group in ordered for one in group)
         for group in ordered:
             try:

@@ -28,6 +28,7 @@ from bench.service.stream_client import PING, TEXT, Job, frame
 from bench.service.streams import PATH, RATE
 
 SETTLING = 2.0  # seconds for clients to start
+SPARE = 30.0  # seconds by which clients would stay longer than they are needed
 FLOODERS, PINGING, ASKING = 8, 4, 4
 TICKS = "motionsplice_tick_lateness_seconds"
 IN_TIME = "0.002"  # seconds, a bound of the service's histogram
@@ -43,6 +44,7 @@ Flood = Callable[[Process, float], AbstractContextManager[object]]
 def floods(bank: Path, *, seconds: float = 6.0, rounds: int = 3) -> Findings:
     """Measures 20 clients alone, in turns with the same beside each flood."""
     commands = create(1, names(bank, "locomotion"), names(bank, "action"))
+    lasting = 2.0 * SETTLING + seconds + SPARE
     every: dict[str, Flood] = {"calm": lambda server, seconds: nullcontext(), **_floods(bank)}
     found: dict[str, list[tuple[float, float]]] = {name: [] for name in every}
     frames: dict[str, list[float]] = {name: [] for name in every}
@@ -51,14 +53,15 @@ def floods(bank: Path, *, seconds: float = 6.0, rounds: int = 3) -> Findings:
         priority = "at real-time priority" if prefer(server.pid) else "without priority"
         for _ in range(rounds):
             for name, flood in every.items():
-                healthy = Streams(Job(server.port, PATH, HEALTHY, 2.0 * SETTLING + seconds, commands))
+                healthy = Streams(Job(server.port, PATH, HEALTHY, lasting, commands))
                 healthy.prefer()
                 time.sleep(SETTLING)
-                with flood(server, SETTLING + seconds):
+                with flood(server, lasting):
                     time.sleep(SETTLING)
                     before, began = _ticks(server), time.perf_counter()
                     time.sleep(seconds)
                     ended, after = time.perf_counter(), _ticks(server)
+                healthy.end()
                 late = _lateness(healthy.taken(), began, ended)
                 found[name].append(percentiles(late))
                 frames[name].append(float(np.mean(late < 1e3 / RATE)))

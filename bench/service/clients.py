@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.service import request_client, stream_client
-from bench.service.process import Process
+from bench.service.process import Process, prefer
 
 STARTING, ENDING = 4.0, 0.5  # seconds for clients to start and create characters, and to stay after the measurement
 
@@ -57,6 +57,10 @@ class Streams:
 
     def __init__(self, job: stream_client.Job) -> None:
         self._process = started("stream_client", job)
+
+    def prefer(self) -> None:
+        """Lets the clients run before other processes, if the system permits it."""
+        prefer(self._process.pid)
 
     def end(self) -> None:
         """Ends the clients before their time is over."""

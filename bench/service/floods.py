@@ -1,4 +1,8 @@
-"""Measures the harm that floods do to healthy clients: long lists of commands, pings, and big batches."""
+"""Measures the harm that floods do to healthy clients: long lists of commands, pings, and big batches.
+
+Flooders are on other machines as a rule. Here they share the processor with the service and the healthy clients, which
+therefore run before them, and before all else on the machine, if the system permits it.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +22,16 @@ from bench.service import flood_client, request_client
 from bench.service.banks import names
 from bench.service.clients import Streams, Taken, create, post, post_body, started
 from bench.service.harm import HEALTHY
-from bench.service.process import Process, serving
+from bench.service.process import Process, prefer, serving
 from bench.service.statistics import percentiles
 from bench.service.stream_client import PING, TEXT, Job, frame
 from bench.service.streams import PATH, RATE
 
 SETTLING = 2.0  # seconds for clients to start
+SPARE = 30.0  # seconds by which clients would stay longer than they are needed
 FLOODERS, PINGING, ASKING = 8, 4, 4
+TICKS = "motionsplice_tick_lateness_seconds"
+IN_TIME = "0.002"  # seconds, a bound of the service's histogram
 LONGEST = 65_500  # bytes of a message
 CHARACTERS = 10_000  # in a batch of blobs
 NUMBERS = 8_000  # characters in a batch of JSON, which must be smaller
@@ -37,23 +44,29 @@ Flood = Callable[[Process, float], AbstractContextManager[object]]
 def floods(bank: Path, *, seconds: float = 6.0, rounds: int = 3) -> Findings:
     """Measures 20 clients alone, in turns with the same beside each flood."""
     commands = create(1, names(bank, "locomotion"), names(bank, "action"))
-    findings = Findings(f"{HEALTHY} healthy clients beside floods, {rounds} rounds of {seconds:g} s")
+    lasting = 2.0 * SETTLING + seconds + SPARE
     every: dict[str, Flood] = {"calm": lambda server, seconds: nullcontext(), **_floods(bank)}
     found: dict[str, list[tuple[float, float]]] = {name: [] for name in every}
     frames: dict[str, list[float]] = {name: [] for name in every}
+    ticks: dict[str, list[NDArray[np.float64]]] = {name: [] for name in every}
     with serving(bank) as server:
+        priority = "at real-time priority" if prefer(server.pid) else "without priority"
         for _ in range(rounds):
             for name, flood in every.items():
-                healthy = Streams(Job(server.port, PATH, HEALTHY, 2.0 * SETTLING + seconds, commands))
+                healthy = Streams(Job(server.port, PATH, HEALTHY, lasting, commands))
+                healthy.prefer()
                 time.sleep(SETTLING)
-                with flood(server, SETTLING + seconds):
+                with flood(server, lasting):
                     time.sleep(SETTLING)
-                    began = time.perf_counter()
+                    before, began = _ticks(server), time.perf_counter()
                     time.sleep(seconds)
-                    ended = time.perf_counter()
+                    ended, after = time.perf_counter(), _ticks(server)
+                healthy.end()
                 late = _lateness(healthy.taken(), began, ended)
                 found[name].append(percentiles(late))
                 frames[name].append(float(np.mean(late < 1e3 / RATE)))
+                ticks[name].append(after - before)
+    findings = Findings(f"{HEALTHY} healthy clients {priority} beside floods, {rounds} rounds of {seconds:g} s")
     calm = np.array(found["calm"])
     for name in every:
         p50, p99 = np.median(found[name], axis=0)
@@ -63,7 +76,14 @@ def floods(bank: Path, *, seconds: float = 6.0, rounds: int = 3) -> Findings:
             ratio = float(np.median(np.array(found[name])[:, 1] / calm[:, 1]))
             findings.add(f"{name}: p99 / calm (median of rounds)", ratio, most=1.5)
         findings.add(f"{name}: share of frames that arrive before the next is due", float(np.median(frames[name])))
+        whole, in_time = np.sum(ticks[name], axis=0)
+        findings.add(f"{name}: share of the service's ticks later than {IN_TIME} s", 1.0 - in_time / whole, "{:.3f}")
     return findings
+
+
+def _ticks(server: Process) -> NDArray[np.float64]:
+    """Returns how often the service has begun to make frames, and how often of these in time."""
+    return np.array(server.metrics(f"{TICKS}_count", f'{TICKS}_bucket{{le="{IN_TIME}"}}'))
 
 
 def _lateness(taken: list[Taken], began: float, ended: float) -> NDArray[np.float64]:

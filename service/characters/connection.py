@@ -6,7 +6,7 @@ import asyncio
 import logging
 import math
 from collections import deque
-from collections.abc import Awaitable, Callable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from enum import Enum
 from typing import Any, Protocol
@@ -74,7 +74,7 @@ NEXT: Mapping[State, frozenset[State]] = {
     State.CLOSED: frozenset({State.CLOSED}),
 }
 
-Do = Callable[["Connection", list[Command]], Awaitable[None]]  # raises MotionError if it did none of them
+Do = Callable[["Connection", Iterable[Command]], Awaitable[None]]  # raises MotionError if it did none of them
 
 
 class Connection:
@@ -282,17 +282,19 @@ class Connection:
             await self._take(text, turns, do)
 
     async def _take(self, text: str, turns: Turns, do: Do) -> None:
-        """Does all commands of a message, or none, and queues the reply."""
-        ref = None
+        """Does all commands of a message, or none, and queues the reply.
+
+        All are checked before the first is done, and each again when it is done: the commands of long lists that are
+        kept meanwhile would be many objects for the collector of garbage to visit.
+        """
+        ref, axes = None, self.format.encoding.axes
         try:
             listed = parse(text)
             ref = ref_of(listed)
-            commands: list[Command] = []
-            for command in checked(listed, self.format.encoding.axes):
-                commands.append(command)
-                if len(commands) % CHECKED == 0:
+            for number, _ in enumerate(checked(listed, axes)):
+                if number % CHECKED == CHECKED - 1:
                     await turns.next()
-            await do(self, commands)
+            await do(self, checked(listed, axes))
         except MotionError as error:
             self.queue_event("refused", ref=ref, type=URN + kind_of(error)[1], detail=str(error))
         except Exception:

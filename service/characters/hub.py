@@ -6,7 +6,7 @@ import asyncio
 import logging
 import math
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable
 from contextlib import ExitStack
 from typing import Any
 
@@ -19,7 +19,8 @@ from motionsplice.service.characters.commands import Command, in_pieces
 from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
 from motionsplice.service.characters.ensemble import MOST_JOINED, Ensemble
 from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
-from motionsplice.service.characters.lateness import Lateness, frames_at_once, moved
+from motionsplice.service.characters.groups import alike, catch_up, punctual_first, together
+from motionsplice.service.characters.lateness import IN_A_TURN, Lateness, moved
 from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.receivers import Receivers
 from motionsplice.service.characters.scene import Scene
@@ -117,14 +118,19 @@ class Hub:
     def _tick(self, now: float) -> None:
         groups = self._due(now)
         self._lateness.begin(late := _late(groups, now))
-        self._shared.metrics.tick_lateness.observe(late)
         missed = {one: self._lateness.missed(one.play.due, one.play.rate, now) for group in groups for one in group}
-        self._shared.metrics.frames_skipped.inc(sum(missed.values()))
-        work = sum(moved(count, one.play.rate) * len(one.play.scene) for one, count in missed.items())
-        for group in _punctual_first(groups, missed):
+        ordered, most = list(punctual_first(groups, missed)), math.inf
+        if not self._lateness.sheds and any(missed.values()):  # some waited for their own commands
+            ordered, most = alike(ordered, missed), IN_A_TURN
+        if most == math.inf or not missed[ordered[0][0]]:  # the clock does not wait for those that catch up
+            self._shared.metrics.tick_lateness.observe(late)
+        work = sum(moved(missed[one], one.play.rate) * len(one.play.scene) for group in ordered for one in group)
+        for group in ordered:
             try:
-                _catch_up(group, missed, work)
-                self._make(group)
+                skipped, is_whole = catch_up(group, missed, work, most)
+                self._shared.metrics.frames_skipped.inc(skipped)
+                if is_whole:
+                    self._make(group)
             except Exception:
                 logger.exception("making frames failed")
                 for one in group:
@@ -158,7 +164,7 @@ class Hub:
         if play.ahead > 1:
             for one in group:
                 one.sent = one.play._replace(scene=one.play.scene.copy())
-        ensemble, frames = _together(group), []
+        ensemble, frames = together(group), []
         for later in range(play.ahead):
             poses, arrays = self._evaluate(play.scene.edition, ensemble, form)
             frames.append(arrays)
@@ -184,7 +190,7 @@ class Hub:
         self._shared.metrics.evaluation.observe(time.perf_counter() - began)
         return poses, arrays
 
-    async def _do(self, connection: Connection, commands: list[Command]) -> None:
+    async def _do(self, connection: Connection, commands: Iterable[Command]) -> None:
         """Does all commands of a message, or none of them. Raises MotionError.
 
         Those of a long list are done in several turns of the event loop, while the connection's next frame waits.
@@ -290,40 +296,6 @@ def _next_tick(now: float, rate: float) -> float:
 def _late(groups: list[list[Connection]], now: float) -> float:
     """Returns how late the frames of some groups are, in seconds. Clients that could not take them do not count."""
     return now - min((one.wanted for group in groups for one in group), default=now)
-
-
-def _together(group: list[Connection]) -> Ensemble:
-    """Returns the scenes of a group as an ensemble: that of the frames before, if they are the same."""
-    scenes, ensemble = [one.play.scene for one in group], group[0].ensemble
-    if ensemble is None or not ensemble.holds(scenes):
-        ensemble = Ensemble(scenes)
-        for one in group:
-            one.ensemble = ensemble
-    return ensemble
-
-
-def _punctual_first(groups: list[list[Connection]], missed: Mapping[Connection, int]) -> Iterator[list[Connection]]:
-    """Yields the groups, first of those that miss no frames, so that they do not wait for those that catch up."""
-    for misses in (False, True):
-        for group in groups:
-            if some := [one for one in group if bool(missed[one]) is misses]:
-                yield some
-
-
-def _catch_up(group: list[Connection], missed: Mapping[Connection, int], work: int) -> None:
-    """Leaves out the frames that connections of a group miss. `work`: characters times frames that all miss."""
-    alike: dict[int, list[Connection]] = {}
-    for one in group:
-        if missed[one]:
-            alike.setdefault(missed[one], []).append(one)
-    for count, some in alike.items():
-        play = some[0].play
-        if len(play.scene):
-            frames = moved(count, play.rate)
-            for later, row, event in _together(some).leave_out(frames, frames_at_once(work, play.rate)):
-                some[row].queue_event(frame=some[row].play.frame + count - frames + later, **event)
-        for one in some:
-            one.play = one.play.after(count)
 
 
 async def _serve_others(loop: asyncio.AbstractEventLoop, turns: int, spent: float) -> None:

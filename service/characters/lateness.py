@@ -8,6 +8,7 @@ BEHIND = 0.1  # seconds by which the clock may be late for once before frames ar
 LEFT_OUT = 1.0  # seconds by which characters move on at most when frames are left out
 FEW = 20_000  # characters times frames that are advanced within a few milliseconds
 LONGEST_STEP = 0.1  # seconds by which characters are advanced at once
+IN_A_TURN = 4  # frames by which characters move on in a turn while the clock is on time: about half a millisecond
 
 
 class Lateness:

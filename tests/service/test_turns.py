@@ -53,35 +53,55 @@ async def _turns(count: int) -> None:
         await asyncio.sleep(0)
 
 
-def test_a_few_pieces_are_begun_at_once_and_the_others_after_the_next_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def at_once_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lets no time be free for further pieces."""
     monkeypatch.setattr(turns_module, "SHARE", 0.0)
+    monkeypatch.setattr(turns_module, "MOST_FREE", 1e6)
 
+
+def test_no_piece_is_begun_right_before_a_frame() -> None:
     async def run() -> list[int]:
         turns, done, counts, now = Turns(), list[int](), list[int](), asyncio.get_running_loop().time()
         turns.next_tick(now)
+        for piece in range(3):
+            turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
+        await _turns(10)
+        counts.append(len(done))
+        turns.ticked(now)
+        await _turns(10)
+        return [*counts, len(done)]
+
+    assert asyncio.run(run()) == [0, 3]
+
+
+@pytest.mark.usefixtures("at_once_only")
+def test_a_few_pieces_are_begun_at_once_and_the_others_after_the_next_tick() -> None:
+    async def run() -> list[int]:
+        turns, done, counts, now = Turns(), list[int](), list[int](), asyncio.get_running_loop().time()
+        turns.next_tick(now + 1e3)
         for piece in range(3 * AT_ONCE):
             turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
         for _ in range(4):
             await _turns(4 * AT_ONCE)
             counts.append(len(done))
             turns.ticked(now)
-            turns.next_tick(now)
+            turns.next_tick(now + 1e3)
         assert done == list(range(3 * AT_ONCE))
         return counts
 
     assert asyncio.run(run()) == [AT_ONCE, 2 * AT_ONCE, 3 * AT_ONCE, 3 * AT_ONCE]
 
 
-def test_the_first_pieces_after_an_idle_time_do_not_wait(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(turns_module, "SHARE", 0.0)
-
+@pytest.mark.usefixtures("at_once_only")
+def test_the_first_pieces_after_an_idle_time_do_not_wait() -> None:
     async def run() -> int:
         turns, done = Turns(), list[int]()
         for piece in range(3 * AT_ONCE):
             turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
         await _turns(4 * AT_ONCE)
         assert len(done) == 3 * AT_ONCE
-        turns.next_tick(asyncio.get_running_loop().time())
+        turns.next_tick(asyncio.get_running_loop().time() + 1e3)
         for piece in range(3 * AT_ONCE):
             turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
         await _turns(4 * AT_ONCE)
@@ -95,6 +115,7 @@ def test_long_before_the_next_frame_no_piece_waits(due: float) -> None:
     async def run() -> int:
         turns, done = Turns(), list[int]()
         turns.next_tick(0.0)
+        turns.ticked(0.0)
         for piece in range(10 * AT_ONCE):
             turns.call(lambda piece=piece: done.append(piece))  # type: ignore[misc]
         await _turns(4 * AT_ONCE)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections.abc import Iterable
 from typing import Any
 
 import msgpack
@@ -90,8 +91,8 @@ class Counting(Allowance):
 def _received(client: Client, allowance: Allowance, done: list[str], *texts: str) -> None:
     """Lets a connection receive texts until it waits for more."""
 
-    async def do(connection: Connection, commands: list[Command]) -> None:
-        done.append(commands[0].do)
+    async def do(connection: Connection, commands: Iterable[Command]) -> None:
+        done.append(next(iter(commands)).do)
 
     async def run() -> None:
         messages = [{"type": "websocket.receive", "text": text} for text in texts]

@@ -133,9 +133,9 @@ def test_a_client_that_reads_slowly_does_not_make_others_miss_frames(edition: Ed
     room.tick(*(tick * TICK for tick in range(60)))
     assert slow.state is State.DEFERRED
     slow.state, slow.wanted, room.wires[slow].is_free = State.READY, 60 * TICK, True
-    room.tick(60 * TICK + 0.04, *(tick * TICK + 0.04 for tick in range(61, 70)))
-    assert room.numbers(one) == list(range(70))
-    assert room.numbers(slow)[0] == 62
+    room.tick(*[60 * TICK + 0.04] * 20, *(tick * TICK + 0.04 for tick in range(61, 70)))
+    assert room.numbers(one) == list(range(72))
+    assert room.numbers(slow) == list(range(62, 72))
     assert not room.hub._lateness.sheds
 
 
@@ -256,5 +256,45 @@ def test_clients_that_miss_no_frames_do_not_wait_for_one_that_catches_up(
     healthy.go_on(healthy.play._replace(due=30 * TICK, frame=30))
     held.wanted = 30 * TICK  # its frames waited for a list of commands
     room.tick(30 * TICK)
-    assert done == [room.wires[healthy], 30, room.wires[held]]
+    assert done == [room.wires[healthy]]
+    room.tick(*[30 * TICK] * 6)
+    assert done == [room.wires[healthy], *[4] * 5, 10, room.wires[held]]
     assert (room.numbers(healthy), room.numbers(held)) == ([30], [30])
+    assert "tick_lateness_seconds_count 1.0" in room.shared.metrics.render()[0].decode()
+
+
+def test_characters_that_catch_up_in_turns_move_as_if_in_one(edition: Edition) -> None:
+    """They do not move on by more than a second, in either way."""
+    found = []
+    for is_alone in (True, False):  # alone it misses frames as the clock does, which then sheds them
+        room = Room(edition)
+        late, punctual = room.connect(), room.connect()
+        if is_alone:
+            room.hub.connections.discard(punctual)
+        else:
+            punctual.go_on(punctual.play._replace(due=90 * TICK, frame=90))
+            late.wanted = 90 * TICK
+        room.tick(*[90 * TICK] * 20)
+        assert room.hub._lateness.sheds is is_alone
+        assert room.numbers(late)[0] == 90
+        found.append(room.wires[late].sent[0])
+    alone, beside = map(msgpack.unpackb, found)
+    for name in ("root_positions", "rotations"):
+        assert alone[name] == beside[name]
+
+
+def test_those_that_catch_up_take_turns(edition: Edition, monkeypatch: pytest.MonkeyPatch) -> None:
+    room, frames = Room(edition), list[int]()
+    leave_out = Ensemble.leave_out
+
+    def left_out(ensemble: Ensemble, count: int, step: int) -> Any:
+        frames.append(count)
+        return leave_out(ensemble, count, step)
+
+    monkeypatch.setattr(Ensemble, "leave_out", left_out)
+    for number in range(3):
+        one = room.connect()
+        one.go_on(one.play._replace(due=number * TICK))
+        one.wanted = 30 * TICK
+    room.hub._tick(30 * TICK)
+    assert frames == [4]

@@ -59,14 +59,12 @@ def main(
 
 def _fuzzed(door: str, folder: Path, runs: int) -> tuple[Tally, int]:
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "tally.json").unlink(missing_ok=True)
     command = [sys.executable, "-m", "tests.hardening.fuzz.guided", door, str(folder), str(runs)]
     with (folder / "log").open("wb") as log, tempfile.TemporaryDirectory(dir=IN_MEMORY) as own:
         empty, environment = Path(own) / "empty", os.environ | {"TMPDIR": own}  # the fuzzer ends without cleaning up
         empty.mkdir()
         done = subprocess.run([*command, str(empty)], stdout=log, stderr=log, env=environment, check=False)
-    tally = folder / "tally.json"
-    return Tally.read(tally) if tally.exists() else Tally(), done.returncode
+    return Tally.read(folder / "tally.json"), done.returncode
 
 
 def _coverage(door: str, corpus: Path) -> dict[str, str]:

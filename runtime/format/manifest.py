@@ -177,7 +177,7 @@ def _mirror(fields: Mapping[str, Any], joints: int) -> Mirror:
 
 def _entries(kind: type[Entry], records: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:
     """Returns maps of the manifest as dataclasses `kind`. Raises BankError, naming the field, for a wrong type."""
-    types, entries = _types_of(kind), []
+    types, entries = _types_of(kind), []  # type: ignore[arg-type]  # a class has a hash, whatever its instances have
     for record in records:
         values: dict[str, Any] = {key: tuple(value) if type(value) is list else value for key, value in record.items()}
         entry = kind(**values)

@@ -162,8 +162,9 @@ def lane_mirror(bank: Bank) -> Array:
     for half in layout.halves.values():
         part = np.zeros((half.width, MIRROR_COLUMNS))
         part[:, TWIN], part[:, MATRIX:] = np.arange(half.width), np.eye(4).ravel()
-        turned = np.array([above[pelvis], above[pelvis], IDENTITY])
-        part[[PELVIS, POSTURE_FRAME, TORSO_OFFSET], MATRIX:] = _images(turned, np.array([mirror.turns[pelvis], IDENTITY, IDENTITY]))
+        part[PELVIS, MATRIX:] = _images(above[[pelvis]], mirror.turns[[pelvis]])
+        part[POSTURE_FRAME, MATRIX:] = _images(above[[pelvis]], IDENTITY[None])
+        part[TORSO_OFFSET, MATRIX:] = _images(IDENTITY[None], IDENTITY[None])
         joints = [joint for joint in half.joints if mirror.twins[joint] >= 0]
         lanes = {joint: lane for lane, joint in enumerate(half.joints, half.first_joint)}
         own = [lanes[joint] for joint in joints]

@@ -114,12 +114,12 @@ def evaluated(bank: Bank) -> None:
     with_hands = {entry.body: 1 + bank.hand_number(entry.name) for entry in bank.hands if entry.body not in stretched}
     laid = np.array([with_hands.get(clip.name, 0) for clip in bank.clips])
     durations = np.array([clip.duration for clip in bank.clips])
-    for share in SHARES:
-        requests = Requests.empty(len(WAYS) * len(one))
-        for way, (method, posture) in enumerate(WAYS):
-            part = slice(way * len(one), (way + 1) * len(one))
-            requests.locomotion[part], requests.action[part] = one, other
-            requests.time[part], requests.start[part] = share * durations[one], share * durations[other]
-            requests.hands[part] = laid[other]
-            requests.method[part], requests.posture[part] = METHODS[method], POSTURES[posture]
-        evaluator.evaluate(requests, evaluator.poses(len(requests)))
+    ways = [(share, *way) for share in SHARES for way in WAYS]
+    requests = Requests.empty(len(ways) * len(one))
+    for number, (share, method, posture) in enumerate(ways):
+        part = slice(number * len(one), (number + 1) * len(one))
+        requests.locomotion[part], requests.action[part] = one, other
+        requests.time[part], requests.start[part] = share * durations[one], share * durations[other]
+        requests.hands[part] = laid[other]
+        requests.method[part], requests.posture[part] = METHODS[method], POSTURES[posture]
+    evaluator.evaluate(requests, evaluator.poses(len(requests)))

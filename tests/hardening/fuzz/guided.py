@@ -20,7 +20,7 @@ from tests.hardening.fuzz.harness import Tally, Visitor
 
 LONGEST = 1024  # bytes of choices, of which generators use up to a few hundred
 SEEDS = 64  # inputs to begin with
-EVERY = 5000  # inputs, after which the tally is written: the fuzzer does not return
+EVERY = 500  # inputs, after which the tally is written: the fuzzer does not return
 HANGING = 60  # seconds, after which the fuzzer ends with the input
 
 

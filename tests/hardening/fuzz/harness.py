@@ -27,7 +27,7 @@ from tests.hardening.memory import IN_MEMORY
 MOST_SECONDS = 1.0  # of the processor for an input
 FREE = 64 * 2**20  # bytes of memory that an input of any size may take
 PAGE = resource.getpagesize()
-M_MMAP_THRESHOLD, LARGE = -3, 128 * 1024
+M_MMAP_THRESHOLD, LARGE = -3, 2**20
 WIDTH = 70  # characters of an outcome
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from motionsplice.motion.clip_settings import VALUES, read_clip_settings
@@ -11,7 +12,7 @@ from motionsplice.motion.roles import LIMBS, read_roles_file
 from motionsplice.precompute.hands.settings import read_hand_settings
 from tests.hardening.fuzz.door import Door, Files
 from tests.hardening.fuzz.draw import Draw
-from tests.hardening.fuzz.held import held
+from tests.hardening.fuzz.held import Held, held
 from tests.hardening.fuzz.text import encoded
 
 SOUND = {
@@ -72,7 +73,7 @@ def _roles(draw: Draw) -> list[str]:
     return _table(draw, "[roles]", ["spine", *draw.sample((*LIMBS, *OPTIONAL, "pelvis"), draw.randrange(6))])
 
 
-FILES = {  # with how each is made and read
+FILES: Mapping[str, tuple[Callable[[Draw], list[str]], Callable[[Held], object]]] = {  # with how each is made and read
     "clips.toml": (_clips, read_clip_settings),
     "hands.toml": (_hands, read_hand_settings),
     "roles.toml": (_roles, read_roles_file),

@@ -18,7 +18,8 @@ NUMBERS = (
 TEXTS = r'"", "0", "node", "../x", "\ud800", "\u0000"'
 OTHERS = 'true, false, null, [], [[]], [0, 0, 0, 0], {}, {"": 0}'
 LARGE = f'1{"0" * 30}, "{"x" * 5000}", {"[" * 400 + "]" * 400}, [NaN{", NaN" * 15}], [1e300{", 1e300" * 15}]'
-VALUES = f"[{NUMBERS}, {TEXTS}, {OTHERS}, {LARGE}]"  # read anew for each file, because damage changes them
+# As JSON: each is read anew, because damage changes it.
+VALUES = tuple(map(json.dumps, json.loads(f"[{NUMBERS}, {TEXTS}, {OTHERS}, {LARGE}]")))
 WORDS = ("0", "-1", "1e308", "-1e400", "nan", "inf", "1e-320", "9" * 400, "{", "}", "JOINT x", "End Site", ":", "\0")
 INTEGERS = (0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 FLOATS = (float("nan"), float("inf"), -1.0, 0.0, 1e30, -1e30, 1e38, 1e-45)
@@ -118,4 +119,4 @@ def damage_value(document: dict[str, Any], draw: Random) -> None:
     elif kind == 4:
         inside[key] = draw.randrange(40)
     else:
-        inside[key] = draw.choice(json.loads(VALUES))
+        inside[key] = json.loads(draw.choice(VALUES))

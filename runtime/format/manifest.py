@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -176,11 +177,7 @@ def _mirror(fields: Mapping[str, Any], joints: int) -> Mirror:
 
 def _entries(kind: type[Entry], records: Sequence[Mapping[str, Any]]) -> tuple[Entry, ...]:
     """Returns maps of the manifest as dataclasses `kind`. Raises BankError, naming the field, for a wrong type."""
-    types: dict[str, tuple[type, type | None]] = {}
-    for name, hint in get_type_hints(kind).items():
-        of = get_args(hint)
-        types[name] = (get_origin(hint) or hint, of[0] if of else None)
-    entries = []
+    types, entries = _types_of(kind), []  # type: ignore[arg-type]  # a class has a hash, whatever its instances have
     for record in records:
         values: dict[str, Any] = {key: tuple(value) if type(value) is list else value for key, value in record.items()}
         entry = kind(**values)
@@ -190,6 +187,13 @@ def _entries(kind: type[Entry], records: Sequence[Mapping[str, Any]]) -> tuple[E
                 raise BankError(problem, mend=REBUILD)
         entries.append(entry)
     return tuple(entries)
+
+
+@cache
+def _types_of(kind: type) -> dict[str, tuple[type, type | None]]:
+    """Returns the type of each field of a dataclass, and that of the items of a tuple."""
+    hints = get_type_hints(kind)
+    return {name: (get_origin(hint) or hint, next(iter(get_args(hint)), None)) for name, hint in hints.items()}
 
 
 def _fits(value: object, wanted: type, item: type | None = None) -> bool:

@@ -162,22 +162,24 @@ def lane_mirror(bank: Bank) -> Array:
     for half in layout.halves.values():
         part = np.zeros((half.width, MIRROR_COLUMNS))
         part[:, TWIN], part[:, MATRIX:] = np.arange(half.width), np.eye(4).ravel()
-        part[PELVIS, MATRIX:] = _image(above[pelvis], mirror.turns[pelvis])
-        part[POSTURE_FRAME, MATRIX:] = _image(above[pelvis], IDENTITY)
-        part[TORSO_OFFSET, MATRIX:] = _image(IDENTITY, IDENTITY)
-        for lane, joint in enumerate(half.joints, half.first_joint):
-            if mirror.twins[joint] >= 0:
-                part[lane, TWIN] = half.first_joint + half.joints.index(mirror.twins[joint])
-                part[lane, MATRIX:] = _image(above[joint], mirror.turns[joint])
+        part[PELVIS, MATRIX:] = _images(above[[pelvis]], mirror.turns[[pelvis]])
+        part[POSTURE_FRAME, MATRIX:] = _images(above[[pelvis]], IDENTITY[None])
+        part[TORSO_OFFSET, MATRIX:] = _images(IDENTITY[None], IDENTITY[None])
+        joints = [joint for joint in half.joints if mirror.twins[joint] >= 0]
+        lanes = {joint: lane for lane, joint in enumerate(half.joints, half.first_joint)}
+        own = [lanes[joint] for joint in joints]
+        part[own, TWIN] = [lanes[int(mirror.twins[joint])] for joint in joints]
+        part[own, MATRIX:] = _images(above[joints], mirror.turns[joints])
         parts.append(part)
     cloud = np.zeros((1, MIRROR_COLUMNS))
     cloud[0, MATRIX : MATRIX + 9] = (to_matrices(conjugate(mirror.turns[pelvis])) * MIRROR).ravel()
     return np.concatenate([*parts, cloud]).astype(np.float32)
 
 
-def _image(above: Floats, turn: Floats) -> Floats:
-    """Returns the matrix [16] that takes a rotation to `above^-1 f(q) turn`, its mirror image (`Mirror`)."""
-    return np.asarray(multiply(multiply(conjugate(above), np.diag(FLIP)), turn).T.ravel())
+def _images(above: Floats, turns: Floats) -> Floats:
+    """Returns matrices [n, 16] that take a rotation to `above^-1 f(q) turn`, its mirror image (`Mirror`)."""
+    columns = multiply(multiply(conjugate(above)[:, None], np.diag(FLIP)), turns[:, None])
+    return columns.transpose(0, 2, 1).reshape(len(above), 16)
 
 
 def scratch(bank: BankArrays, threads: int) -> Scratch:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -12,6 +13,7 @@ from numba.np.arrayobj import populate_array
 from numba.np.numpy_support import from_dtype
 
 
+@cache
 def fields_of(kind: Any) -> dict[str, Any]:
     """Returns what each field of a kind of record declares."""
     hints = get_type_hints(kind, include_extras=True)

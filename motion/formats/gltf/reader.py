@@ -115,8 +115,10 @@ def _posed(
     container: Container, order: list[int], parents: Integers, tracks: Tracks, times: Floats, rate: float
 ) -> Scene:
     document, nodes = container.document, container.document["nodes"]
-    rest = in_the_world((_local(nodes[node], node, {}, times) for node in order), parents, 1)[0]
-    world = in_the_world((_local(nodes[node], node, tracks, times) for node in order), parents, len(times))
+    still = _at_rest([nodes[node] for node in order])
+    rest = in_the_world(still, parents, 1)[0]
+    locals_ = (_moved(nodes[node], node, tracks, times, local) for node, local in zip(order, still, strict=True))
+    world = in_the_world(locals_, parents, len(times))
     places = {node: place for place, node in enumerate(order)}
     roles = humanoid_nodes(document)
     joints, bind = _skeleton(container, places, parents, rest)
@@ -183,11 +185,24 @@ def _times(tracks: list[Track], nodes: int, most: int) -> tuple[Floats, float]:
     return first + np.arange(frames) / rate, rate
 
 
-def _local(node: dict[str, Any], number: int, tracks: Tracks, times: Floats) -> Floats:
-    """Returns a node's transforms to its parent [3, 4, F or 1]."""
+def _at_rest(nodes: list[dict[str, Any]]) -> list[Floats]:
+    """Returns the transforms of nodes at rest to their parents, each [3, 4, 1]."""
+    parts = (
+        np.array([node.get(path, DEFAULTS[path]) for node in nodes], np.float64).reshape(len(nodes), width)
+        for path, width in PATHS.items()
+    )
+    locals_ = local_transforms(*parts)
+    return [
+        np.array(node["matrix"], np.float64).reshape(4, 4).T[:3, :, None] if "matrix" in node else locals_[..., [place]]
+        for place, node in enumerate(nodes)
+    ]
+
+
+def _moved(node: dict[str, Any], number: int, tracks: Tracks, times: Floats, rest: Floats) -> Floats:
+    """Returns a node's transforms to its parent [3, 4, F], or `rest` if no track moves it."""
     moved = {path: tracks[number, path].sampled(times) for path in PATHS if (number, path) in tracks}
-    if "matrix" in node and not moved:
-        return np.array(node["matrix"], np.float64).reshape(4, 4).T[:3, :, None]
+    if not moved:
+        return rest
     values = {
         path: moved.get(path, np.array([node.get(path, DEFAULTS[path])], np.float64)) for path in PATHS
     }  # [F or 1, width]

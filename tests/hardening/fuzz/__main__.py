@@ -4,7 +4,8 @@ Inputs are made by generators that know the grammar, from bytes that atheris (li
 lines behind the door. Each must pass the door, or be refused by a typed error, within 1 s of processor time and 64 MiB
 of memory plus 64 times its size (RLIMIT_AS). Anything else is a finding: its input is saved, and the exit status is 1.
 Needs the extra `fuzz`. For a BVH file, `passed the first line` means that it got further than the keyword HIERARCHY;
-likewise for others. The coverage, of lines and branches, is that of the corpus.
+likewise for others. The coverage, of lines and branches, is that of the corpus. Counts go on from those of earlier runs
+in the same folder; `--runs 0` only prints them. The last line about a door is its row in docs/hardening.md.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ SHOWN = 12  # outcomes
 
 def main(
     doors: Annotated[list[str] | None, typer.Argument(help=f"{', '.join(DOORS)}; all without it")] = None,
-    runs: Annotated[int, typer.Option(min=1, help="Number of inputs of each door")] = 200_000,
+    runs: Annotated[int, typer.Option(min=0, help="Number of further inputs of each door")] = 200_000,
     out: Annotated[Path, typer.Option(help="Folder for the corpora and findings")] = Path("build/hardening/fuzz"),
 ) -> None:
     """Prints what came of the inputs."""
@@ -48,25 +49,35 @@ def main(
               f"{share['passed']:.1%} the whole door, the slowest took {tally.slowest:.2f} s")  # fmt: skip
         for outcome, count in tally.outcomes.most_common(SHOWN):
             print(f"  {count:>9,}  {outcome}")
-        for file, percent in _coverage(door, out / door / "corpus").items():
+        covered = _coverage(door, out / door / "corpus")
+        for file, percent in covered.items():
             print(f"  {percent:>9}  {file}")
         for outcome, saved in tally.bad.items():
             print(f"  FOUND {outcome}, {saved}")
         if status:
             print(f"  FOUND the fuzzer ended with {status}, {out / door}/log")
+        print(_row(door, tally, [float(percent.rstrip("%")) for percent in covered.values()]))
     sys.exit(bool(bad))
 
 
 def _fuzzed(door: str, folder: Path, runs: int) -> tuple[Tally, int]:
+    if not runs:
+        return Tally.read(folder / "tally.json"), 0
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "tally.json").unlink(missing_ok=True)
     command = [sys.executable, "-m", "tests.hardening.fuzz.guided", door, str(folder), str(runs)]
     with (folder / "log").open("wb") as log, tempfile.TemporaryDirectory(dir=IN_MEMORY) as own:
         empty, environment = Path(own) / "empty", os.environ | {"TMPDIR": own}  # the fuzzer ends without cleaning up
         empty.mkdir()
         done = subprocess.run([*command, str(empty)], stdout=log, stderr=log, env=environment, check=False)
-    tally = folder / "tally.json"
-    return Tally.read(tally) if tally.exists() else Tally(), done.returncode
+    return Tally.read(folder / "tally.json"), done.returncode
+
+
+def _row(door: str, tally: Tally, covered: list[float]) -> str:
+    share = [f"{100.0 * count / max(1, tally.inputs):.1f} %" for count in (tally.passed_first, tally.passed)]
+    speed, memory = tally.inputs / max(1e-9, tally.seconds), tally.memory / 2**20
+    limits = f"{min(covered):.0f} to {max(covered):.0f} %"
+    cells = (door, f"{tally.inputs:,}", f"{speed:,.0f}", *share, f"{tally.slowest:.2f}", f"{memory:.0f}", limits)
+    return f"| {' | '.join(cells)} |"
 
 
 def _coverage(door: str, corpus: Path) -> dict[str, str]:

@@ -25,6 +25,7 @@ from tests.conftest import written as written_clips
 
 JOINTS, CLIPS, POINTS = 9, 6, 4
 SHARES = np.linspace(0.0, 1.0, 3)  # of a clip, at which poses are evaluated
+WAYS = (("splice", "relative"), ("splice", "absolute"), ("naive", "off"))
 MOST_CLIPS = 8
 PLAYED = {"walk": ("walk",), "run": ("run",), "wave": ("walk", "wave")}
 PLAYED_SETTINGS = '[wave]\nkind = "action"\n[hail]\nkind = "action"\n'
@@ -71,15 +72,33 @@ def manifest_of(body: bytes) -> bytes:
 def use_bank(folder: Path, manifest: bytes, tables: Mapping[str, bytes]) -> None:
     """Writes a bank, opens it without verification as the service does, evaluates it, and verifies it.
 
-    Tables get the names that the digests of their contents give.
+    `tables` are those that are not of the small bank. They get the names that the digests of their contents give, and
+    are removed again.
     """
-    (folder / TABLE_FOLDER).mkdir()
+    _write_small_tables(folder)
     (folder / MANIFEST).write_bytes(manifest)
-    for data in tables.values():
-        (folder / TABLE_FOLDER / f"{content_digest(data)}.npy").write_bytes(data)
-    bank = Bank.open(folder, verify=False)
-    evaluated(bank)
-    bank.verify()
+    contents = {_table_file(folder, data): data for data in tables.values()}
+    others = {file: data for file, data in contents.items() if not file.exists()}
+    for file, data in others.items():
+        file.write_bytes(data)
+    try:
+        bank = Bank.open(folder, verify=False)
+        evaluated(bank)
+        bank.verify()
+    finally:
+        for file in others:
+            file.unlink()
+
+
+@cache
+def _write_small_tables(folder: Path) -> None:
+    (folder / TABLE_FOLDER).mkdir()
+    for data in small_tables().values():
+        _table_file(folder, data).write_bytes(data)
+
+
+def _table_file(folder: Path, data: bytes) -> Path:
+    return folder / TABLE_FOLDER / f"{content_digest(data)}.npy"
 
 
 def digests(tables: Mapping[str, bytes]) -> dict[str, str]:
@@ -95,11 +114,12 @@ def evaluated(bank: Bank) -> None:
     with_hands = {entry.body: 1 + bank.hand_number(entry.name) for entry in bank.hands if entry.body not in stretched}
     laid = np.array([with_hands.get(clip.name, 0) for clip in bank.clips])
     durations = np.array([clip.duration for clip in bank.clips])
-    for method, posture in (("splice", "relative"), ("splice", "absolute"), ("naive", "off")):
-        for share in SHARES:
-            requests = Requests.empty(len(one))
-            requests.locomotion[:], requests.action[:] = one, other
-            requests.time[:], requests.start[:] = share * durations[one], share * durations[other]
-            requests.hands[:] = laid[other]
-            requests.method[:], requests.posture[:] = METHODS[method], POSTURES[posture]
-            evaluator.evaluate(requests, evaluator.poses(len(one)))
+    ways = [(share, *way) for share in SHARES for way in WAYS]
+    requests = Requests.empty(len(ways) * len(one))
+    for number, (share, method, posture) in enumerate(ways):
+        part = slice(number * len(one), (number + 1) * len(one))
+        requests.locomotion[part], requests.action[part] = one, other
+        requests.time[part], requests.start[part] = share * durations[one], share * durations[other]
+        requests.hands[part] = laid[other]
+        requests.method[part], requests.posture[part] = METHODS[method], POSTURES[posture]
+    evaluator.evaluate(requests, evaluator.poses(len(requests)))

@@ -13,11 +13,12 @@ from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.procedural.library import make as make_clip
 from tests.hardening.fuzz.door import Door, Files
 from tests.hardening.fuzz.draw import Draw
-from tests.hardening.fuzz.harness import write
-from tests.hardening.fuzz.text import encoded, number, repeated
+from tests.hardening.fuzz.held import held
+from tests.hardening.fuzz.text import encoded, number, odd_number, repeated
 
 NAMES = ("Hips", "Spine", "LeftUpLeg", "LeftFoot", "Bone #1", "mixamorig:Hips", "左足", "a b", "{", "End", "", "0")
-FRAMES = 8
+FRAMES = 4
+CHANNEL = re.compile("(?i)[xyz](?:rotation|position)")
 
 
 @cache
@@ -25,57 +26,75 @@ def _sound() -> tuple[list[str], list[str]]:
     """Returns the lines of a sound hierarchy, and its rows of numbers."""
     text = dump_bvh(make_clip("walk", seed=1, seconds=1.0).frames(0, FRAMES)).decode()
     head, _, motion = text.partition("MOTION\n")
-    return head.splitlines(), motion.splitlines()[2:]
+    return [line.strip() for line in head.splitlines()], motion.splitlines()[2:]
 
 
-def _channels(draw: Draw, words: list[str]) -> str:
-    names = words[2:]
-    if draw.rarely(25):
+def _channels(draw: Draw, names: list[str]) -> str:
+    kind = draw.randrange(3)
+    if kind == 0:
         names = draw.sample(CHANNELS, draw.randint(0, 6))
-    if draw.rarely(80):
+    elif kind == 1:
         names = [*names, draw.choice((*names, *CHANNELS, "Wrotation", "XROTATION"))]
-    count = str(len(names)) if not draw.rarely(80) else number(draw, str(draw.randint(-1, 9)))
+    count = str(len(names)) if kind < 2 else odd_number(draw)
     return " ".join(["CHANNELS", count, *names])
+
+
+def _odd_line(draw: Draw, line: str) -> list[str]:
+    """Returns what may stand in place of a line of the hierarchy."""
+    first, *others = line.split() or [""]
+    kind = draw.randrange(8)
+    if kind == 0:
+        return []
+    if kind == 1:
+        return repeated(draw, [line])
+    if kind == 2:
+        return [draw.choice((f"{line} // {line}", f"{line} }}", f"{{ {line}", line.lower(), f"# {line}", f"\t{line}"))]
+    if first in ("JOINT", "ROOT"):
+        return [f"{first} {draw.choice(NAMES)}"]
+    if first == "CHANNELS":
+        return [_channels(draw, others[1:])]
+    if first == "OFFSET" and others:
+        others[draw.randrange(len(others))] = odd_number(draw)
+        return [" ".join((first, *others))]
+    return [line, draw.choice(("{", "}", "End Site", "JOINT x", "OFFSET 1 2 3", "MOTION"))]
 
 
 def _hierarchy(draw: Draw) -> tuple[list[str], int]:
     """Returns the lines of a hierarchy, and the number of its channels."""
-    lines: list[str] = []
-    for line in _sound()[0]:
-        words = line.split()
-        if words[0] in ("JOINT", "ROOT") and draw.rarely(60):
-            words[1] = draw.choice(NAMES)
-        elif words[0] == "OFFSET":
-            words[1:] = [number(draw, word) for word in words[1:]]
-        elif words[0] == "CHANNELS":
-            words = _channels(draw, words).split()
-        elif draw.rarely(200):
-            continue
-        text = " ".join(words)
-        if draw.rarely(60):
-            text = draw.choice(
-                (f"{text} // {text}", f"{text} }}", f"{{ {text}", text.lower(), f"# {text}", f"\t{text}")
-            )
-        lines += repeated(draw, [text])
+    lines = list(_sound()[0])
+    for _ in range(draw.few()):
+        at = draw.randrange(len(lines))
+        lines[at : at + 1] = _odd_line(draw, lines[at]) or [""]
     if draw.rarely(60):  # a chain, as deep as it may be
-        deep = draw.choice((2, 50, 1500))
+        deep = draw.choice((2, 30, 300))
         chain = [f"JOINT chain{at}\n{{\nOFFSET 0 0 0\nCHANNELS 0" for at in range(deep)] + ["}"] * deep
         at = draw.randrange(len(lines) + 1)
         lines[at:at] = chain
-    return lines, sum(len(re.findall(r"(?i)[xyz](?:rotation|position)", line)) for line in lines)
+    return lines, len(CHANNEL.findall("\n".join(lines)))
+
+
+def _odd_row(draw: Draw, row: str) -> list[str]:
+    words, kind = row.split() or [""], draw.randrange(5)
+    at = draw.randrange(len(words))
+    if kind == 0:
+        return repeated(draw, [row])
+    if kind == 1:
+        words[at:] = words[: draw.randrange(len(words) + 1)]
+    elif kind == 2:
+        words[at] = draw.choice((*WORDS, "1,5", "1.5", "7", "//", "2;3"))
+    elif kind == 3:
+        return [draw.choice(("\t", "\n", ", ", "  ")).join(words)]
+    return [" ".join(words)]
 
 
 def _rows(draw: Draw, width: int) -> list[str]:
-    rows: list[str] = []
-    for row in _sound()[1]:
-        words = (row.split() * (1 + width // max(1, len(row.split()))))[:width]
-        if draw.rarely(4):
-            words[draw.randrange(len(words) + 1) :] = words[: draw.randrange(len(words) + 1)]
-        if draw.rarely(4) and words:
-            at = draw.randrange(len(words))
-            words[at] = draw.choice((*WORDS, "1,5", "1.5", "7", "//", "2;3"))
-        text = (draw.choice(("\t", "\n", ", ", "  ")) if draw.rarely(4) else " ").join(words)
-        rows += repeated(draw, [text])
+    rows = list(_sound()[1])
+    words = rows[0].split()
+    if width != len(words):
+        rows = [" ".join((words * (1 + width // len(words)))[:width])] * len(rows)
+    for _ in range(draw.few()):
+        at = draw.randrange(len(rows))
+        rows[at : at + 1] = _odd_row(draw, rows[at])
     return [row.replace(".", ",") for row in rows] if draw.rarely(20) else rows
 
 
@@ -96,8 +115,7 @@ def make(draw: Draw) -> Files:
 
 def enter(files: Files, folder: Path) -> None:
     """Reads the file as a clip."""
-    write(files, folder)
-    read_clip(folder / "clip.bvh")
+    read_clip(held(files, folder)["clip.bvh"])
 
 
 EARLY = re.compile("expected HIERARCHY|the file is empty|this is a binary|the file ends inside the hierarchy")

@@ -12,7 +12,7 @@ from motionsplice.motion.formats.files import clips_in, files_behind
 from motionsplice.motion.formats.reading import read_clip
 from tests.hardening.fuzz.door import Door, Files
 from tests.hardening.fuzz.draw import Draw
-from tests.hardening.fuzz.harness import write
+from tests.hardening.fuzz.held import held
 
 MOST_CLIPS = 3  # read from one file
 
@@ -34,11 +34,10 @@ def make(draw: Draw) -> Files:
 
 def enter(files: Files, folder: Path) -> None:
     """Reads the first clips of the file."""
-    write(files, folder)
-    (name,) = files
-    files_behind(folder / name)
-    for animation in list(clips_in(folder / name).values())[:MOST_CLIPS]:
-        read_clip(folder / name, animation=animation)
+    (file,) = held(files, folder).values()
+    files_behind(file)
+    for animation in list(clips_in(file).values())[:MOST_CLIPS]:
+        read_clip(file, animation=animation)
 
 
 EARLY = re.compile(

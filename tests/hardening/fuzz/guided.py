@@ -1,11 +1,14 @@
 """`python -m tests.hardening.fuzz.guided DOOR FOLDER RUNS EMPTY`: inputs through a door, guided by coverage (atheris).
 
-Fills FOLDER with the corpus, a tally and the inputs that led to what must not be. EMPTY is for the files of an input.
+Fills FOLDER with the corpus, a tally and the inputs that led to what must not be, and adds to what earlier runs left
+there. EMPTY is for the files of inputs.
 """
 
 from __future__ import annotations
 
+import resource
 import sys
+import time
 from pathlib import Path
 from random import Random
 
@@ -13,9 +16,9 @@ import atheris
 
 import motionsplice
 from tests.hardening.fuzz.door import Door, covered_by, door_of
-from tests.hardening.fuzz.harness import Visitor
+from tests.hardening.fuzz.harness import Tally, Visitor
 
-LONGEST = 4096  # bytes of choices; an input that is made of them may be longer
+LONGEST = 1024  # bytes of choices, of which generators use up to a few hundred
 SEEDS = 64  # inputs to begin with
 EVERY = 500  # inputs, after which the tally is written: the fuzzer does not return
 HANGING = 60  # seconds, after which the fuzzer ends with the input
@@ -27,23 +30,32 @@ def main(name: str, folder: Path, runs: int, empty: Path) -> None:
     corpus.mkdir(parents=True, exist_ok=True)
     for number in range(SEEDS):
         (corpus / f"seed{number}").write_bytes(Random(f"{name} {number}").randbytes(LONGEST))
-    visitor = Visitor(_instrumented(name), folder / "bad", empty)
+    tally = Tally.read(folder / "tally.json")
+    visitor = Visitor(_instrumented(name), folder / "bad", empty, tally)
+    end, earlier, before, least = tally.inputs + runs, tally.seconds - time.process_time(), tally.memory, _most_memory()
 
     def visit(data: bytes) -> None:
         visitor.visit(data)
-        if visitor.tally.inputs % EVERY == 0 or visitor.tally.inputs >= runs:
-            visitor.tally.write(folder / "tally.json")
+        if tally.inputs % EVERY == 0 or tally.inputs >= end:
+            tally.seconds = earlier + time.process_time()
+            tally.memory = max(before, _most_memory() - least)
+            tally.write(folder / "tally.json")
 
     options = [
         f"-runs={runs}",
         f"-max_len={LONGEST}",
         f"-timeout={HANGING}",
         "-rss_limit_mb=0",
-        "-seed=1",
+        f"-seed={1 + tally.inputs}",
         "-len_control=0",
     ]
     atheris.Setup(["fuzz", str(corpus), *options, f"-artifact_prefix={folder}/"], visit)
     atheris.Fuzz()
+
+
+def _most_memory() -> int:
+    """Returns the bytes of memory that this process has had at once."""
+    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _instrumented(name: str) -> Door:

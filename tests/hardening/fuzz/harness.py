@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 import json
+import os
 import re
 import resource
 import shutil
@@ -25,7 +27,7 @@ from tests.hardening.memory import IN_MEMORY
 MOST_SECONDS = 1.0  # of the processor for an input
 FREE = 64 * 2**20  # bytes of memory that an input of any size may take
 PAGE = resource.getpagesize()
-M_MMAP_THRESHOLD, LARGE = -3, 128 * 1024
+M_MMAP_THRESHOLD, LARGE = -3, 2**20
 WIDTH = 70  # characters of an outcome
 
 
@@ -33,13 +35,17 @@ WIDTH = 70  # characters of an outcome
 class Tally:
     """What came of inputs: how many there were, how many passed the first line and the whole door, and the outcomes.
 
-    slowest: seconds of processor time. bad: the outcomes that must not be, each with the name of a file with its input.
+    slowest, seconds: of processor time, of an input and of all with the fuzzer. memory: bytes that the process has
+    taken since the first input, at most, of which an input has taken less. bad: the outcomes that must not be, each
+    with the name of a file with its input.
     """
 
     inputs: int = 0
     passed_first: int = 0
     passed: int = 0
     slowest: float = 0.0
+    seconds: float = 0.0
+    memory: int = 0
     outcomes: Counter[str] = field(default_factory=Counter)
     bad: dict[str, str] = field(default_factory=dict)
 
@@ -49,7 +55,9 @@ class Tally:
 
     @classmethod
     def read(cls, file: Path) -> Tally:
-        """Reads what `write` has written."""
+        """Reads what `write` has written. Without a file there were no inputs."""
+        if not file.exists():
+            return cls()
         fields = json.loads(file.read_text())
         return cls(**fields | {"outcomes": Counter(fields["outcomes"])})
 
@@ -58,25 +66,31 @@ class Visitor:
     """Sends inputs through one door.
 
     saved: the folder for inputs that lead to what must not be, or None. folder: an empty one, whose end the caller sees
-    to, for the files of an input; None makes one, which `close` removes.
+    to, for the files of inputs; None makes one, which `close` removes. tally: of earlier inputs, to count on.
     """
 
-    def __init__(self, door: Door, saved: Path | None = None, folder: Path | None = None) -> None:
-        self.tally = Tally()
+    def __init__(
+        self, door: Door, saved: Path | None = None, folder: Path | None = None, tally: Tally | None = None
+    ) -> None:
+        self.tally = tally or Tally()
         self.door, self._saved = door, saved
         self._folder = folder or Path(tempfile.mkdtemp(dir=IN_MEMORY))
-        _return_large_blocks()
+        self._memory = Memory()
         for data in (b"", bytes(range(256))):  # loads what is loaded at first use, and compiles the kernels
             self._outcome(door.make(Draw(data)))
+        gc.collect()
+        gc.freeze()  # what is loaded stays: the collector need not look at it again and again
 
     def close(self) -> None:
+        gc.unfreeze()
+        self._memory.close()
         shutil.rmtree(self._folder)
 
     def visit(self, data: bytes) -> None:
         """Makes an input from bytes, sends it through the door and counts the outcome."""
         files = self.door.make(Draw(data))
         before = time.process_time()
-        with _limited(FREE + self.door.per_byte * sum(map(len, files.values()))):
+        with self._memory.limited(FREE + self.door.per_byte * sum(map(len, files.values()))):
             problem, is_bad = self._outcome(files)
         taken = time.process_time() - before
         if taken > MOST_SECONDS:
@@ -104,9 +118,6 @@ class Visitor:
                 frame = traceback.extract_tb(error.__traceback__)[-1]
                 place = f"{Path(frame.filename).name}, line {frame.lineno}"
                 return f"{type(error).__name__} in {place}: {str(error)[:WIDTH]}", True
-            finally:
-                for file in self._folder.iterdir():
-                    shutil.rmtree(file) if file.is_dir() else file.unlink()
         return "", False
 
     def _save(self, files: Files, data: bytes) -> str:
@@ -119,24 +130,24 @@ class Visitor:
         return str(folder)
 
 
-def write(files: Files, folder: Path) -> None:
-    """Writes an input's files to a folder."""
-    for name, data in files.items():
-        (folder / name).write_bytes(data)
+class Memory:
+    """Limits the memory that this process may take."""
 
+    def __init__(self) -> None:
+        # Has freed memory returned at once, or else an input could use what an earlier one took, without counting.
+        ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, LARGE)
+        self._soft, self._hard = resource.getrlimit(resource.RLIMIT_AS)
+        self._taken = os.open("/proc/self/statm", os.O_RDONLY)  # opening it takes longer than reading it
 
-@contextmanager
-def _limited(size: int) -> Iterator[None]:
-    """Lets this process take `size` bytes of memory more than it has."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    has = int(Path("/proc/self/statm").read_bytes().split()[0]) * PAGE
-    resource.setrlimit(resource.RLIMIT_AS, (has + size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+    @contextmanager
+    def limited(self, size: int) -> Iterator[None]:
+        """Lets this process take `size` bytes of memory more than it has."""
+        has = int(os.pread(self._taken, 64, 0).split()[0]) * PAGE
+        resource.setrlimit(resource.RLIMIT_AS, (has + size, self._hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_AS, (self._soft, self._hard))
 
-
-def _return_large_blocks() -> None:
-    """Has freed memory returned at once, or else an input could use what an earlier one took, without counting."""
-    ctypes.CDLL(None).mallopt(M_MMAP_THRESHOLD, LARGE)
+    def close(self) -> None:
+        os.close(self._taken)

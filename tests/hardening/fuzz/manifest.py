@@ -10,7 +10,7 @@ import msgpack
 
 from bench.hostile.damage import damage_bytes, damage_value
 from motionsplice.runtime.format.manifest import MANIFEST
-from tests.hardening.fuzz.banks import manifest_of, small_body, small_tables, use_bank
+from tests.hardening.fuzz.banks import manifest_of, small_body, use_bank
 from tests.hardening.fuzz.door import Door, Files
 from tests.hardening.fuzz.draw import Draw
 
@@ -44,7 +44,7 @@ def make(draw: Draw) -> Files:
 
 def enter(files: Files, folder: Path) -> None:
     """Uses the bank of this manifest."""
-    use_bank(folder, files[MANIFEST], small_tables())
+    use_bank(folder, files[MANIFEST], {})
 
 
 EARLY = re.compile("the manifest is cut short|expected version|the manifest was altered|the manifest is not a map")

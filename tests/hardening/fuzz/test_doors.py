@@ -16,6 +16,7 @@ from tests.hardening.fuzz import harness
 from tests.hardening.fuzz.door import DOORS, Door, Files, door_of
 from tests.hardening.fuzz.draw import Draw
 from tests.hardening.fuzz.harness import Tally, Visitor
+from tests.hardening.fuzz.held import held
 
 INPUTS = 60
 LONGEST = 4096  # bytes of choices
@@ -101,3 +102,31 @@ def test_outcomes_are_counted_without_their_names_and_numbers(tmp_path: Path) ->
     assert tally.outcomes == {"no … in … files": 1}
     tally.write(tmp_path / "tally.json")
     assert Tally.read(tmp_path / "tally.json") == tally
+
+
+def test_a_tally_counts_on_from_that_of_an_earlier_run(tmp_path: Path) -> None:
+    tally = Tally.read(tmp_path / "none.json")
+    for _ in range(2):
+        visitor = Visitor(door(refused), tally=tally)
+        visitor.visit(b"")
+        visitor.close()
+    assert (tally.inputs, tally.outcomes) == (2, {"no … in … files": 2})
+
+
+def test_a_change_of_one_byte_changes_no_later_choice() -> None:
+    data = bytes(range(7, 207))
+    for at in range(1, 6):
+        draws = [Draw(data), Draw(data[:at] + b"\xff" + data[at + 1 :])]
+        for draw in draws:
+            draw.sample(range(10), 5)
+        assert draws[0].randrange(1000) == draws[1].randrange(1000)
+
+
+def test_files_in_memory_read_as_files_on_the_disk_do(tmp_path: Path) -> None:
+    data = "\ufeffa\r\nb\rc".encode()
+    (tmp_path / "disk").write_bytes(data)
+    (file,) = held({"memory": data}, tmp_path).values()
+    assert file.read_bytes() == data
+    assert file.read_text(encoding="utf-8") == (tmp_path / "disk").read_text(encoding="utf-8")
+    with pytest.raises(UnicodeDecodeError):
+        held({"memory": b"\xff"}, tmp_path)["memory"].read_text(encoding="utf-8")

@@ -8,21 +8,22 @@ from bench.hostile.damage import WORDS, damage_bytes, damage_text
 from tests.hardening.fuzz.draw import Draw
 
 ENCODINGS = ("utf-8-sig", "utf-16", "cp932", "gb18030", "latin-1", "utf-16-le")
-LARGE = 20_000  # bytes that a part may be repeated to
+LARGE = 2000  # bytes that a part may be repeated to
+
+
+def odd_number(draw: Draw) -> str:
+    """Returns a number as text, or none."""
+    return draw.choice((str(draw.uniform(-1e3, 1e3)), str(draw.randint(-9, 9)), "1,5", "1e9", *WORDS))
 
 
 def number(draw: Draw, sound: str) -> str:
     """Returns a number as text, rarely another or none."""
-    if not draw.rarely(40):
-        return sound
-    return draw.choice((str(draw.uniform(-1e3, 1e3)), str(draw.randint(-9, 9)), "1,5", "1e9", *WORDS))
+    return odd_number(draw) if draw.rarely(40) else sound
 
 
 def repeated(draw: Draw, piece: list[str]) -> list[str]:
-    """Returns lines, rarely many times."""
-    if not piece or not draw.rarely(300):
-        return piece
-    return piece * min(draw.choice((2, 30, 1000)), 1 + LARGE // (1 + sum(map(len, piece))))
+    """Returns lines more than once."""
+    return piece * min(draw.choice((2, 30, 1000)), 2 + LARGE // (1 + sum(map(len, piece))))
 
 
 def encoded(draw: Draw, lines: Sequence[str], ending: str = "\n") -> bytes:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property, partial
 from threading import Lock
-from typing import Any
 
 import numba
 import numpy as np
@@ -19,6 +18,7 @@ from motionsplice.runtime.kernels import evaluate as kernels
 from motionsplice.runtime.kernels import stretches as stretch_kernels
 from motionsplice.runtime.kernels import world as world_kernels
 from motionsplice.runtime.kernels.lookup import NONE
+from motionsplice.runtime.request_faults import check_room, fault_of
 from motionsplice.runtime.requests import (
     FLOAT32,
     METHODS,
@@ -29,7 +29,6 @@ from motionsplice.runtime.requests import (
     Requests,
     check_array,
     known,
-    time_fault,
 )
 from motionsplice.runtime.simd.entry import entry_of
 from motionsplice.runtime.simd.handle import handle_of
@@ -103,7 +102,7 @@ class Evaluator:
             SettingsError: A clip, method, posture or hands number is unknown, hands are not aligned to the clip that
                 gives the upper body, posture `running` has no memory, or sizes differ.
         """
-        self._check_room(requests, out, memory)
+        check_room(requests, out, memory, self._joints)
         self._evaluate_any(requests, out, memory)
 
     def _evaluate_any(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
@@ -123,7 +122,7 @@ class Evaluator:
                 numba.set_num_threads(self._threads)
                 fault = kernels.evaluate_in_parallel(self._handle, records, state, share, roots, flat)
         if fault >= 0:
-            raise self._fault(requests, fault)
+            raise fault_of(self.bank, self.arrays, requests, fault)
 
     @cached_property
     def _evaluate_alone(self) -> Callable[..., int]:
@@ -156,7 +155,7 @@ class Evaluator:
         shares = np.empty(len(requests))
         fault = stretch_kernels.resolve(self._handle, requests.records, now.records, before.records, shares)
         if fault >= 0:
-            raise self._fault(requests, fault)
+            raise fault_of(self.bank, self.arrays, requests, fault)
         return now, before, shares
 
     def world_positions(self, poses: Poses, out: Float32s) -> None:
@@ -283,58 +282,8 @@ class Evaluator:
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """Evaluates requests about one character, into poses made for them; errors leave out the request's number."""
         if memory is not None:
-            self._check_room(requests, out, memory)
+            check_room(requests, out, memory, self._joints)
         try:
             self._evaluate_any(requests, out, memory)
         except TimeRangeError as error:
             raise TimeRangeError(error.problem, mend=error.mend) from None
-
-    def _check_room(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
-        count = len(requests.records)
-        if out.flat.shape != (count, 4 * self._joints):
-            found = f"{len(out.flat)} poses of {out.rotations.shape[1]} joints"
-            raise SettingsError(
-                f"{count} requests need {count} poses of {self._joints} joints, found room for {found}",
-                mend="Create the poses with Evaluator.poses(len(requests))",
-            )
-        if memory is not None and len(memory.state) not in (1, count):
-            raise SettingsError(
-                f"{count} requests need a memory of {count} characters or of 1, found {len(memory.state)}",
-                mend="Create it with Memory.begin(len(requests), rate); 1 if all requests are about one character",
-            )
-
-    def _fault(self, requests: Requests, character: int) -> SettingsError | TimeRangeError:
-        """Returns the error for an invalid request."""
-        request, clips = requests.records[character], self.bank.numbered
-        place = f"character {character}" if len(requests.records) > 1 else ""
-        for label, number, top in (
-            ("locomotion", request["locomotion"], len(clips)),
-            ("action", request["action"], len(clips)),
-            ("method", request["method"], len(METHODS)),
-            ("posture", request["posture"], len(POSTURES)),
-        ):
-            if not 0 <= number < top:
-                return SettingsError(f"{label} number {number} lies outside 0 to {top - 1}", place=place)
-        if (hands_fault := self._fault_of_hands(request, place)) is not None:
-            return hands_fault
-        for label, clip in (("time", clips[request["locomotion"]]), ("start", clips[request["action"]])):
-            if (fault := time_fault(label, float(request[label]), clip, place)) is not None:
-                return fault
-        if request["posture"] != POSTURES["running"]:
-            return SettingsError(f"posture number {request['posture']} is refused by `first_at_fault`", place=place)
-        return SettingsError(
-            "posture 'running' is a mean over earlier frames and needs a memory of them",
-            place=place,
-            mend="Evaluate frame by frame with a Memory, or ask for a whole clip",
-        )
-
-    def _fault_of_hands(self, request: Any, place: str) -> SettingsError | None:
-        """Returns the error if the hands of a request are unknown or not aligned to its upper body, else None."""
-        hands, count = int(request["hands"]) - 1, len(self.bank.hand_clips)
-        if hands >= count:
-            return SettingsError(f"hands number {hands + 1} lies outside 0 to {count}", place=place)
-        upper = self.bank.numbered[request["locomotion" if request["method"] == NONE else "action"]].name
-        if hands >= 0 and self.arrays.hand_rows[hands, self.bank.number(upper)] < 0:
-            fault = self.bank.hands_not_aligned(self.bank.hand_clips[hands], upper)
-            return SettingsError(fault.problem, place=place, mend=fault.mend)
-        return None

@@ -29,6 +29,7 @@ from motionsplice.runtime.kernels.lookup import (
     NAIVE,
     NONE,
     SPLICE,
+    as_index,
     frame_at,
     frame_near,
     is_mirrored,
@@ -42,7 +43,7 @@ from motionsplice.runtime.kernels.mirror import mirror_lower, mirror_upper
 from motionsplice.runtime.kernels.posture import RUNNING, correlate, is_aligned, turn_pelves
 from motionsplice.runtime.kernels.rotations import ONE, sample, sample_and_fetch
 from motionsplice.runtime.kernels.standing import lay_on
-from motionsplice.runtime.simd.compiled import Array, Index, as_index, inlined, kernel, parallel_kernel
+from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel, parallel_kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
 
 AHEAD = 2  # characters by which rows are prefetched

@@ -11,7 +11,7 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, NEXT, PHASE, ROW_L, ROW_U, SHARE_L, SHARE_U, BankArrays
 from motionsplice.runtime.kernels.fetching import fetch_rows
 from motionsplice.runtime.kernels.rotations import ONE
-from motionsplice.runtime.simd.compiled import Array, Index, Real, as_index, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 
 NONE, NAIVE, SPLICE = 0, 1, 2  # methods
 IN_STEP = 1e-3  # cycles by which an action may begin before its start
@@ -171,12 +171,18 @@ def locate(at: float, first: float, count: float) -> tuple[np.uint64, float]:
 
 
 @inlined
-def divided(at: float, count: float) -> tuple[int, float]:
+def divided(at: float, count: float) -> tuple[np.int64, float]:
     """Returns the row before a position in `count` rows, as a number from the first on, and the share of the next."""
     at = at if at > 0.0 else 0.0  # NaN becomes 0 too
     at = at if at < count - 1.0 else count - 1.0
     before = np.int64(min(at, count - 1.5))  # the last row but one at most
     return before, at - before
+
+
+@inlined
+def as_index(at: float) -> np.uint64:
+    """Returns a whole number of 0 or more as an index. Processors convert to signed integers in one instruction."""
+    return np.uint64(np.int64(at))
 
 
 @inlined

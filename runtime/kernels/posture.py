@@ -25,10 +25,10 @@ from motionsplice.runtime.kernels.arrays import (
     TURN,
     BankArrays,
 )
-from motionsplice.runtime.kernels.lookup import SPLICE, between_rows, is_mirrored
+from motionsplice.runtime.kernels.lookup import SPLICE, as_index, between_rows, is_mirrored
 from motionsplice.runtime.kernels.mirror import correlate_mirrored, point_between
 from motionsplice.runtime.kernels.rotations import BACK, ONE, ONWARD, horn, multiply, normalise, product, rotated
-from motionsplice.runtime.simd.compiled import Array, Index, Real, as_index, inlined, kernel
+from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import copy_down, load, spread, store_down, total, totals
 from motionsplice.runtime.simd.width import LANES
 

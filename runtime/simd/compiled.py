@@ -25,9 +25,3 @@ kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **
 parallel_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)
 # inlined by LLVM: Numba's own inlining infers types again in each caller, and compiling took twice as long
 inlined = njit(nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True, **UNCOUNTED)
-
-
-@inlined
-def as_index(at: float) -> np.uint64:
-    """Returns a whole number of 0 or more as an index. Processors convert to signed integers in one instruction."""
-    return np.uint64(np.int64(at))

@@ -21,7 +21,7 @@ from motionsplice.service.characters.ensemble import MOST_JOINED, Ensemble
 from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
 from motionsplice.service.characters.groups import alike, catch_up, punctual_first, together
 from motionsplice.service.characters.lateness import IN_A_TURN, Lateness, moved
-from motionsplice.service.characters.play import Play
+from motionsplice.service.characters.play import Play, next_tick
 from motionsplice.service.characters.receivers import Receivers
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.problems import BusyError, LimitError, at_most
@@ -59,7 +59,7 @@ class Hub:
         values, loop = CHARACTERS.read(scope["query_string"]), asyncio.get_running_loop()
         edition, form, rate = self._shared.serving.edition, frame_format(values), values["rate"]
         scene = Scene(edition, rate, self._shared.settings.max_characters, rebased=form.origins)
-        play = Play(scene, 0, _next_tick(loop.time(), rate), rate, values["ahead"])
+        play = Play(scene, 0, next_tick(loop.time(), rate), rate, values["ahead"])
         transport = scope.get("extensions", {}).get(TRANSPORT)
         connection = Connection(play, form, self._shared.settings, self._shared.metrics, transport)
         self._check(connection, play)
@@ -204,7 +204,7 @@ class Hub:
                         stack.enter_context(connection.held())
                     if number:
                         await self._shared.turns.next()
-                    play = _done(play, piece, loop.time())
+                    play = play.done(piece, loop.time())
                 self._check(connection, play)
                 connection.change(play, loop.time())
             self._receivers.claim(connection)
@@ -271,26 +271,6 @@ async def accept(scope: Scope, receive: Receive, send: Send) -> None:
     await receive()
     offered = SUBPROTOCOL if SUBPROTOCOL in scope["subprotocols"] else None
     await send({"type": "websocket.accept", "subprotocol": offered})
-
-
-def _done(play: Play, commands: list[Command], now: float) -> Play:
-    """Does commands on a play's scene. Returns the play with the settings that they change."""
-    for command in commands:
-        if command.do != "set":
-            play.scene.do(command)
-            continue
-        rate, ahead = command.values.get("rate", play.rate), command.values.get("ahead", play.ahead)
-        due = play.due if rate == play.rate else _next_tick(now, rate)
-        play = play._replace(rate=float(rate), ahead=ahead, due=due)
-        play.scene.keep_time(play.rate)
-        if "events" in command.values:
-            play.scene.subscribe(command.values["events"])
-    return play
-
-
-def _next_tick(now: float, rate: float) -> float:
-    """Returns the next moment at which all connections of this rate have a frame."""
-    return math.ceil(now * rate) / rate
 
 
 def _late(groups: list[list[Connection]], now: float) -> float:

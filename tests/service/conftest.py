@@ -12,11 +12,13 @@ from motionsplice.service.app import create_app
 from motionsplice.service.settings import Settings
 from tests.service.running import Running, running
 
+COMPILING = 600.0  # seconds that kernels may take to compile, also on a machine that is busy
+
 
 @contextmanager
 def warm_client(bank: Bank) -> Iterator[TestClient]:
     with TestClient(create_app(bank, Settings(max_frames=5000))) as client:
-        deadline = time.monotonic() + 240.0
+        deadline = time.monotonic() + COMPILING
         while client.get("/readyz").status_code == 503:
             assert time.monotonic() < deadline
             time.sleep(0.01)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from motionsplice.motion.errors import MotionError
@@ -111,7 +110,7 @@ class Remote:
 
     def read_bytes(self) -> bytes:
         """Returns the contents of the file, by one request."""
-        with _reached(self.url, IN_ONE) as (system, path):
+        with _reached(self.url, **IN_ONE.get(self.url.partition("://")[0], {})) as (system, path):
             return bytes(system.cat_file(path))
 
     def read_text(self, encoding: str) -> str:
@@ -162,16 +161,16 @@ class Remote:
 
 
 @contextmanager
-def _reached(url: str, options: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> Iterator[tuple[Any, str]]:
+def _reached(url: str, **options: Any) -> Iterator[tuple[Any, str]]:
     """Yields the file system of a URL and the path in it. What it raises becomes a StorageError that names the URL.
 
-    options: those of file systems, by protocol.
+    options: those of the file system.
     """
     protocol = url.partition("://")[0]
     try:
         from fsspec.core import url_to_fs
 
-        yield url_to_fs(url, **options.get(protocol, {}))
+        yield url_to_fs(url, **options)
     except (FileNotFoundError, NotADirectoryError, MotionError):
         raise
     except (ImportError, ValueError) as error:

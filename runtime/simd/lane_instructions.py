@@ -16,6 +16,11 @@ from motionsplice.runtime.simd.width import LANES
 
 VECTOR = ir.VectorType(ir.FloatType(), LANES)
 FLAGS = tuple(sorted(FASTMATH))
+# lanes of two vectors, 8 and more of the second: their first halves and their last; of each half, the first pairs and
+# the last; the same with the lanes of both in turns
+HALVES = [0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]
+PAIRS = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
+TURNS = [0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15]
 
 
 class LanesType(types.Type):
@@ -108,11 +113,9 @@ def llvm_totals(_, a, b, c, d, e, f, g, h):
             near, far = (_shuffled(builder, one, other, order) for order in (near, far))
             return builder.fadd(near, far, flags=FLAGS)
 
-        halves = [0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]
-        quarters = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
-        eighths = [0, 2, 8, 10, 4, 6, 12, 14], [1, 3, 9, 11, 5, 7, 13, 15]
-        a, b, c, d = (folded(arguments[i], arguments[i + 4], *halves) for i in range(4))
-        return folded(folded(a, b, *quarters), folded(c, d, *quarters), *eighths)
+        singles = [0, 2, 8, 10, 4, 6, 12, 14], [1, 3, 9, 11, 5, 7, 13, 15]
+        a, b, c, d = (folded(arguments[i], arguments[i + 4], *HALVES) for i in range(4))
+        return folded(folded(a, b, *PAIRS), folded(c, d, *PAIRS), *singles)
 
     return lanes_type(a, b, c, d, e, f, g, h), generate
 
@@ -173,15 +176,9 @@ def llvm_signed(_, size, like):
 def llvm_interleave(_, out, at, x, y, z, w):
     def generate(context, builder, signature, arguments):
         x, y, z, w = arguments[2:]
-        low, high = [0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15]
-        xy, zw = (
-            [_shuffled(builder, x, y, order) for order in (low, high)],
-            [_shuffled(builder, z, w, order) for order in (low, high)],
-        )
-        first, second = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
-        joints = [_shuffled(builder, xy[half], zw[half], order) for half in (0, 1) for order in (first, second)]
-        near, far = [0, 1, 2, 3, 8, 9, 10, 11], [4, 5, 6, 7, 12, 13, 14, 15]
-        rows = [_shuffled(builder, joints[pair], joints[pair + 1], order) for order in (near, far) for pair in (0, 2)]
+        xy, zw = ([_shuffled(builder, a, b, order) for order in TURNS] for a, b in ((x, y), (z, w)))
+        joints = [_shuffled(builder, xy[half], zw[half], order) for half in (0, 1) for order in PAIRS]
+        rows = [_shuffled(builder, joints[pair], joints[pair + 1], order) for order in HALVES for pair in (0, 2)]
         place = _address(context, builder, signature.args[0], arguments[0], arguments[1:2])
         for number, row in enumerate(rows):
             builder.store(row, builder.gep(place, [ir.Constant(ir.IntType(64), number)]), align=4)
@@ -204,11 +201,9 @@ def _shuffled(builder, a, b, order):
 def _transposed(builder, quads):
     """Transposes eight vectors of four numbers into four vectors of eight."""
     pairs = [_shuffled(builder, quads[i], quads[i + 4], list(range(8))) for i in range(4)]  # rows i and i + 4
-    low, high = [0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15]
-    mixed = [_shuffled(builder, pairs[i], pairs[i + 1], order) for i in (0, 2) for order in (low, high)]
-    first_half, second_half = [0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15]
-    x, y = (_shuffled(builder, mixed[0], mixed[2], order) for order in (first_half, second_half))
-    z, w = (_shuffled(builder, mixed[1], mixed[3], order) for order in (first_half, second_half))
+    mixed = [_shuffled(builder, pairs[i], pairs[i + 1], order) for i in (0, 2) for order in TURNS]
+    x, y = (_shuffled(builder, mixed[0], mixed[2], order) for order in PAIRS)
+    z, w = (_shuffled(builder, mixed[1], mixed[3], order) for order in PAIRS)
     return x, y, z, w
 
 

@@ -10,9 +10,7 @@ from fastapi.testclient import TestClient
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.app import create_app
 from motionsplice.service.settings import Settings
-from tests.service.running import Running, running
-
-COMPILING = 600.0  # seconds that kernels may take to compile, also on a machine that is busy
+from tests.service.running import COMPILING, Running, running
 
 
 @contextmanager

@@ -85,18 +85,21 @@ class View:
 
     def settle(self) -> None:
         """Waits until what the state says is shown."""
-        self.run(
-            """const end = performance.now() + 15_000;
-            while (!viewer.isSettled || !viewer.shown.length) {
-                if (performance.now() > end) throw new Error('the page does not show what its state says');
-                await new Promise(requestAnimationFrame);
-            }"""
-        )
+        self.run(until("viewer.isSettled && viewer.shown.length"))
 
     def run(self, body: str) -> object:
         """Runs the body of a function that knows `state`, `player`, `viewer` and `sides`."""
         names = "{ state, player, viewer, sides }"
         return self.page.evaluate(f"async () => {{ const {names} = await import('/view/main.js'); {body} }}")
+
+
+def until(condition: str) -> str:
+    """Returns statements for `View.run` that wait until a condition holds, and fail after PATIENCE."""
+    return f"""const end = performance.now() + {PATIENCE};
+    while (!({condition})) {{
+        if (performance.now() > end) throw new Error({json.dumps(f"{condition} did not come true")});
+        await new Promise((resolve) => setTimeout(resolve, 20));
+    }}"""
 
 
 @contextmanager

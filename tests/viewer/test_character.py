@@ -25,7 +25,7 @@ from motionsplice.motion.roles import find_roles
 from motionsplice.runtime.bank import Bank
 from tests.characters import character_file, facing_back
 from tests.glb_files import edited
-from tests.viewer.conftest import View
+from tests.viewer.conftest import View, until
 
 WALK = make("walk", seconds=1.0)
 MIXAMO = character_file(on_rig(WALK, KINDS["Mixamo"]).skeleton, scale=100.0, seed=4)
@@ -38,11 +38,7 @@ LIMBS = {
     "LowerArm": "elbow",
     "Hand": "wrist",
 }
-FROM_STATUS = """const end = performance.now() + 15_000;
-while (own.status.startsWith('Reading') || (own.character && viewer.shown[0]?.character !== own.character)) {
-    if (performance.now() > end) throw new Error('the character is not there: ' + own.status);
-    await new Promise(requestAnimationFrame);
-}"""
+SHOWN = until("!own.status.startsWith('Reading') && (!own.character || viewer.shown[0]?.character === own.character)")
 PLACES = """const figure = viewer.show.figures()[0];
 figure.object.updateMatrixWorld(true);
 const inwards = figure.object.children[0].matrixWorld.clone().invert();
@@ -77,7 +73,7 @@ def drop(view: View, name: str, data: bytes) -> None:
 
 
 def wait(view: View) -> None:
-    view.run(f"const {{ own }} = await import('/view/main.js'); {FROM_STATUS}")
+    view.run(f"const {{ own }} = await import('/view/main.js'); {SHOWN}")
     view.settle()
 
 
@@ -170,8 +166,7 @@ def test_it_can_be_removed_and_frees_the_graphics_card(view: View) -> None:
     view.page.get_by_role("button", name="Remove").click()
     view.settle()
     assert view.run("return state.values.body") == "mannequin"
-    view.page.wait_for_timeout(200)
-    assert view.run("return { ...viewer.stage.memory }") == before
+    view.run(until(f"JSON.stringify(viewer.stage.memory) === JSON.stringify({json.dumps(before)})"))
 
 
 def unnamed(document: dict[str, Any]) -> None:

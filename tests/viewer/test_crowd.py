@@ -11,7 +11,7 @@ from playwright.sync_api import Page, expect
 from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import Settings
 from tests.service.running import Running, eventually, running
-from tests.viewer.conftest import View
+from tests.viewer.conftest import View, until
 
 
 def gather(view: View, count: int, **state: object) -> None:
@@ -21,13 +21,7 @@ def gather(view: View, count: int, **state: object) -> None:
 
 
 def wait(view: View, condition: str) -> None:
-    view.run(
-        f"""const end = performance.now() + 20_000;
-        while (!({condition})) {{
-            if (performance.now() > end) throw new Error('{condition} did not come true');
-            await new Promise((resolve) => setTimeout(resolve, 50));
-        }}"""
-    )
+    view.run(until(condition))
 
 
 def values(view: View) -> dict[str, str]:
@@ -42,22 +36,21 @@ def test_a_crowd_moves_and_says_what_it_costs(view: View) -> None:
     gather(view, 10)
     expect(view.page.locator("#transport")).to_be_hidden()
     expect(view.page.locator("#timeline")).to_be_hidden()
-    view.page.wait_for_timeout(1500)
-    found = values(view)
+    wait(view, "parseInt(document.querySelector('#crowd dl').textContent.split('Frames')[1]) > 0")
+    found = values(view)  # bounds that a machine of any speed keeps
     assert found["Characters"] == "10"
-    assert 10 <= int(found["Frames"].split()[0]) <= 70
+    assert 1 <= int(found["Frames"].split()[0]) <= 70
     assert int(found["Pictures"].split()[0]) >= 1
     assert 0.0 < float(found["Script"].split()[0]) <= float(found["Worst"].split()[0])
-    assert 10 <= int(found["Delay"].split()[0]) < 2000
-    assert int(found["Traffic"].split()[0]) > 20
-    moved: Any = view.run(
-        """const { characters } = viewer.crowd?.company.connection;
+    assert int(found["Delay"].split()[0]) >= 10
+    assert int(found["Traffic"].split()[0]) >= 1
+    view.run(
+        f"""const {{ characters }} = viewer.crowd?.company.connection;
         const turns = () => [...characters.values()].map((one) => [...one.pose().rotations]);
         const before = turns();
-        await new Promise((resolve) => setTimeout(resolve, 300));
-        return turns().map((one, index) => Math.max(...one.map((value, at) => Math.abs(value - before[index][at]))))"""
+        const moved = (one, index) => Math.max(...one.map((value, at) => Math.abs(value - before[index][at])));
+        {until("Math.min(...turns().map(moved)) > 1e-3")}"""
     )
-    assert min(moved) > 1e-3
 
 
 def test_it_grows_shrinks_and_ends(view: View, service: Running) -> None:

@@ -1,5 +1,9 @@
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -36,6 +40,23 @@ def test_method_none_is_the_locomotion_alone(bank: Bank) -> None:
     assert quaternion.angle(alone.rotations, bank.motion("run").rotations).max() < 1e-6
     none = Evaluator(bank).clip(Splice("run", "wave", method="none"))
     np.testing.assert_array_equal(none.rotations, alone.rotations)
+
+
+def test_a_pose_does_not_depend_on_what_was_asked_before(bank: Bank) -> None:
+    splices = [Splice("walk", "wave")]
+    changes: tuple[dict[str, Any], ...] = (
+        {"locomotion": "run"},
+        {"action": "carry_box"},
+        {"start": 0.5},
+        {"method": "naive"},
+        {"posture": "off"},
+    )
+    splices += [replace(splices[0], **change) for change in (*changes, {"action": None})]
+    evaluator, other = Evaluator(bank), Evaluator(bank)
+    for before, splice in pairwise([splices[0], *splices, *reversed(splices)]):
+        evaluator.pose(before, 0.5)
+        found = evaluator.pose(replace(splice), 0.5)
+        np.testing.assert_array_equal(found.rotations, other.sequence(splice, [0.5]).rotations)
 
 
 def test_an_action_shorter_than_the_locomotion_loops_in_step(bank: Bank) -> None:

@@ -80,13 +80,13 @@ def _settings_of(
 ) -> dict[str, ClipSettings]:
     """Reads a folder's `clips.toml`. Raises SettingsError if it is bad, or lists a clip that is not in the folder."""
     settings = read_clip_settings(folder / FILE_NAME, default)
-    names, unread = list[str](), set[str]()
+    names, unread = set[str](), set[str]()
     for file in clip_files(folder):
         clips = clips_of(file)
         if clips is None:  # the clip fails, not the job
             unread.add(file.stem)
         else:
-            names += [file.stem, *clips]
+            names |= {file.stem, *clips}
     for name in settings:
         if name not in names and name.partition(":")[0] not in unread:
             problem = f"clip {name!r} not found in its folder"

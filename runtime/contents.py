@@ -1,4 +1,4 @@
-"""What the tables of a bank say of each of its clips and hands."""
+"""The parts of a bank's tables that belong to a clip or to hands."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ LITTLE = 0.8  # of plain replacement's error: a splice above it is hardly better
 
 @dataclass(frozen=True)
 class Expectation:
-    """What to expect of a splice of an action with a gait. Distances are means over frames and joints, metres.
+    """How good a splice of an action with a gait is expected to be. Distances are means over frames and joints, metres.
 
     Attributes:
         legs: Distance of root and knees of both clips at the frames that are spliced.

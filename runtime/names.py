@@ -14,7 +14,7 @@ from motionsplice.runtime.mirrored import MIRRORED, mirrored_entry
 
 
 class Names:
-    """What a bank has: its skeleton, its clips, their mirror images, and its hands."""
+    """The contents of a bank by name: its skeleton, its clips, their mirror images, and its hands."""
 
     manifest: Manifest
 

@@ -163,7 +163,7 @@ def check_array(
 
 
 class Memory:
-    """What the evaluator remembers of characters from frame to frame: of n, or of one that all requests are about.
+    """State of characters that the evaluator keeps between frames: of n, or of one that all requests are about.
 
     Two things are remembered. If the torso's joints allow no unique best rotation, the last unambiguous one is reused.
     And posture `running` needs the mean posture of the splice so far: it starts from the locomotion's stored posture

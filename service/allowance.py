@@ -10,7 +10,7 @@ AT_HAND = 0.1  # seconds of a connection's rate that it saves up for itself befo
 
 
 class Burst:
-    """What the connections of an address may do beyond their rates.
+    """The budget of an address for bursts beyond the rates of its connections.
 
     It grows by what they do not use, and while there are none by the rate of one.
     """

@@ -1,4 +1,4 @@
-"""What `bench.quality` found for a bank, as the page /view/report shows it."""
+"""The findings of `bench.quality` for a bank, as the page /view/report shows them."""
 
 from __future__ import annotations
 

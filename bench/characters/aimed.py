@@ -1,4 +1,4 @@
-"""What a character with an action shows, and where its head and its hands point."""
+"""The poses of a character with an action, and where its head and its hands point."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Tell = Callable[[Characters], None]
 
 
 class Shown(NamedTuple):
-    """What a character shows in F frames.
+    """The poses of a character in F frames.
 
     Attributes:
         roots: [F, 3], metres.

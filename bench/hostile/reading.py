@@ -39,7 +39,7 @@ FORK = get_context("fork")  # a process begins with all that is imported
 
 @dataclass
 class Tally:
-    """What reading files led to: how many of each outcome, the slowest, and bad ones with the number of a file."""
+    """The outcomes of reading files: how many of each, the slowest, and bad ones with the number of a file."""
 
     outcomes: Counter[str] = field(default_factory=Counter)
     bad: dict[str, int] = field(default_factory=dict)

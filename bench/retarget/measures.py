@@ -1,4 +1,4 @@
-"""What a retargeted motion keeps of the original."""
+"""Measures of how much a retargeted motion keeps of the original."""
 
 from __future__ import annotations
 

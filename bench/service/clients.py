@@ -22,7 +22,7 @@ STARTING, ENDING = 4.0, 0.5  # seconds for clients to start and create character
 
 @dataclass(frozen=True)
 class Taken:
-    """What one client of a stream received: the arrival time of each message, and the number of its first frame."""
+    """The record of one client of a stream: the arrival time of each message, and the number of its first frame."""
 
     arrivals: list[float]
     numbers: list[int]

@@ -19,7 +19,7 @@ SETS = 32  # sets of requests; each round takes the next one
 
 @dataclass(frozen=True)
 class Scene:
-    """What characters play: one pair of clips or random pairs (`many`), at random or `sequential` times.
+    """A choice of what characters play: one pair of clips or random pairs (`many`), at random or `sequential` times.
 
     Sequential times advance by a tick per round.
     """

@@ -1,4 +1,4 @@
-"""What a parser returns."""
+"""The result of a parser."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from motionsplice.motion.roles import NOTHING_GIVEN
 
 
 class Parsed(NamedTuple):
-    """What a file says: its joints over time, frames per second, and perhaps its unit (metres), roles and notes.
+    """The contents of a file: joints over time, frames per second, and optionally its unit (metres), roles and notes.
 
     warnings: what is probably wrong with the file, such as a header that disagrees with the frames.
     up: the axis that is up by the format's definition, None if the format does not define it.

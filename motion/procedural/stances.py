@@ -29,7 +29,7 @@ BEGIN, END = 1.1, 3.9  # seconds at which the gesture begins and ends
 
 @dataclass(frozen=True)
 class Gesture:
-    """What a gesture does at times [F]: degrees of the chest, head and hips, and arms by side.
+    """The motion of a gesture at times [F]: degrees of the chest, head and hips, and arms by side.
 
     strength: [F] 0 at rest, 1 in the gesture. yaw, pitch: of the chest. glance, nod: of the head, beyond the chest's.
     hips: the share of the chest's yaw and pitch that the hips of a person who stands make.

@@ -22,7 +22,7 @@ At = TypeVar("At", bound="Place")
 
 
 class Place(Protocol):
-    """What reading needs of a file or folder. `Path` has it, and so has `Remote`."""
+    """The methods of a file or folder that reading calls. `Path` and `Remote` have them."""
 
     @property
     def name(self) -> str: ...

@@ -23,7 +23,7 @@ class StorageError(MotionError):
 
 
 class Listed(NamedTuple):
-    """What a listing says of a file or folder."""
+    """An entry of a listing: a file or a folder."""
 
     is_dir: bool
     size: int
@@ -96,7 +96,7 @@ class Remote:
 
     @property
     def _beside(self) -> dict[str, Listed] | None:
-        """What the folder above holds, if it has been listed."""
+        """The listing of the parent folder, None if it has not been listed."""
         return self.listings.get(self.parent.url)
 
     def iterdir(self) -> Iterator[Remote]:

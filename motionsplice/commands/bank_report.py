@@ -1,4 +1,4 @@
-"""What `motionsplice precompute` and `inspect` print of a bank: tables, and what the job said about the clips."""
+"""The report of a bank that `motionsplice precompute` and `inspect` print: tables, and remarks on the clips."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What packs the frames of a bank's rig for a kind of receiver."""
+"""Packers of the frames of a bank's rig, one for each kind of receiver."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ HIPS_APART = 1e-6  # metres, measured over the floor: closer hips show no facing
 
 @dataclass(frozen=True, eq=False)
 class Torso:
-    """What spatial alignment and posture transfer use of a clip.
+    """The data of a clip that spatial alignment and posture transfer use.
 
     clouds:  [F, P, 3] spine joints, then left and right shoulder, in the pelvis's own frame, metres.
     frames:  [F, 4] the posture frame H relative to the pelvis's parent: R^-1 H, in one hemisphere.

@@ -23,7 +23,7 @@ def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """What a clip is in its bank: its neutral, and whether it is a standing action. warning: empty if there is none."""
+    """The role of a clip in its bank: its neutral, and whether it is a standing action. warning: empty if none."""
 
     neutral: str
     stands: bool = False
@@ -53,7 +53,7 @@ def labels_of(clips: Mapping[str, PreparedClip], baseline: str) -> dict[str, Lab
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """What labels depend on, of one clip. neutral: that of its settings, empty without one."""
+    """The facts about a clip on which labels depend. neutral: from its settings, empty without one."""
 
     shown: ShownGait
     neutral: str

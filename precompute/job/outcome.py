@@ -1,4 +1,4 @@
-"""What a run of the offline job reports: its progress, and at the end its outcome."""
+"""The reports of a run of the offline job: its progress, and at the end its outcome."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Progress = Callable[[str, int, int], None]  # the stage, how many of its clips a
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of the offline job has built.
+    """The result of a run of the offline job.
 
     Attributes:
         digest: The bank's digest.

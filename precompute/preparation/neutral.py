@@ -20,7 +20,7 @@ FEWEST_STRIDES = 1.5  # of a neutral: less shows no mean stride
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownGait:
-    """What of a clip's gait is compared. Thousands of them are small beside their clips.
+    """The part of a clip's gait that is compared. It is small, as a job keeps that of all clips.
 
     gait: as in `PreparedClip`. tempo: cycles per second. shows_a_stride: whether its mean stride can be seen.
     """

@@ -77,7 +77,7 @@ class PreparedClip:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the user should know before using the clip."""
+        """Warnings for the user of the clip."""
         warnings = list(self.file_warnings)
         if self.stands or self.stretches:
             return tuple(warnings)

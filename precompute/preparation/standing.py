@@ -30,7 +30,7 @@ class Measured:
 
     @property
     def note(self) -> str:
-        """What the clip is, as a sentence."""
+        """A sentence that says what kind of clip this is."""
         return f"stands, so it plays at its own speed; it uses {', '.join(self.uses) or 'nothing'}"
 
 

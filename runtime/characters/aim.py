@@ -26,7 +26,7 @@ Numbers = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What characters look at: a point or a direction in the world.
+    """The target of a look: a point or a direction in the world.
 
     Spine, neck and head share the turn. The head looks exactly at the target, as far as the limits allow. The fields
     have the names of a WebSocket command's keys.
@@ -55,7 +55,7 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """What characters aim at: a point or a direction in the world.
+    """The target of an aim: a point or a direction in the world.
 
     The chest turns as far as the target lies to the side of straight ahead, and above it; the action's arms go along.
     An arm turns about its shoulder until the line from shoulder to wrist points to the target. The fields have the

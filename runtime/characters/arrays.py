@@ -98,7 +98,7 @@ class Mixing(NamedTuple):
 
 
 class StageArrays(NamedTuple):
-    """What the kernels of characters work on, besides states and poses.
+    """The arrays that kernels of characters use, besides states and poses.
 
     Attributes:
         bank: The bank.

@@ -28,7 +28,7 @@ MEND = "Was it saved with another bank, or changed since?"
 
 
 class Range(NamedTuple):
-    """What a column holds: from `least` to `most`, whole numbers only if `whole`; NaN only if `unset`."""
+    """The values that a column may hold: from `least` to `most`, whole numbers only if `whole`; NaN only if `unset`."""
 
     meaning: str
     least: float

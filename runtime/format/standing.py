@@ -1,4 +1,4 @@
-"""What a bank holds of a standing action, which has no gait: how it departs from its stance."""
+"""The part of a bank for a standing action, which has no gait: how it departs from its stance."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ class Scratch(NamedTuple):
 
 
 class SpliceArrays(NamedTuple):
-    """What the kernels of the evaluator work on, besides requests, memory and poses."""
+    """The arrays that kernels of the evaluator use, besides requests, memory and poses."""
 
     bank: BankArrays
     scratch: Scratch

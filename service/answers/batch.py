@@ -25,7 +25,7 @@ FEWER = "Send several batches"
 
 @dataclass(frozen=True)
 class Batch:
-    """What n characters play.
+    """The splices of n characters.
 
     Attributes:
         clips: Names of clips and hands, to which the columns refer.

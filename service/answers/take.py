@@ -72,7 +72,7 @@ async def take(shared: Shared, scope: Scope, receive: Receive) -> Answer:
 
 @dataclass(frozen=True)
 class Take:
-    """What is asked for: a number of frames of one character, and its commands by frame."""
+    """A request for a take: a number of frames of one character, and its commands by frame."""
 
     rate: float
     frames: int

@@ -37,7 +37,7 @@ REFUSED = 4000  # and the status of the problem: close codes of WebSockets that 
 
 
 class Transport(Protocol):
-    """What a server may put into a handshake's extensions, so that frames are sent without a task switch."""
+    """An object that a server may put into a handshake's extensions, to send frames without a task switch."""
 
     @property
     def is_free(self) -> bool:

@@ -1,4 +1,4 @@
-"""What the protocols need from the process they run in."""
+"""The objects of a process that its protocols share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What GET /v1/pose and its answers have in common with earlier ones, so that it is not parsed or built again."""
+"""Known parts of GET /v1/pose and its answers, so that they are not parsed or built again."""
 
 from __future__ import annotations
 

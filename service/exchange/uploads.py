@@ -43,7 +43,7 @@ def checked_name(name: str) -> str:
 
 @dataclass(frozen=True)
 class Quota:
-    """What a folder of clips may hold: a number of files, and bytes in all, unfinished uploads included."""
+    """The quota of a folder of clips: a number of files, and bytes in all, unfinished uploads included."""
 
     files: int
     bytes: int

@@ -1,4 +1,4 @@
-"""What a client needs to know of a skeleton to pose a rig."""
+"""The description of a skeleton that a client needs to pose a rig."""
 
 from __future__ import annotations
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from typer.testing import CliRunner
 
+from motionsplice.cli import app
 from motionsplice.motion.errors import SettingsError
 from motionsplice.service.settings import Settings, unknown_variables
 
@@ -23,6 +25,12 @@ def test_an_empty_value_is_refused(name: str, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv(f"MOTIONSPLICE_{name.upper()}", "")
     with pytest.raises(SettingsError, match=f"MOTIONSPLICE_{name.upper()} is empty. Give it a value, or unset it"):
         Settings()
+
+
+@pytest.mark.parametrize("flag", ["host", "token", "clips", "copies", "report"])
+def test_an_empty_flag_is_refused(flag: str) -> None:
+    with pytest.raises(SettingsError, match=f"MOTIONSPLICE_{flag.upper()} is empty"):
+        CliRunner().invoke(app, ["serve", "bank", f"--{flag}", ""], catch_exceptions=False)
 
 
 def test_an_empty_list_has_no_entries(monkeypatch: pytest.MonkeyPatch) -> None:

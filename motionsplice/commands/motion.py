@@ -102,6 +102,10 @@ def splice_command(
         float, typer.Option(help="Earliest second of the action; it begins at the next frame in step.")
     ] = 0.0,
     hands: Annotated[str | None, typer.Option(help="A hands clip, aligned to the action, to lay on it.")] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(help="How long the result is: the locomotion repeats its loop. Default: the locomotion's length."),
+    ] = None,
     character: CharacterOption = None,
 ) -> None:
     """Splice an action's upper body onto a locomotion, and write the motion as BVH, glTF or VRM animation."""
@@ -113,13 +117,25 @@ def splice_command(
     if action is not None:
         opened.clip(action)
     receiver = open_character(character)
-    clip = spliced(opened, locomotion, action, method, posture, start, hands)
+    clip = spliced(opened, locomotion, action, method, posture, start, hands, seconds)
     notes = write_motion(out, clip, opened.roles, receiver)
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
     print_sentences(console, "dim", notes)
+    splice = asked(locomotion, action, method, posture, start, hands)
+    if seconds is None and splice.method != "none":
+        print_cut(opened, splice)
     if method is Method.SPLICE:
-        print_expectation(opened, asked(locomotion, action, method, posture, start, hands))
+        print_expectation(opened, splice)
+
+
+def print_cut(bank: Bank, splice: Splice) -> None:
+    """Prints what the end of the locomotion cuts off the action, if it does."""
+    from motionsplice.commands.length import cut_short
+    from motionsplice.runtime.evaluator import Evaluator
+
+    if sentence := cut_short(Evaluator(bank), splice):
+        print_sentences(console, "yellow", [sentence])
 
 
 def print_expectation(bank: Bank, splice: Splice) -> None:
@@ -161,12 +177,21 @@ def spliced(
     posture: Posture,
     start: float,
     hands: str | None = None,
+    seconds: float | None = None,
 ) -> Clip:
-    """Returns a whole splice by any method. Raises MotionError."""
+    """Returns a splice by any method: `seconds` of it, or as long as the locomotion. Raises MotionError."""
     if method is not Method.EXACT or action is None:
+        splice = asked(locomotion, action, method, posture, start, hands)
+        if seconds is not None:
+            from motionsplice.commands.length import lasting
+
+            return lasting(bank, splice, seconds)
         from motionsplice.runtime.evaluator import Evaluator
 
-        return Evaluator(bank).clip(asked(locomotion, action, method, posture, start, hands))
+        return Evaluator(bank).clip(splice)
+    if seconds is not None:
+        mend = "Leave out --seconds, or use --method splice"
+        raise SettingsError("the exact splice is as long as its locomotion", mend=mend)
     if hands is not None:
         raise SettingsError("the exact splice cannot lay hands", mend="Leave out --hands, or use --method splice")
     if stretches := bank.clip(action).stretches:

@@ -277,3 +277,67 @@ def test_errors_are_one_paragraph(
         *splice, "walk", "--method", "exact", "--posture", "running"
     )
     assert not (tmp_path / "out.bvh").exists()
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """A bank with two short locomotions, of which `stroll` loops and `step` does not."""
+    walk, folder = CLIPS["walk"], tmp_path_factory.mktemp("short")
+    clips = {"walk": walk, "stroll": walk.frames(0, 130), "step": walk.frames(0, 40), "carry": CLIPS["carry_box"]}
+    return built(written(folder, clips, '[carry]\nkind = "action"\n'), folder / "bank")
+
+
+def test_a_locomotion_that_cuts_the_action_short_is_reported_with_what_shows_more_of_it(
+    short: Bank, tmp_path: Path
+) -> None:
+    splice = ["splice", short.path, "--action", "carry", "--out", tmp_path / "x.bvh", "--locomotion"]
+    sentence = (
+        r"'carry' is cut after \d\.\d\d of 4\.00 s, where 'stroll' ends; for all of it, repeat 'stroll': --seconds "
+    )
+    found = re.search(sentence + r"([\d.]+)\n", run(*splice, "stroll").output)
+    assert found
+    assert 3.0 < float(found[1]) < 4.5
+    assert "choose a longer locomotion, or one that loops" in run(*splice, "step").output
+    assert "is cut after" not in run(*splice, "walk").output
+
+
+@pytest.mark.parametrize("method", ["splice", "naive", "none"])
+def test_a_locomotion_repeats_for_as_many_seconds_as_asked(bank: Bank, tmp_path: Path, method: str) -> None:
+    options = ["--locomotion", "run", "--action", "carry_box", "--posture", "absolute", "--method", method]
+    for name, more in (("whole", []), ("long", ["--seconds", 7.5])):
+        output = run("splice", bank.path, *options, *more, "--out", tmp_path / f"{name}.bvh").output
+    assert "is cut after" not in output
+    whole, long = (read_clip(tmp_path / f"{name}.bvh").clip for name in ("whole", "long"))
+    assert (long.frame_count, whole.frame_count) == (451, 181)
+    first = long.frames(0, 150)  # as the splice without an option
+    np.testing.assert_allclose(first.rotations[:, 1:], whole.rotations[:150, 1:], atol=1e-3)
+    speeds = np.linalg.norm(np.diff(joint_positions(long), axis=0), axis=2) * long.rate
+    assert speeds.max() < 1.3 * speeds[:179].max()  # it repeats without a jump
+    assert speeds[-60:, 0].min() > 1.0  # it still runs
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        (["--seconds", "nan"], "cannot write nan seconds"),
+        (["--seconds", "0"], "cannot write 0 seconds"),
+        (["--seconds", "9", "--method", "exact"], "the exact splice is as long as its locomotion"),
+    ],
+)
+def test_a_length_that_cannot_be_written_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    bank: Bank,
+    tmp_path: Path,
+    options: list[str],
+    problem: str,
+) -> None:
+    splice = ["splice", bank.path, "--locomotion", "walk", "--action", "wave", "--out", tmp_path / "x.bvh"]
+    assert problem in failure(monkeypatch, capsys, *splice, *options)
+
+
+def test_a_locomotion_that_cannot_loop_is_not_made_longer(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], short: Bank, tmp_path: Path
+) -> None:
+    splice = ["splice", short.path, "--locomotion", "step", "--action", "carry", "--out", tmp_path / "x.bvh"]
+    assert "'step' cannot loop, so it lasts no longer than" in failure(monkeypatch, capsys, *splice, "--seconds", 3)

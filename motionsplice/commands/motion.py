@@ -139,12 +139,17 @@ def print_cut(bank: Bank, splice: Splice) -> None:
 
 
 def print_expectation(bank: Bank, splice: Splice) -> None:
-    """Prints how far a splice can be trusted, and a warning if plain replacement may be as good."""
+    """Prints how far a splice can be trusted, and a warning if plain replacement may be as good.
+
+    Of an action without a gait nothing is known but the job's warnings, which are repeated.
+    """
     from motionsplice.runtime.evaluator import Evaluator
     from motionsplice.runtime.expectation import expectation
 
     found = expectation(Evaluator(bank), splice)
     if found is None:
+        warnings = () if splice.action is None else bank.clip(splice.action).warnings
+        print_sentences(console, "yellow", (f"{splice.action}: {warning}" for warning in warnings))
         return
     repeats = f", the action repeats within {100 * found.repetition:.1f} cm" if found.repetition > 0.0 else ""
     console.print(

@@ -25,7 +25,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
-from tests.conftest import CLIPS, built, written
+from tests.conftest import CLIPS, STANDING_CLIPS, built, written
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numba", "llvmlite", "scipy", "matplotlib", "PIL", "fastapi", "uvicorn"}
@@ -341,3 +341,18 @@ def test_a_locomotion_that_cannot_loop_is_not_made_longer(
 ) -> None:
     splice = ["splice", short.path, "--locomotion", "step", "--action", "carry", "--out", tmp_path / "x.bvh"]
     assert "'step' cannot loop, so it lasts no longer than" in failure(monkeypatch, capsys, *splice, "--seconds", 3)
+
+
+def test_a_gesture_that_is_not_marked_as_an_action_is_named_with_its_mend(tmp_path: Path) -> None:
+    clips = {"walk": CLIPS["walk"], "hail": STANDING_CLIPS["hail"]}
+    for name, settings in (("plain", ""), ("marked", '[hail]\nkind = "action"\n')):
+        folder = tmp_path / name
+        folder.mkdir()
+        bank = written(folder, clips, settings) / "bank"
+        built = run("precompute", folder, "--out", bank, "--baseline", "walk", "--jobs", 1).output
+        splice = run(
+            "splice", bank, "--locomotion", "walk", "--action", "hail", "--out", tmp_path / f"{name}.bvh"
+        ).output
+        for output in (built, splice):
+            sentence = 'its legs hardly move. If it is an action, give it `kind = "action"` in clips.toml'
+            assert (sentence in " ".join(output.split())) == (name == "plain")

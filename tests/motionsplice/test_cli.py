@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -15,8 +16,9 @@ from typer.testing import CliRunner, Result
 
 import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
-from motionsplice.commands import motion
+from motionsplice.commands import demo, motion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
@@ -25,6 +27,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
+from motionsplice.service.settings import Settings
 from tests.conftest import CLIPS, STANDING_CLIPS, built, written
 
 ROOT = Path(__file__).parents[2]
@@ -227,6 +230,13 @@ def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
         "count_steps_hands on count_steps": "right",
         "directions_hands on directions": "both",
     }
+
+
+def test_demo_names_a_command_that_serves_if_its_port_is_taken(bank: Bank) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(SettingsError) as error:
+        demo.serve(bank.path, Settings(port=taken.getsockname()[1]))
+    assert f"`motionsplice serve {bank.path} --port 0`" in str(error.value)
+    assert "--host" not in str(error.value)
 
 
 @pytest.mark.parametrize("name", ["out.fbx", "out.BVHX", "out"])

@@ -187,11 +187,15 @@ export class Viewer {
     });
   }
 
-  /** Computes how well the legs fit at each frame, and fills the grid, if the splice is shown. */
+  /** Computes how well the legs fit at each frame, and fills the grid, if the splice is shown and its action follows the legs. */
   async #mismatches() {
     const { values } = this.state;
     const splice = this.#sides.find(({ name }) => name === 'splice');
     if (!splice) return undefined;
+    if (this.sides.catalogue.clips.get(values.action)?.stands) {
+      this.grid.clear('The action was captured standing: it plays at its own speed, whatever the legs do');
+      return undefined;
+    }
     const [locomotion, action] = await Promise.all([this.sides.side('locomotion', values), this.sides.side('action', values)]);
     if (!locomotion || !action) return undefined;
     this.grid.show(locomotion, action, splice.actionTimes);

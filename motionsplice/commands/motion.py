@@ -32,7 +32,12 @@ if TYPE_CHECKING:
     from motionsplice.precompute import splice as whole_clip
     from motionsplice.runtime import requests
     from motionsplice.runtime.bank import Bank
+    from motionsplice.runtime.expectation import Expectation
     from motionsplice.runtime.splice import Splice
+
+ONE_STRIDE = 1.5  # cycles: an action with fewer shows no second stride
+ODD_LEGS = 0.08  # metres between legs: those of walks are within 0.03
+ODD_SPEED = 1.25  # of the captured speed, faster or slower
 
 console = Console(emoji=False)
 
@@ -159,9 +164,22 @@ def print_expectation(bank: Bank, splice: Splice) -> None:
         style="dim",
         soft_wrap=True,
     )
+    if splice.action is not None and is_odd_stride(bank.clip(splice.action).cycles, found):
+        sentence = f"{splice.action!r} takes one stride that does not fit {splice.locomotion!r}"
+        mend = "if it is a lunge or a step, not a gait, name an idle as its `neutral` in clips.toml"
+        print_sentences(console, "yellow", [f"{sentence}: {mend}"])
     if found.gains_little:
         sentence = f"{splice.action!r} hardly follows the stride, so plain replacement may be as good"
         print_sentences(console, "yellow", [f"{sentence}: in a game, try `own_clock`"])
+
+
+def is_odd_stride(cycles: float, found: Expectation) -> bool:
+    """Returns whether an action of one stride plays far from its captured speed, or with legs far from it.
+
+    Its steps are then hardly those of a gait: a lunge looks like a stride to the offline job.
+    """
+    is_far = found.legs > ODD_LEGS or found.fastest < 1.0 / ODD_SPEED or found.slowest > ODD_SPEED
+    return cycles < ONE_STRIDE and is_far
 
 
 def asked(

@@ -294,7 +294,9 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> Bank:
     """A bank with two short locomotions, of which `stroll` loops and `step` does not."""
     walk, folder = CLIPS["walk"], tmp_path_factory.mktemp("short")
     clips = {"walk": walk, "stroll": walk.frames(0, 130), "step": walk.frames(0, 40), "carry": CLIPS["carry_box"]}
-    return built(written(folder, clips, '[carry]\nkind = "action"\n'), folder / "bank")
+    clips |= {"run": CLIPS["run"], "lunge": CLIPS["run"].frames(0, 50)}
+    settings = '[carry]\nkind = "action"\n[lunge]\nkind = "action"\n'
+    return built(written(folder, clips, settings), folder / "bank")
 
 
 def test_a_locomotion_that_cuts_the_action_short_is_reported_with_what_shows_more_of_it(
@@ -366,3 +368,11 @@ def test_a_gesture_that_is_not_marked_as_an_action_is_named_with_its_mend(tmp_pa
         for output in (built, splice):
             sentence = 'its legs hardly move. If it is an action, give it `kind = "action"` in clips.toml'
             assert (sentence in " ".join(output.split())) == (name == "plain")
+
+
+def test_an_action_of_one_stride_that_does_not_fit_is_named_with_its_mend(short: Bank, tmp_path: Path) -> None:
+    splice = ["splice", short.path, "--out", tmp_path / "x.bvh", "--locomotion"]
+    sentence = "'lunge' takes one stride that does not fit 'walk': if it is a lunge or a step, not a gait, name an idle"
+    assert sentence in run(*splice, "walk", "--action", "lunge").output
+    assert "does not fit" not in run(*splice, "run", "--action", "lunge").output
+    assert "does not fit" not in run(*splice, "run", "--action", "carry").output

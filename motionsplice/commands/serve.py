@@ -51,6 +51,8 @@ def start(bank: Path, settings: Settings) -> None:
     """Verifies a bank, prints its address and settings, and serves it until stopped. Raises MotionError."""
     from motionsplice.service.server import listen, serve
 
+    if settings.clips is not None and not settings.clips.is_dir():
+        raise SettingsError("the folder of clips was not found", file=f"--clips {settings.clips}", mend="Create it")
     digest, console = Bank.open(bank).digest, Console(emoji=False)
     listener = listen(settings)
     port = listener.getsockname()[1]

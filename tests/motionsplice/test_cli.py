@@ -101,6 +101,23 @@ print("numpy" in sys.modules, os.environ["OPENBLAS_NUM_THREADS"])
     assert done.stdout.split() == ["True", threads], done.stderr
 
 
+@pytest.mark.parametrize("bank", ["demo/bank", "memory://bank"])
+def test_serve_says_that_it_does_not_run_on_windows(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], bank: str
+) -> None:
+    monkeypatch.setitem(sys.modules, "fcntl", None)
+    assert failure(monkeypatch, capsys, "serve", bank) == (
+        "error: the service does not run on Windows. Run it in WSL, or in the container\n"
+    )
+
+
+def test_serve_refuses_a_folder_of_clips_that_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], bank: Bank, tmp_path: Path
+) -> None:
+    printed = failure(monkeypatch, capsys, "serve", bank.path, "--clips", tmp_path / "nowhere")
+    assert printed == f"error: --clips {tmp_path}/nowhere: the folder of clips was not found. Create it\n"
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_list_of_commands_shows_the_first_line_of_each_help(command: str) -> None:
     assert _load(command).help.splitlines()[0] == COMMANDS[command][1]

@@ -17,6 +17,7 @@ from motionsplice.motion.skeleton import Skeleton
 RATE = 10.0  # frames per second at which a motion is looked at
 UPRIGHT = 0.75  # cosine: a body stands along an axis if its trunk and its legs are within 41 degrees of it
 LEVEL = 0.5  # cosine: a trunk within 30 degrees of the ground
+CROSSED = "left and right are crossed between hips and shoulders"  # whichever axis is up
 REACH = 0.35  # of the legs' length: hands that are less above the feet reach the ground
 
 
@@ -69,12 +70,14 @@ def check_shape(clip: Clip, roles: Roles, given: bool, up_known: bool = False) -
     if not problem:
         return []
     is_up = f"{axis.upper()} is up in the file, give --up {axis}" if axis else "Y is not up in the file, give --up"
-    hint = "" if up_known else f"If {is_up}"
+    hint = "" if up_known or problem == CROSSED else f"If {is_up}"
     shows_up = bool(axis_at_rest(clip.skeleton, roles))  # LAFAN1's bind pose, along one axis, does not
     lies = not shows_up and stands != "y"
+    if given and problem == CROSSED:
+        return [f"{problem}. Check left and right in the roles file, or in the humanoid of a VRM file"]
     if given or not _problem(bind_positions(clip.skeleton)[None], roles) or (lies and (up_known or not axis)):
         return [f"the body is not upright in most frames: {problem}" + (f". {hint}" if hint else "")]
-    if lies:
+    if lies and problem != CROSSED:
         problem = f"it is unclear which axis is up: the body stands along {axis.upper()}, and the bind pose along none"
         raise RoleError(problem, mend=f"{hint}. If Y is, give --up y")
     name_them = "name the joints in a file and pass it as --roles"
@@ -95,7 +98,7 @@ def _problem(positions: Floats, roles: Roles) -> str:
         "the right knee is above the right hip": heights[roles.right_knee] < heights[roles.right_hip],
         "the left shoulder is below the pelvis": heights[roles.left_shoulder] > heights[roles.pelvis],
         "the right shoulder is below the pelvis": heights[roles.right_shoulder] > heights[roles.pelvis],
-        "left and right are crossed between hips and shoulders": _median(np.sum(hips * shoulders, axis=1)) > 0.0,
+        CROSSED: _median(np.sum(hips * shoulders, axis=1)) > 0.0,
     }
     return next((problem for problem, fit in fits.items() if not fit), "")
 

@@ -42,7 +42,7 @@ VALUES = {
     "mask": ", ".join(f'"{name}"' for name in MASKS),
     "tags": 'a list of strings, such as ["carry"]',
     "skip_frames": "a whole number, 0 or more",
-    "unit": 'a string, such as "cm"',
+    "unit": '"m", "cm" or another name of a unit, or the metres in it, such as 0.01',
     "up": '"x", "y", "z", "-x", "-y" or "-z"',
     "rate": "a number above 0",
     "root": "the name of a joint, in quotes",
@@ -128,9 +128,12 @@ def _settings(name: str, entry: Any, file: Place, default: ClipSettings) -> Clip
     keys = [field.name for field in fields(ClipSettings)]
     for key in entry:
         if key not in keys:
-            raise SettingsError(f"unknown key {key!r:.80}", file=str(file), place=where, mend=did_you_mean(key, keys))
+            mend = _without_suffix(name) if isinstance(entry[key], Mapping) else did_you_mean(key, keys)
+            raise SettingsError(f"unknown key {key!r:.80}", file=str(file), place=where, mend=mend)
     tags, roles = entry.get("tags", list(default.tags)), entry.get("roles")
     given = {key: entry[key] for key in entry if key != "roles"}
+    if _is_positive(unit := entry.get("unit")):
+        given["unit"] = str(unit)
     settings = replace(default, **{**given, "tags": tuple(tags) if isinstance(tags, list) else ()})
     invalid = [
         key
@@ -142,7 +145,7 @@ def _settings(name: str, entry: Any, file: Place, default: ClipSettings) -> Clip
             "skip_frames": type(settings.skip_frames) is int and settings.skip_frames >= 0,
             "unit": isinstance(settings.unit, str | None),
             "up": settings.up in (None, *AXES),
-            "rate": settings.rate is None or (type(settings.rate) in (int, float) and 0.0 < settings.rate < math.inf),
+            "rate": settings.rate is None or _is_positive(settings.rate),
             "root": isinstance(settings.root, str | None),
             "mirror": isinstance(settings.mirror, bool),
             "roles": isinstance(roles, str | None),
@@ -155,6 +158,15 @@ def _settings(name: str, entry: Any, file: Place, default: ClipSettings) -> Clip
             f"invalid value {key} = {entry[key]!r:.80}", file=str(file), place=where, mend=f"Use {VALUES[key]}"
         )
     return replace(settings, roles=_roles(file, roles, where)) if roles else settings
+
+
+def _is_positive(value: Any) -> bool:
+    return type(value) in (int, float) and 0.0 < value < math.inf
+
+
+def _without_suffix(name: str) -> str:
+    """Returns what to do about `[walk.fbx]`, which is a table in a table."""
+    return f'Write [{name}], without the suffix of a file. A name with a point stands in quotes, as ["{name}.v2"]'
 
 
 def _roles(file: Place, name: str, where: str) -> Mapping[str, GivenRole]:

@@ -45,7 +45,8 @@ class Characters:
     """n characters that play locomotions, actions and hands of a bank, at a fixed frame rate.
 
     Commands take `rows`: the characters they are for, as any NumPy index. A command that raises changes nothing. All
-    commands raise UnknownClipError for unknown names and SettingsError for invalid settings.
+    commands raise UnknownClipError for unknown names, SettingsError for invalid settings, and IndexError for rows that
+    do not exist.
 
     Args:
         stage: The bank, ready for characters.

@@ -43,7 +43,22 @@ REQUEST = np.dtype(
 )
 
 
-class Requests:
+class Fixed:
+    """Arrays that are views of each other, set once by `_set` and then written in place.
+
+    Raises:
+        SettingsError: An attribute is assigned to.
+    """
+
+    def _set(self, **attributes: object) -> Self:
+        vars(self).update(attributes)
+        return self
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise SettingsError(f"{name!r} cannot be set", mend="Write into arrays in place, as in requests.time[:] = ...")
+
+
+class Requests(Fixed):
     """The splices of n characters at one moment, as a structure of arrays. Fill the columns in place, frame by frame.
 
     Attributes:
@@ -78,17 +93,19 @@ class Requests:
         ```
     """
 
+    records: NDArray[np.void]
+    locomotion: NDArray[np.int32]
+    action: NDArray[np.int32]
+    time: NDArray[np.float64]
+    start: NDArray[np.float64]
+    cycles: NDArray[np.int32]
+    method: NDArray[np.uint8]
+    posture: NDArray[np.uint8]
+    hands: NDArray[np.uint16]
+
     def __init__(self, records: NDArray[np.void]) -> None:
         check_array("requests", records, REQUEST, (len(records),), written=False)
-        self.records = records
-        self.locomotion: NDArray[np.int32] = records["locomotion"]
-        self.action: NDArray[np.int32] = records["action"]
-        self.cycles: NDArray[np.int32] = records["cycles"]
-        self.time: NDArray[np.float64] = records["time"]
-        self.start: NDArray[np.float64] = records["start"]
-        self.method: NDArray[np.uint8] = records["method"]
-        self.posture: NDArray[np.uint8] = records["posture"]
-        self.hands: NDArray[np.uint16] = records["hands"]
+        self._set(records=records, **{column: records[column] for column in REQUEST.names or ()})
 
     @classmethod
     def empty(cls, count: int) -> Requests:
@@ -101,7 +118,7 @@ class Requests:
         return len(self.records)
 
 
-class Poses:
+class Poses(Fixed):
     """Output arrays for the poses of n characters with J joints.
 
     Attributes:
@@ -113,31 +130,29 @@ class Poses:
         SettingsError: An array has another shape or type, or is not contiguous.
     """
 
+    root_positions: Float32s
+    rotations: Float32s
+    flat: Float32s
+
     def __init__(self, root_positions: Float32s, rotations: Float32s) -> None:
         count, joints = rotations.shape[:2]
         check_array("root positions", root_positions, FLOAT32, (count, 3))
         check_array("rotations", rotations, FLOAT32, (count, joints, 4))
-        self._set(root_positions, rotations)
-
-    def _set(self, root_positions: Float32s, rotations: Float32s) -> Self:
-        count, joints, _ = rotations.shape
-        self.root_positions = root_positions
-        self.rotations = rotations
-        self.flat: Float32s = rotations.reshape(count, 4 * joints)
-        return self
+        self._set(root_positions=root_positions, rotations=rotations, flat=rotations.reshape(count, 4 * joints))
 
     @classmethod
     def empty(cls, count: int, joints: int) -> Poses:
         """Returns arrays for `count` characters of `joints` joints; their contents are undefined."""
-        poses = cls.__new__(cls)  # without checks, which take a fifth of a call by name
-        poses.root_positions = np.empty((count, 3), FLOAT32)
-        poses.flat = np.empty((count, 4 * joints), FLOAT32)
-        poses.rotations = poses.flat.reshape(count, joints, 4)
+        poses, flat = cls.__new__(cls), np.empty((count, 4 * joints), FLOAT32)
+        fields = vars(poses)  # without checks, which take a fifth of a call by name
+        fields["root_positions"], fields["flat"] = np.empty((count, 3), FLOAT32), flat
+        fields["rotations"] = flat.reshape(count, joints, 4)
         return poses
 
     def rows(self, first: int, end: int) -> Poses:
         """Returns a view of the poses of characters `first` to `end` - 1."""
-        return Poses.__new__(Poses)._set(self.root_positions[first:end], self.rotations[first:end])
+        some = {name: array[first:end] for name, array in vars(self).items()}
+        return Poses.__new__(Poses)._set(**some)
 
 
 def check_array(
@@ -162,7 +177,7 @@ def check_array(
         )
 
 
-class Memory:
+class Memory(Fixed):
     """State of characters that the evaluator keeps between frames: of n, or of one that all requests are about.
 
     Two things are remembered. If the torso's joints allow no unique best rotation, the last unambiguous one is reused.
@@ -179,12 +194,15 @@ class Memory:
         SettingsError: `state` has another type or shape, or is not contiguous.
     """
 
+    state: NDArray[np.float64]
+    share: float
+    turns: NDArray[np.float64]
+    means: NDArray[np.float64]
+
     def __init__(self, state: NDArray[np.float64], share: float) -> None:
         check_array("memory", state, FLOAT64, (len(state), MEMORY_COLUMNS))
-        self.state = state
-        self.share = share
-        self.turns = state[:, LAST_TURN : LAST_TURN + 4]
-        self.means = state[:, MEAN_POSTURE : MEAN_POSTURE + 6]
+        turns, means = state[:, LAST_TURN : LAST_TURN + 4], state[:, MEAN_POSTURE : MEAN_POSTURE + 6]
+        self._set(state=state, share=share, turns=turns, means=means)
 
     @classmethod
     def begin(cls, count: int, rate: float, time_constant: float = TIME_CONSTANT) -> Memory:

@@ -18,13 +18,21 @@ from tests.glb_files import edited
 HEIGHT = 0.95  # metres: where the root is bound
 
 
-def character_file(skeleton: Skeleton, *, scale: float = 1.0, seed: int | None = None, matrices: bool = False) -> bytes:
+def character_file(
+    skeleton: Skeleton,
+    *,
+    scale: float = 1.0,
+    seed: int | None = None,
+    matrices: bool = False,
+    bound_to_base: bool = False,
+) -> bytes:
     """Returns a GLB file of a skinned mesh: a box of 24 vertices from each joint's parent to it, in joint order.
 
     The mesh is bound in the skeleton's bind pose, facing +Z, the root at HEIGHT. Above the root are an armature,
     scaled by `scale` and lying on its back, and a bone `base`; below are end sites.
 
-    seed: of random axes for the bones; None for the world's. matrices: whether nodes have matrices.
+    seed: of random axes for the bones; None for the world's. matrices: whether nodes have matrices. bound_to_base:
+    whether the mesh is bound to `base` too.
     """
     count = skeleton.joint_count
     places = standing(skeleton)
@@ -56,8 +64,9 @@ def character_file(skeleton: Skeleton, *, scale: float = 1.0, seed: int | None =
         "materials": [{"name": "skin", "pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.5, 0.3, 1.0]}}],
     }
     binary = Binary(document)
-    inverse = np.asarray(np.linalg.inv(world[2:]), np.float64).transpose(0, 2, 1).reshape(-1, 16)
-    document["skins"] = [{"joints": list(range(2, count + 2)), "inverseBindMatrices": binary.add(inverse)}]
+    bones = [*range(2, count + 2), *([1] if bound_to_base else [])]
+    inverse = np.asarray(np.linalg.inv(world[bones]), np.float64).transpose(0, 2, 1).reshape(-1, 16)
+    document["skins"] = [{"joints": bones, "inverseBindMatrices": binary.add(inverse)}]
     vertices, normals, moved_by, indices = boxes(skeleton, places)
     attributes = {
         "POSITION": binary.add(vertices, bounds=True),

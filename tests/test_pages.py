@@ -71,7 +71,7 @@ def test_what_a_page_says_runs(page: str, demo: Path, tmp_path: Path, monkeypatc
 
 @pytest.mark.parametrize("page", PAGES)
 def test_a_block_says_its_language(page: str) -> None:
-    assert {block.language for block in blocks(page)} <= {"sh", "python", "json", "toml", "text", "cpp"}
+    assert {block.language for block in blocks(page)} <= {"sh", "python", "json", "toml", "text", "cpp", "js"}
 
 
 @pytest.mark.parametrize("page", PAGES)

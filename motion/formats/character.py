@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,15 +21,30 @@ from motionsplice.motion.formats.gltf.reader import animation_names, malformed, 
 from motionsplice.motion.formats.legs import with_legs_in_place
 from motionsplice.motion.formats.names import numbered
 from motionsplice.motion.formats.reading import root_of
-from motionsplice.motion.formats.scene import joints_of, nodes_of
+from motionsplice.motion.formats.scene import Scene, joints_of, nodes_of
 from motionsplice.motion.formats.transforms import rotations_of
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, find_roles
-from motionsplice.motion.skeleton import Skeleton
+from motionsplice.motion.skeleton import Skeleton, chain
 
 RENAME = "Name its bones as a common rig does (Mixamo, Unreal, Rigify ...), or export it as VRM"
 PLACED = 1e-5  # of the longest bone: a node that rests nearer to its place in the bind pose needs no translation
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """A bone on the ground, above the hips, on which engines expect root motion. It goes where the hips go, unturned.
+
+    node: its number in the file. joints: those whose nodes hang on it by way of nodes that are no joints.
+    place, hips: where it and the hips rest in the world. inwards: the transform [4, 4] from the world to its parent.
+    """
+
+    node: int
+    joints: frozenset[int]
+    place: Floats
+    hips: Floats
+    inwards: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +58,7 @@ class Character:
     inwards: by joint, the transform [4, 4] from the world to the parent of its node, for the root and for joints whose
     nodes hang elsewhere than on the joint that they follow.
     placed: the translations [3] of the nodes that do not rest where the bind pose has them.
+    base: the highest bone above the skeleton, which goes over the ground with it, if there is one.
     animations: the names of those that the file has.
     """
 
@@ -54,6 +70,7 @@ class Character:
     bind: Floats
     inwards: Mapping[int, Floats]
     placed: Mapping[int, Floats]
+    base: Base | None
     animations: list[str]
 
     def keys(self, clip: Clip) -> tuple[dict[int, Floats], dict[int, Floats]]:
@@ -65,11 +82,16 @@ class Character:
         positions, turns = world_transforms(clip.skeleton, clip.root_positions, clip.rotations)
         turns = quaternion.multiply(turns, self.bind)
         translations = {node: place[None] for node, place in self.placed.items()}
+        if self.base is not None:
+            travelled = (positions[:, 0] - self.base.hips) * [1.0, 0.0, 1.0]
+            translations[self.base.node] = _seen_from(self.base.inwards, self.base.place + travelled)
         rotations = {}
         for joint, (node, parent) in enumerate(zip(self.nodes, self.skeleton.parents.tolist(), strict=True)):
             if joint in self.inwards:
-                inwards = self.inwards[joint]
-                translations[node] = positions[:, joint] @ inwards[:3, :3].T + inwards[:3, 3]
+                inwards, places = self.inwards[joint], positions[:, joint]
+                if self.base is not None and joint in self.base.joints:
+                    places = places - travelled
+                translations[node] = _seen_from(inwards, places)
                 rotations[node] = quaternion.multiply(rotations_of(inwards[:3]), turns[:, joint])
             else:
                 rotations[node] = quaternion.multiply(quaternion.conjugate(turns[:, parent]), turns[:, joint])
@@ -83,7 +105,7 @@ class Character:
         """
         document = deepcopy(self.document)
         translations, rotations = self.keys(clip)
-        for node in rotations:
+        for node in rotations.keys() | translations.keys():
             _without_matrix(document["nodes"][node])
         binary = Binary(document, self.binary)
         *_, name = numbered([*self.animations, clip.name])
@@ -132,14 +154,12 @@ def _parsed(data: bytes, most_nodes: int | None) -> Character:
     places = [inside[nodes.names.index(name)] for name in skeleton.names]
     rest, bind = scene.world[0, places], rotations_of(scene.bind[places])
     own = [int(order[place]) for place in places]  # before the legs were put in place
-    inwards = {}
-    for joint, parent in enumerate(skeleton.parents.tolist()):
-        above = int(loose.parents[own[joint]])
-        if parent < 0 or above not in own:
-            outwards = np.eye(4)
-            if above >= 0:
-                outwards[:3] = loose.world[0, above]
-            inwards[joint] = np.asarray(np.linalg.inv(outwards), np.float64)
+    inwards = {
+        joint: _inwards(loose, own[joint])
+        for joint, parent in enumerate(skeleton.parents.tolist())
+        if parent < 0 or int(loose.parents[own[joint]]) not in own
+    }
+    base = _base(loose, own, inwards, numbers)
     numbers = [numbers[place] for place in own]
     return Character(
         document,
@@ -150,8 +170,32 @@ def _parsed(data: bytes, most_nodes: int | None) -> Character:
         bind,
         inwards,
         {numbers[joint]: place for joint, place in _displaced(skeleton, bind, rest) if joint not in inwards},
+        base,
         animation_names(data),
     )
+
+
+def _inwards(scene: Scene, node: int) -> Floats:
+    """Returns the transform [4, 4] from the world to the parent of a node at rest."""
+    outwards, above = np.eye(4), int(scene.parents[node])
+    if above >= 0:
+        outwards[:3] = scene.world[0, above]
+    return np.asarray(np.linalg.inv(outwards), np.float64)
+
+
+def _seen_from(inwards: Floats, places: Floats) -> Floats:
+    return places @ inwards[:3, :3].T + inwards[:3, 3]
+
+
+def _base(scene: Scene, own: Sequence[int], inwards: Iterable[int], numbers: Sequence[int]) -> Base | None:
+    """Returns the highest joint of the scene above the nodes `own` of a skeleton, if there is one."""
+    above = [node for node in chain(scene.parents, own[0])[1:] if scene.joints[node]]
+    if not above:
+        return None
+    highest = above[-1]
+    carried = frozenset(joint for joint in inwards if highest in chain(scene.parents, own[joint]))
+    place, hips = scene.world[0, [highest, own[0]], :, 3]
+    return Base(numbers[highest], carried, place, hips, _inwards(scene, highest))
 
 
 def _displaced(skeleton: Skeleton, bind: Floats, rest: Floats) -> Iterator[tuple[int, Floats]]:

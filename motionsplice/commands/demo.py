@@ -14,6 +14,7 @@ from motionsplice.commands import hands as command_hands
 from motionsplice.commands import serve as command_serve
 from motionsplice.commands.bank_report import show_tables
 from motionsplice.commands.motion import Method, Posture, spliced
+from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import truth
 from motionsplice.motion.samples import write_sample_clips, write_sample_gestures
@@ -60,6 +61,15 @@ def demo_command(
     command_hands.hands_command(counting, hands, merged, hand="right", picture=merged.with_suffix(".png"))
     settings = Settings()
     if sys.stdout.isatty():
-        command_serve.start(bank_folder, settings)
+        serve(bank_folder, settings)
     else:
         console.print(f"\n`motionsplice serve {bank_folder}` serves it at http://{settings.host}:{settings.port}/view")
+
+
+def serve(bank: Path, settings: Settings) -> None:
+    """Serves the demo's bank. Raises MotionError; the mend names a command, because `demo` has no such options."""
+    try:
+        command_serve.start(bank, settings)
+    except SettingsError as error:
+        mend = f"The files are written: `motionsplice serve {bank} --port 0` serves them on a free port"
+        raise SettingsError(error.problem, file=error.file, place=error.place, mend=mend) from None

@@ -32,7 +32,12 @@ if TYPE_CHECKING:
     from motionsplice.precompute import splice as whole_clip
     from motionsplice.runtime import requests
     from motionsplice.runtime.bank import Bank
+    from motionsplice.runtime.expectation import Expectation
     from motionsplice.runtime.splice import Splice
+
+ONE_STRIDE = 1.5  # cycles: an action with fewer shows no second stride
+ODD_LEGS = 0.08  # metres between legs: those of walks are within 0.03
+ODD_SPEED = 1.25  # of the captured speed, faster or slower
 
 console = Console(emoji=False)
 
@@ -102,6 +107,10 @@ def splice_command(
         float, typer.Option(help="Earliest second of the action; it begins at the next frame in step.")
     ] = 0.0,
     hands: Annotated[str | None, typer.Option(help="A hands clip, aligned to the action, to lay on it.")] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(help="How long the result is: the locomotion repeats its loop. Default: the locomotion's length."),
+    ] = None,
     character: CharacterOption = None,
 ) -> None:
     """Splice an action's upper body onto a locomotion, and write the motion as BVH, glTF or VRM animation."""
@@ -113,22 +122,39 @@ def splice_command(
     if action is not None:
         opened.clip(action)
     receiver = open_character(character)
-    clip = spliced(opened, locomotion, action, method, posture, start, hands)
+    clip = spliced(opened, locomotion, action, method, posture, start, hands, seconds)
     notes = write_motion(out, clip, opened.roles, receiver)
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
     print_sentences(console, "dim", notes)
+    splice = asked(locomotion, action, method, posture, start, hands)
+    if seconds is None and splice.method != "none":
+        print_cut(opened, splice)
     if method is Method.SPLICE:
-        print_expectation(opened, asked(locomotion, action, method, posture, start, hands))
+        print_expectation(opened, splice)
+
+
+def print_cut(bank: Bank, splice: Splice) -> None:
+    """Prints what the end of the locomotion cuts off the action, if it does."""
+    from motionsplice.commands.length import cut_short
+    from motionsplice.runtime.evaluator import Evaluator
+
+    if sentence := cut_short(Evaluator(bank), splice):
+        print_sentences(console, "yellow", [sentence])
 
 
 def print_expectation(bank: Bank, splice: Splice) -> None:
-    """Prints how far a splice can be trusted, and a warning if plain replacement may be as good."""
+    """Prints how far a splice can be trusted, and a warning if plain replacement may be as good.
+
+    Of an action without a gait nothing is known but the job's warnings, which are repeated.
+    """
     from motionsplice.runtime.evaluator import Evaluator
     from motionsplice.runtime.expectation import expectation
 
     found = expectation(Evaluator(bank), splice)
     if found is None:
+        warnings = () if splice.action is None else bank.clip(splice.action).warnings
+        print_sentences(console, "yellow", (f"{splice.action}: {warning}" for warning in warnings))
         return
     repeats = f", the action repeats within {100 * found.repetition:.1f} cm" if found.repetition > 0.0 else ""
     console.print(
@@ -138,9 +164,22 @@ def print_expectation(bank: Bank, splice: Splice) -> None:
         style="dim",
         soft_wrap=True,
     )
+    if splice.action is not None and is_odd_stride(bank.clip(splice.action).cycles, found):
+        sentence = f"{splice.action!r} takes one stride that does not fit {splice.locomotion!r}"
+        mend = "if it is a lunge or a step, not a gait, name an idle as its `neutral` in clips.toml"
+        print_sentences(console, "yellow", [f"{sentence}: {mend}"])
     if found.gains_little:
         sentence = f"{splice.action!r} hardly follows the stride, so plain replacement may be as good"
         print_sentences(console, "yellow", [f"{sentence}: in a game, try `own_clock`"])
+
+
+def is_odd_stride(cycles: float, found: Expectation) -> bool:
+    """Returns whether an action of one stride plays far from its captured speed, or with legs far from it.
+
+    Its steps are then hardly those of a gait: a lunge looks like a stride to the offline job.
+    """
+    is_far = found.legs > ODD_LEGS or found.fastest < 1.0 / ODD_SPEED or found.slowest > ODD_SPEED
+    return cycles < ONE_STRIDE and is_far
 
 
 def asked(
@@ -161,12 +200,21 @@ def spliced(
     posture: Posture,
     start: float,
     hands: str | None = None,
+    seconds: float | None = None,
 ) -> Clip:
-    """Returns a whole splice by any method. Raises MotionError."""
+    """Returns a splice by any method: `seconds` of it, or as long as the locomotion. Raises MotionError."""
     if method is not Method.EXACT or action is None:
+        splice = asked(locomotion, action, method, posture, start, hands)
+        if seconds is not None:
+            from motionsplice.commands.length import lasting
+
+            return lasting(bank, splice, seconds)
         from motionsplice.runtime.evaluator import Evaluator
 
-        return Evaluator(bank).clip(asked(locomotion, action, method, posture, start, hands))
+        return Evaluator(bank).clip(splice)
+    if seconds is not None:
+        mend = "Leave out --seconds, or use --method splice"
+        raise SettingsError("the exact splice is as long as its locomotion", mend=mend)
     if hands is not None:
         raise SettingsError("the exact splice cannot lay hands", mend="Leave out --hands, or use --method splice")
     if stretches := bank.clip(action).stretches:

@@ -46,7 +46,7 @@ def check_out(out: Path, character: Path | None, *, option: str = "--out") -> No
     if character is None:
         check_suffix(out, *WRITTEN, option=option)
     elif character.suffix.lower() not in (".glb", ".vrm"):
-        mend = "Export the character as .glb or .vrm"
+        mend = "Export the character as .glb or .vrm; Blender makes a .glb of an .fbx"
         raise SettingsError("this is not a GLB file", file=f"--character {character}", mend=mend)
     else:
         suffixes = (".glb", ".vrm") if character.suffix.lower() == ".vrm" else (".glb",)

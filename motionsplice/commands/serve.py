@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import types
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
@@ -30,6 +31,7 @@ def serve_command(bank: str, **flags: Any) -> None:
 
     Settings are also read from the environment, as MOTIONSPLICE_HOST and so on. Flags override it.
     """
+    _refuse_windows()
     given = {name: value for name, value in flags.items() if value is not None}
     settings, place = Settings(**given), place_of(bank)
     if isinstance(place, Path):
@@ -49,8 +51,11 @@ def serve_command(bank: str, **flags: Any) -> None:
 
 def start(bank: Path, settings: Settings) -> None:
     """Verifies a bank, prints its address and settings, and serves it until stopped. Raises MotionError."""
+    _refuse_windows()
     from motionsplice.service.server import listen, serve
 
+    if settings.clips is not None and not settings.clips.is_dir():
+        raise SettingsError("the folder of clips was not found", file=f"--clips {settings.clips}", mend="Create it")
     digest, console = Bank.open(bank).digest, Console(emoji=False)
     listener = listen(settings)
     port = listener.getsockname()[1]
@@ -62,6 +67,11 @@ def start(bank: Path, settings: Settings) -> None:
     console.print(f"bank {digest}", highlight=False)
     console.print(f"Serving {bank} at http://{host}:{port}/view (stop with Ctrl-C)", highlight=False, soft_wrap=True)
     serve(bank, settings, listener)
+
+
+def _refuse_windows() -> None:
+    if find_spec("fcntl") is None:
+        raise SettingsError("the service does not run on Windows", mend="Run it in WSL, or in the container")
 
 
 def _signature() -> inspect.Signature:

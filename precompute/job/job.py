@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
 from motionsplice.motion.errors import BaselineError, MotionError
+from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.storage.place import Place, place_of, read_ahead
 from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.hands.settings import HandsOnBody
@@ -112,7 +113,7 @@ class Job:
     """One run of the offline job: a method for each stage, in the order in which `run` calls them.
 
     clips and hand_clips are by name, in order of name; failed has the errors of those that drop out. hybrids: the
-    stretches of each hybrid action, which are among the clips too.
+    stretches of each hybrid action, which are among the clips too. rig: the skeleton of the user's choice.
     """
 
     paths: Iterable[Path | Remote]
@@ -129,11 +130,14 @@ class Job:
     clips: Clips = field(default_factory=dict, init=False)
     hand_clips: Clips = field(default_factory=dict, init=False)
     failed: dict[str, MotionError] = field(default_factory=dict, init=False)
+    rig: Rig | None = field(default=None, init=False)
     hybrids: Hybrids = field(default_factory=dict, init=False)
 
     def run(self) -> Outcome:
         """Runs all stages, after any other job for the same folder. Raises MotionError."""
         pairs = self.find_clips()
+        if self.skeleton is not None:  # before clips are read, because that takes long
+            self.rig = rig_of(self.skeleton, self.roles)
         with destination(self.out, self.progress) as place, closing(Readings(place.cache)) as clips:
             return self.build(pairs, place, clips)
 
@@ -192,11 +196,11 @@ class Job:
     def on_skeleton(self, readings: Readings, stride: FoundStride) -> tuple[FoundStride, set[str]]:
         """Returns the baseline's stride on the skeleton of the user's choice, if there is one, and its cache keys.
 
-        Raises MotionError if the skeleton cannot be read, or the baseline does not fit it.
+        Raises BaselineError if the baseline does not fit it.
         """
-        if self.skeleton is None:
+        if self.rig is None:
             return stride, set()
-        search = StrideOnSkeleton(readings, rig_of(self.skeleton, self.roles), self.retarget)
+        search = StrideOnSkeleton(readings, self.rig, self.retarget)
         baseline = self.clips[stride.ring.name]
         return load_or_run(search, baseline), {search.key(baseline)}
 

@@ -12,6 +12,7 @@ from motionsplice.motion.formats.files import SUFFIXES, clip_files, clips_in, ot
 from motionsplice.motion.roles import GivenRole
 from motionsplice.motion.storage.place import Place, exists, is_dir, is_named, read_ahead, resolved
 from motionsplice.precompute.preparation.cuts import Cut
+from motionsplice.runtime.format.manifest import MANIFEST
 from motionsplice.runtime.mirrored import MIRRORED
 
 
@@ -39,6 +40,7 @@ def find_sources(paths: Iterable[Place], roles: Mapping[str, GivenRole], default
     `clips.toml`.
     """
     found: dict[str, tuple[Place, str | None]] = {}
+    paths = list(paths)
     files, others = list[Place](), list[str]()
     for path in paths:
         if not exists(path):
@@ -58,13 +60,22 @@ def find_sources(paths: Iterable[Place], roles: Mapping[str, GivenRole], default
     if not found and others:
         raise ClipError(f"no clips found, and these cannot be read: {listed(others)}", mend="Export them as BVH or GLB")
     if not found:
-        raise ClipError("no clips found", mend=f"Name files or folders of {', '.join(sorted(SUFFIXES))}")
+        raise _nothing_in(paths)
     settings: dict[str, ClipSettings] = {}
     for folder in sorted({file.parent for file, _ in found.values()}):
         if is_named(folder / FILE_NAME):  # a link that leads nowhere is an error, as its settings would be missing
             settings |= _settings_of(folder, clips_of, default)
     sources = [Source(name, *found[name], settings_for(name, settings, default)) for name in sorted(found)]
     return [replace(one, settings=replace(one.settings, roles=one.settings.roles or roles)) for one in sources]
+
+
+def _nothing_in(paths: list[Place]) -> ClipError:
+    folders = [str(path) for path in paths]
+    if any(exists(path / MANIFEST) for path in paths):
+        mend = "Name the folder of the clips that it was built from"
+        return ClipError("this is a bank, not a folder of clips", file=", ".join(folders), mend=mend)
+    mend = f"Name files or folders of {', '.join(sorted(SUFFIXES))}; their subfolders are not searched"
+    return ClipError("no clips found", file=", ".join(folders), mend=mend)
 
 
 def _clips_of(file: Place) -> dict[str, str | None] | None:

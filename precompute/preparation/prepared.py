@@ -84,17 +84,21 @@ class PreparedClip:
         if self.mask is not None and self.cut is None:
             warnings.append("its mask is not used: it is no action without a gait")
         if self.alignment.swing < LEAST_SWING:
-            warnings.append("does not look like locomotion: its legs hardly move")
+            warnings.append(f"does not look like locomotion: its legs hardly move{self._mend}")
         elif not self.alignment.has_gait:
             centimetres = f"{100.0 * self.alignment.mean_mismatch:.0f} cm"
             warnings.append(
                 f"does not look like locomotion: its legs are {centimetres} from the baseline's, "
-                "hardly nearer than at random phases"
+                f"hardly nearer than at random phases{self._mend}"
             )
         goes_on = self.cut is not None and self.cut.leaves < self.frame_count - 1.0
         if self.kind == "action" and self.strides == 0 and not goes_on:
             warnings.append("cannot loop: no earlier stride is enough like its end, so as an action it plays once")
         return tuple(warnings)
+
+    @property
+    def _mend(self) -> str:
+        return "" if self.kind == "action" else '. If it is an action, give it `kind = "action"` in clips.toml'
 
 
 def prepare(

@@ -63,6 +63,7 @@ def _names(kind: Any) -> tuple[Check, str]:
 
 
 TIMES, FAR, SHARE = _number(0.0, 1e9), _number(-FARTHEST, FARTHEST), _number(0.0, 1.0)
+FINITE, PLACE = _number(-math.inf, math.inf), f"a list of three numbers of at most {FARTHEST:,.0f}"
 KEYS: Mapping[str, tuple[Check, str]] = {
     "locomotion": (lambda value: _is_text(value) or _is_mix(value), "a clip name, or a map of clip names to weights"),
     "weights": (_is_mix, "a map of clip names to weights"),
@@ -78,9 +79,9 @@ KEYS: Mapping[str, tuple[Check, str]] = {
         lambda value: isinstance(value, bool) or _are(2, TIMES)(value),
         "true, false or two times of the action in seconds",
     ),
-    "point": (lambda value: value is None or _are(3, FAR)(value), "a list of three numbers, or null for none"),
+    "point": (lambda value: value is None or _are(3, FAR)(value), f"{PLACE}, or null for none"),
     "direction": (
-        lambda value: value is None or (_are(3, FAR)(value) and any(value)),
+        lambda value: value is None or (_are(3, FINITE)(value) and any(value)),
         "a list of three numbers that are not all 0, or null for none",
     ),
     "part": _names(AimPart),
@@ -88,8 +89,8 @@ KEYS: Mapping[str, tuple[Check, str]] = {
     "steady": (SHARE, "a number from 0 to 1"),
     "max_yaw": (_number(0.0, LARGEST_YAW), f"radians from 0 to {LARGEST_YAW:.2f}"),
     "max_pitch": (_number(0.0, LARGEST_PITCH), f"radians from 0 to {LARGEST_PITCH:.2f}"),
-    "position": (_are(3, FAR), "a list of three numbers"),
-    "heading": (FAR, "a number of radians"),
+    "position": (_are(3, FAR), PLACE),
+    "heading": (FAR, f"radians, at most {FARTHEST:,.0f}"),
     "in_place": (lambda value: isinstance(value, bool), "true or false"),
     "lock_feet": (lambda value: isinstance(value, bool), "true or false"),
     "events": (

@@ -13,7 +13,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError, RoleError
 from motionsplice.motion.formats.character import read_character
 from motionsplice.motion.formats.gltf.container import read_document
-from motionsplice.motion.formats.gltf.reader import animation_names
+from motionsplice.motion.formats.gltf.reader import animation_names, read_rest, read_scene
 from motionsplice.motion.formats.gltf.writer import dump_glb, dump_gltf
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
@@ -52,6 +52,22 @@ def test_the_joints_of_the_character_move_as_the_clip_does(
     assert found.skeleton.names == WALK.skeleton.names
     assert (found.rate, found.frame_count) == (WALK.rate, WALK.frame_count)
     np.testing.assert_allclose(joint_positions(found), joint_positions(clip), atol=1e-5)
+
+
+@pytest.mark.parametrize("matrices", [False, True], ids=["parts", "matrices"])
+@pytest.mark.parametrize(("scale", "seed"), [(1.0, 1), (100.0, 2)])
+def test_a_bone_above_the_hips_goes_with_them_over_the_ground(
+    tmp_path: Path, scale: float, seed: int, matrices: bool
+) -> None:
+    data = character_file(SMALLER, scale=scale, seed=seed, matrices=matrices, bound_to_base=True)
+    clip, after = written(tmp_path, data)
+    np.testing.assert_allclose(joint_positions(read_back(tmp_path, after)), joint_positions(clip), atol=1e-5)
+    scene = read_scene(after, lambda name: b"", None)
+    base, hips = (scene.world[:, scene.names.index(name), :, 3] for name in ("base", clip.skeleton.names[0]))
+    rest = read_rest(after)[0].world[0, scene.names.index("base"), :, 3]
+    np.testing.assert_allclose((base - base[0])[:, [0, 2]], (hips - hips[0])[:, [0, 2]], atol=1e-5)
+    np.testing.assert_allclose(base[:, 1], rest[1], atol=1e-5)
+    assert np.linalg.norm(base[-1] - base[0]) > 0.5
 
 
 def test_all_else_in_the_file_stays_as_it_is(tmp_path: Path) -> None:

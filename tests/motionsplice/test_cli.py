@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -15,8 +16,9 @@ from typer.testing import CliRunner, Result
 
 import motionsplice
 from motionsplice.cli import COMMANDS, _load, app, main
-from motionsplice.commands import motion
+from motionsplice.commands import demo, motion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.kinematics import joint_positions
@@ -25,7 +27,8 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
-from tests.conftest import CLIPS, built, written
+from motionsplice.service.settings import Settings
+from tests.conftest import CLIPS, STANDING_CLIPS, built, written
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numba", "llvmlite", "scipy", "matplotlib", "PIL", "fastapi", "uvicorn"}
@@ -96,6 +99,23 @@ print("numpy" in sys.modules, os.environ["OPENBLAS_NUM_THREADS"])
     others = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=others | asked, capture_output=True, text=True)
     assert done.stdout.split() == ["True", threads], done.stderr
+
+
+@pytest.mark.parametrize("bank", ["demo/bank", "memory://bank"])
+def test_serve_says_that_it_does_not_run_on_windows(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], bank: str
+) -> None:
+    monkeypatch.setitem(sys.modules, "fcntl", None)
+    assert failure(monkeypatch, capsys, "serve", bank) == (
+        "error: the service does not run on Windows. Run it in WSL, or in the container\n"
+    )
+
+
+def test_serve_refuses_a_folder_of_clips_that_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], bank: Bank, tmp_path: Path
+) -> None:
+    printed = failure(monkeypatch, capsys, "serve", bank.path, "--clips", tmp_path / "nowhere")
+    assert printed == f"error: --clips {tmp_path}/nowhere: the folder of clips was not found. Create it\n"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -229,6 +249,13 @@ def test_demo_does_everything_but_serve(tmp_path: Path) -> None:
     }
 
 
+def test_demo_names_a_command_that_serves_if_its_port_is_taken(bank: Bank) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(SettingsError) as error:
+        demo.serve(bank.path, Settings(port=taken.getsockname()[1]))
+    assert f"`motionsplice serve {bank.path} --port 0`" in str(error.value)
+    assert "--host" not in str(error.value)
+
+
 @pytest.mark.parametrize("name", ["out.fbx", "out.BVHX", "out"])
 def test_other_suffixes_are_refused_before_a_file_is_read(
     bank: Bank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str
@@ -277,3 +304,92 @@ def test_errors_are_one_paragraph(
         *splice, "walk", "--method", "exact", "--posture", "running"
     )
     assert not (tmp_path / "out.bvh").exists()
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Bank:
+    """A bank with two short locomotions, of which `stroll` loops and `step` does not."""
+    walk, folder = CLIPS["walk"], tmp_path_factory.mktemp("short")
+    clips = {"walk": walk, "stroll": walk.frames(0, 130), "step": walk.frames(0, 40), "carry": CLIPS["carry_box"]}
+    clips |= {"run": CLIPS["run"], "lunge": CLIPS["run"].frames(0, 50)}
+    settings = '[carry]\nkind = "action"\n[lunge]\nkind = "action"\n'
+    return built(written(folder, clips, settings), folder / "bank")
+
+
+def test_a_locomotion_that_cuts_the_action_short_is_reported_with_what_shows_more_of_it(
+    short: Bank, tmp_path: Path
+) -> None:
+    splice = ["splice", short.path, "--action", "carry", "--out", tmp_path / "x.bvh", "--locomotion"]
+    sentence = (
+        r"'carry' is cut after \d\.\d\d of 4\.00 s, where 'stroll' ends; for all of it, repeat 'stroll': --seconds "
+    )
+    found = re.search(sentence + r"([\d.]+)\n", run(*splice, "stroll").output)
+    assert found
+    assert 3.0 < float(found[1]) < 4.5
+    assert "choose a longer locomotion, or one that loops" in run(*splice, "step").output
+    assert "is cut after" not in run(*splice, "walk").output
+
+
+@pytest.mark.parametrize("method", ["splice", "naive", "none"])
+def test_a_locomotion_repeats_for_as_many_seconds_as_asked(bank: Bank, tmp_path: Path, method: str) -> None:
+    options = ["--locomotion", "run", "--action", "carry_box", "--posture", "absolute", "--method", method]
+    for name, more in (("whole", []), ("long", ["--seconds", 7.5])):
+        output = run("splice", bank.path, *options, *more, "--out", tmp_path / f"{name}.bvh").output
+    assert "is cut after" not in output
+    whole, long = (read_clip(tmp_path / f"{name}.bvh").clip for name in ("whole", "long"))
+    assert (long.frame_count, whole.frame_count) == (451, 181)
+    first = long.frames(0, 150)  # as the splice without an option
+    np.testing.assert_allclose(first.rotations[:, 1:], whole.rotations[:150, 1:], atol=1e-3)
+    speeds = np.linalg.norm(np.diff(joint_positions(long), axis=0), axis=2) * long.rate
+    assert speeds.max() < 1.3 * speeds[:179].max()  # it repeats without a jump
+    assert speeds[-60:, 0].min() > 1.0  # it still runs
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        (["--seconds", "nan"], "cannot write nan seconds"),
+        (["--seconds", "0"], "cannot write 0 seconds"),
+        (["--seconds", "9", "--method", "exact"], "the exact splice is as long as its locomotion"),
+    ],
+)
+def test_a_length_that_cannot_be_written_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    bank: Bank,
+    tmp_path: Path,
+    options: list[str],
+    problem: str,
+) -> None:
+    splice = ["splice", bank.path, "--locomotion", "walk", "--action", "wave", "--out", tmp_path / "x.bvh"]
+    assert problem in failure(monkeypatch, capsys, *splice, *options)
+
+
+def test_a_locomotion_that_cannot_loop_is_not_made_longer(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], short: Bank, tmp_path: Path
+) -> None:
+    splice = ["splice", short.path, "--locomotion", "step", "--action", "carry", "--out", tmp_path / "x.bvh"]
+    assert "'step' cannot loop, so it lasts no longer than" in failure(monkeypatch, capsys, *splice, "--seconds", 3)
+
+
+def test_a_gesture_that_is_not_marked_as_an_action_is_named_with_its_mend(tmp_path: Path) -> None:
+    clips = {"walk": CLIPS["walk"], "hail": STANDING_CLIPS["hail"]}
+    for name, settings in (("plain", ""), ("marked", '[hail]\nkind = "action"\n')):
+        folder = tmp_path / name
+        folder.mkdir()
+        bank = written(folder, clips, settings) / "bank"
+        built = run("precompute", folder, "--out", bank, "--baseline", "walk", "--jobs", 1).output
+        splice = run(
+            "splice", bank, "--locomotion", "walk", "--action", "hail", "--out", tmp_path / f"{name}.bvh"
+        ).output
+        for output in (built, splice):
+            sentence = 'its legs hardly move. If it is an action, give it `kind = "action"` in clips.toml'
+            assert (sentence in " ".join(output.split())) == (name == "plain")
+
+
+def test_an_action_of_one_stride_that_does_not_fit_is_named_with_its_mend(short: Bank, tmp_path: Path) -> None:
+    splice = ["splice", short.path, "--out", tmp_path / "x.bvh", "--locomotion"]
+    sentence = "'lunge' takes one stride that does not fit 'walk': if it is a lunge or a step, not a gait, name an idle"
+    assert sentence in run(*splice, "walk", "--action", "lunge").output
+    assert "does not fit" not in run(*splice, "run", "--action", "lunge").output
+    assert "does not fit" not in run(*splice, "run", "--action", "carry").output

@@ -207,3 +207,11 @@ def test_an_empty_batch_is_valid(bank: Bank) -> None:
 def test_a_memory_needs_a_rate_above_zero(rate: float, time_constant: float) -> None:
     with pytest.raises(SettingsError, match="above 0"):
         Memory.begin(1, rate, time_constant)
+
+
+def test_arrays_cannot_be_replaced_since_others_are_views_of_them(bank: Bank) -> None:
+    for arrays, name in ((Requests.empty(2), "time"), (Evaluator(bank).poses(2), "rotations")):
+        before = vars(arrays)[name]
+        with pytest.raises(SettingsError, match=rf"^'{name}' cannot be set. Write into arrays in place"):
+            setattr(arrays, name, before.copy())
+        assert getattr(arrays, name) is before

@@ -116,7 +116,7 @@ def test_it_waits_for_a_service_that_compiles_its_kernels(view: View) -> None:
 
     view.page.route("**/v1/take*", answer)
     view.page.goto(f"{view.url}/view/?action=wave&show=splice&playing=false")
-    expect(view.page.locator("#readout .fault")).to_contain_text("compiles its kernels")
+    expect(view.page.locator("#readout .fault")).to_contain_text("the kernels are still being compiled")
     view.settle()
     expect(view.page.locator("#readout .fault")).to_be_empty()
     view.faults.clear()  # the browser logs the answers 503

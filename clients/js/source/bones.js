@@ -32,7 +32,13 @@ export function bind(rig, target) {
 /**
  * A bone that hangs on none that moves, as the root's does, and feet that are IK targets: it is placed in the world.
  *
- * @typedef {Bone & { joint: number, inwards: Matrix }} Free
+ * @typedef {Bone & { joint: number, inwards: Matrix, isCarried: boolean }} Free
+ */
+
+/**
+ * A bone of the skin above the root's, on the ground: it goes where the root goes, unturned, and carries free bones.
+ *
+ * @typedef {Bind & { below: Bind, inwards: Matrix }} Base
  */
 
 class Bones {
@@ -59,6 +65,7 @@ class Bones {
     this.bones = [];
     /** @type {Free[]} */
     this.free = [];
+    this.base = baseOf(rest, root);
     const moved = new Set(binds.flatMap((one) => one?.node ?? []));
     binds.forEach((bone, joint) => {
       if (!bone) return;
@@ -68,7 +75,8 @@ class Bones {
         const inwards = rest.above(bone).invert();
         const before = bone.turn.clone();
         inwards.decompose(bone.place.clone(), before, bone.node.scale.clone());
-        this.free.push({ joint, node: bone.node, inwards, before, after: bone.turn });
+        const isCarried = this.base !== undefined && ancestors(bone.node).includes(this.base.node);
+        this.free.push({ joint, node: bone.node, inwards, before, after: bone.turn, isCarried });
       } else if (held === parent?.node) {
         this.bones[joint] = { node: bone.node, before: rest.between(parent, bone).invert(), after: bone.turn };
       } else {
@@ -82,21 +90,48 @@ class Bones {
    * @param {ArrayLike<number>} rotations
    */
   set(root, rotations) {
-    const { rig, turn, place, places, unit } = this;
+    const { rig, turn, place, places, unit, base } = this;
     this.bones.forEach((bone, joint) => {
       if (!bone) return;
       const at = 4 * joint;
       turn.set(rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]);
       bone.node.quaternion.copy(turn.premultiply(bone.before).multiply(bone.after));
     });
+    const x = base ? unit * root[0] - base.below.place.x : 0, z = base ? unit * root[2] - base.below.place.z : 0;
+    if (base) {
+      place.set(base.place.x + x, base.place.y, base.place.z + z);
+      base.node.position.copy(place.applyMatrix4(base.inwards));
+    }
     const turns = rig.worldPositions(root, rotations, places);
-    for (const { joint, node, inwards, before, after } of this.free) {
+    for (const { joint, node, inwards, before, after, isCarried } of this.free) {
       turn.set(turns[4 * joint], turns[4 * joint + 1], turns[4 * joint + 2], turns[4 * joint + 3]);
       node.quaternion.copy(turn.premultiply(before).multiply(after));
       place.set(unit * places[3 * joint], unit * places[3 * joint + 1], unit * places[3 * joint + 2]);
+      if (isCarried) place.set(place.x - x, place.y, place.z - z);
       node.position.copy(place.applyMatrix4(inwards));
     }
   }
+}
+
+/**
+ * Returns the highest bone of the skin above the root's, or undefined.
+ *
+ * @param {ReturnType<typeof restOf>} rest
+ * @param {Bind} root
+ * @returns {Base | undefined}
+ */
+function baseOf(rest, root) {
+  const node = ancestors(root.node).filter((one) => rest.inverses.has(one)).at(-1);
+  const bind = node && rest.find(node.name);
+  return bind && { ...bind, below: root, inwards: rest.above(bind).invert() };
+}
+
+/**
+ * @param {Node} node
+ * @returns {Node[]}
+ */
+function ancestors(node) {
+  return node.parent ? [node.parent, ...ancestors(node.parent)] : [];
 }
 
 /**

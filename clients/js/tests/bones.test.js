@@ -63,6 +63,33 @@ for (const unit of [1, 100, 0.01]) {
   }
 }
 
+test('a bone of the skin above the root goes with it over the ground', () => {
+  for (const unit of [1, 100]) {
+    for (const loose of [false, true]) {
+      const { scene, bones } = model({ unit, loose });
+      const base = Object.assign(new THREE.Bone(), { name: 'base' });
+      const armature = scene.children[0];
+      base.quaternion.random();
+      base.position.random().multiplyScalar(unit);
+      armature.add(base);
+      scene.updateMatrixWorld(true);
+      for (const child of [...armature.children]) if (child !== base) base.attach(child);
+      scene.updateMatrixWorld(true);
+      const skeleton = new THREE.Skeleton([...bones, base]);
+      scene.add(Object.assign(new THREE.Object3D(), { skeleton }));
+      const at = (bone) => new THREE.Vector3().setFromMatrixPosition(bone.matrixWorld).divideScalar(unit);
+      const [ground, root] = [at(base), at(bones[0])];
+      const wanted = pose();
+      wanted.apply(scene);
+      scene.updateMatrixWorld(true);
+      const [x, , z] = wanted.root;
+      assert.ok(at(base).distanceTo(new THREE.Vector3(ground.x + x - root.x, ground.y, ground.z + z - root.z)) < 1e-5);
+      const places = wanted.worldPositions();
+      bones.forEach((bone, joint) => assert.ok(at(bone).distanceTo(new THREE.Vector3().fromArray(places, 3 * joint)) < 1e-5));
+    }
+  }
+});
+
 test('bones that do not fit are refused by name', () => {
   const wanted = pose();
   const refused = (target, words) => assert.throws(() => wanted.apply(target), (error) => error instanceof RigError && words.test(error.message));

@@ -12,6 +12,8 @@ import { matcher } from './words.js';
  * @property {number} cycles strides
  * @property {number} loop strides that repeat; 0: none
  * @property {string} neutral
+ * @property {boolean} stands whether it is an action without a gait, which plays at its own speed
+ * @property {string[]} uses parts of the upper body that such an action uses
  * @property {string[]} hands hands clips that can be laid on it
  * @property {{ left: [number, number][], right: [number, number][] }} contacts seconds of each stance
  * @property {number} mean_mismatch metres

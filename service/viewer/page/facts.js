@@ -11,7 +11,7 @@ import { alignedDistances, legClouds } from './timeline/distance_grid.js';
 /** @import { Values } from './state.js' */
 
 /**
- * Returns when the feet stand. The clip says it, unless another clip is mixed in or the take goes on after the clip.
+ * Returns when the feet stand. The clip says it, unless another clip is mixed in or the take repeats it.
  *
  * @param {Side} side
  * @param {Clip} clip
@@ -19,7 +19,7 @@ import { alignedDistances, legClouds } from './timeline/distance_grid.js';
  * @returns {Contacts}
  */
 export function contactsOf(side, clip, values) {
-  const isOwn = side.name === 'action' || side.name === 'truth' || !(values.second || values.length);
+  const isOwn = side.name === 'action' || side.name === 'truth' || !(values.second || side.take.commands[0].loop);
   if (isOwn && isMirrored(side.name, values)) return { left: clip.contacts.right, right: clip.contacts.left };
   return isOwn ? clip.contacts : { left: stances(side, 'left'), right: stances(side, 'right') };
 }

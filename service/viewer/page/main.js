@@ -18,10 +18,9 @@ import { Service } from './service.js';
 import { Sides } from './sides.js';
 import { State } from './state.js';
 import { Viewer } from './viewer.js';
+import { Warming } from './warming.js';
 
 /** @import { Adding } from './adding/panel.js' */
-
-const WARMING = 1000; // ms until a service that was not ready is asked again
 
 const service = new Service();
 const state = new State(new URLSearchParams(location.search));
@@ -53,6 +52,11 @@ takeDrops(byId('view'), own);
 const takeAway = new TakeAway(byId('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });
 const connection = new Connection(byId('banner'), service, catalogue, reload);
+const warming = new Warming(service, {
+  say: (text) => viewer.readout.fault(text),
+  ready: () => void viewer.refresh(),
+  failed,
+});
 /** @type {Promise<Adding> | undefined} */
 let adding;
 void viewer.refresh().then(offerUploads); // after the first picture
@@ -95,9 +99,6 @@ function play(kind, name) {
 function failed(error) {
   if (connection.notice(error)) return;
   if (isRefused(error, 'token')) void askForToken(service).then(() => viewer.refresh());
-  else if (isRefused(error, 'not-ready')) {
-    viewer.readout.fault('The service compiles its kernels: the first time, half a minute. Then the motion is shown.');
-    setTimeout(() => void viewer.refresh(), WARMING);
-  }
+  else if (isRefused(error, 'not-ready')) void warming.wait(error);
   else viewer.readout.fault(messageOf(error));
 }

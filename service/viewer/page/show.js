@@ -2,6 +2,7 @@ import { contactsOf } from './facts.js';
 import { Body } from './scene/body.js';
 import { distances, mean, shares, upperBody, worst } from './scene/differences.js';
 import { Path } from './scene/path.js';
+import { Ring } from './scene/ring.js';
 import { Traces } from './scene/traces.js';
 import { clipOf, isLayered } from './takes.js';
 import { Quaternion, Vector3 } from './vendor/three.js';
@@ -35,6 +36,7 @@ class Shown {
     this.traces = traces;
     /** The user's character in place of the body. */
     this.figure = side.nodes && side.character?.figure(side.nodes);
+    this.ring = this.figure && new Ring(side.colour);
     this.path = new Path(side.motion);
     this.beginning = this.path.at(0);
     this.upperBody = upperBody(side.motion.rig);
@@ -72,11 +74,12 @@ export class Show {
       if (sides.includes(one.side)) continue;
       this.stage.remove(one.body.object);
       this.stage.remove(one.traces.object);
-      if (one.figure) this.stage.remove(one.figure.object);
+      for (const own of [one.figure, one.ring]) if (own) this.stage.remove(own.object);
       this.stage.later(() => {
         one.body.dispose();
         one.traces.dispose();
         one.figure?.dispose();
+        one.ring?.dispose();
       });
     }
   }
@@ -90,7 +93,7 @@ export class Show {
     const shown = new Shown(side, new Body(side.motion.rig, side.colour), new Traces(side, clip && contactsOf(side, clip, values)));
     this.stage.add(shown.body.object);
     this.stage.add(shown.traces.object);
-    if (shown.figure) this.stage.add(shown.figure.object);
+    for (const own of [shown.figure, shown.ring]) if (own) this.stage.add(own.object);
     return shown;
   }
 
@@ -196,6 +199,7 @@ export class Show {
     const shrink = shrinkOf(one);
     figure.object.scale.setScalar(shrink);
     figure.place(offset.map((metres, axis) => shrink * (to[axis] - hips.getComponent(axis)) + metres), turn);
+    one.ring?.place(shrink * to[0] + offset[0], shrink * one.traces.floor, shrink * to[2] + offset[2]);
   }
 
   /**

@@ -30,7 +30,7 @@ export const DEFAULTS = {
   point: '', // metres; none: a little ahead of the character
   own: false, // whether the action plays by its own clock
   once: false, // whether the action ends instead of repeating
-  length: 0, // seconds of the take; 0: as long as the locomotion
+  length: 0, // seconds of the take; 0: as long as the locomotion, or as the action if that is longer
   show: 'splice,naive', // sides, see sides.js
   truth: '', // a clip that shows what the splice should be
   layout: 'beside', // or `over` each other

@@ -35,12 +35,26 @@ export function takeOf(side, values, catalogue) {
   const hasAction = catalogue.clips.has(values.action);
   if (!clip || (side === 'naive' && !hasAction)) return undefined;
   const leading = catalogue.clips.get(values.locomotion) ?? clip;
-  const seconds = Math.min(LONGEST, side === 'action' ? clip.duration : values.length || leading.duration);
+  const seconds = side === 'action' ? Math.min(LONGEST, clip.duration) : secondsOf(values, catalogue);
   const take = { rate: leading.rate, frames: Math.floor(seconds * leading.rate + 1e-6) + 1, commands: [create(side, values, catalogue)] };
   if ((side === 'splice' || side === 'naive') && hasAction) take.commands.push(act(side, values, leading.rate));
   if (isLayered(side)) take.commands.push(...layers(values));
   if (values.hands && side !== 'locomotion' && side !== 'truth') take.commands.push({ at: 0, do: 'wear', hands: values.hands, blend: 0 });
   return take;
+}
+
+/**
+ * Returns how long the takes are, but for the action's own. By default as long as the locomotion, which repeats if the action is
+ * longer and it can. A truth is a clip that does not repeat, so its length counts as the locomotion's.
+ *
+ * @param {Values} values
+ * @param {Catalogue} catalogue
+ */
+export function secondsOf({ locomotion, second, action, at, start, length, truth }, { clips }) {
+  const whole = clips.get(locomotion)?.duration ?? clips.get(truth)?.duration ?? 10;
+  const repeats = [locomotion, second].every((name) => !clips.has(name) || clips.get(name)?.loop) && !clips.has(truth);
+  const acting = (repeats && clips.has(action) && at + (clips.get(action)?.duration ?? 0) - start) || 0;
+  return Math.min(LONGEST, length || Math.max(whole, acting));
 }
 
 /**
@@ -117,7 +131,8 @@ function create(side, values, catalogue) {
   const [first, second] = [named(values.locomotion, mirrored), named(values.second, mirrored)];
   const isMix = catalogue.clips.has(values.second) && values.second !== values.locomotion;
   const locomotion = isMix ? { [first]: 1 - values.share, [second]: values.share } : first;
-  return { at: 0, do: 'create', locomotion, loop: values.length > 0 };
+  const isLonger = secondsOf(values, catalogue) > (catalogue.clips.get(values.locomotion)?.duration ?? Infinity);
+  return { at: 0, do: 'create', locomotion, loop: values.length > 0 || isLonger };
 }
 
 /**

@@ -174,24 +174,29 @@ export class Viewer {
   /** Fills the timeline, but for the mismatches, whose sides come later. */
   #describe() {
     const { values } = this.state;
-    const clip = this.sides.catalogue.clips.get(values.locomotion);
+    const { clips } = this.sides.catalogue;
+    const [clip, action] = [clips.get(values.locomotion), clips.get(values.action)];
     const side = this.#sides.find(({ name }) => name === 'splice') ?? this.#sides[0];
     if (!side || !clip) return;
     const other = this.#sides.find(({ name }) => name === values.against && name !== side.name);
     const hasAction = side.actionTimes.some((time) => !Number.isNaN(time));
     this.timeline.show({
       duration: side.motion.duration, rate: side.motion.rate, phases: side.phases, events: side.events, contacts: contactsOf(side, clip, values),
-      actionTimes: hasAction ? side.actionTimes : undefined, actionDuration: this.sides.catalogue.clips.get(values.action)?.duration,
+      actionTimes: hasAction ? side.actionTimes : undefined, actionDuration: action?.duration, stands: action?.stands,
       differences: other && differencesOf(side, other), colours: { action: side.colour, difference: other?.colour },
       names: { action: values.action, difference: other && `To ${other.label.toLowerCase()}` },
     });
   }
 
-  /** Computes how well the legs fit at each frame, and fills the grid, if the splice is shown. */
+  /** Computes how well the legs fit at each frame, and fills the grid, if the splice is shown and its action follows the legs. */
   async #mismatches() {
     const { values } = this.state;
     const splice = this.#sides.find(({ name }) => name === 'splice');
     if (!splice) return undefined;
+    if (this.sides.catalogue.clips.get(values.action)?.stands) {
+      this.grid.clear('The action was captured standing: it plays at its own speed, whatever the legs do');
+      return undefined;
+    }
     const [locomotion, action] = await Promise.all([this.sides.side('locomotion', values), this.sides.side('action', values)]);
     if (!locomotion || !action) return undefined;
     this.grid.show(locomotion, action, splice.actionTimes);

@@ -202,8 +202,29 @@ def test_two_clips_with_the_same_name_are_refused(tmp_path: Path) -> None:
 def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(ClipError, match="no clips found"):
         build_bank([tmp_path], tmp_path / "bank")
+    write(tmp_path / "below", walk=CLIPS["walk"])
+    with pytest.raises(ClipError, match=rf"^{tmp_path}: no clips found\. .*; their subfolders are not searched$"):
+        build_bank([tmp_path], tmp_path / "bank")
     with pytest.raises(ClipError, match="file or folder not found"):
         build_bank([tmp_path / "absent.bvh"], tmp_path / "bank")
+
+
+def test_a_bank_in_place_of_clips_is_named(bank: Bank, tmp_path: Path) -> None:
+    with pytest.raises(ClipError, match=r": this is a bank, not a folder of clips\. Name the folder"):
+        build_bank([bank.path], tmp_path / "bank")
+
+
+def test_a_skeleton_that_is_missing_is_found_before_clips_are_read(clip_folder: Path, tmp_path: Path) -> None:
+    steps: list[str] = []
+    with pytest.raises(MotionError, match=r"missing\.glb"):
+        build_bank(
+            [clip_folder],
+            tmp_path / "bank",
+            baseline="walk",
+            skeleton=tmp_path / "missing.glb",
+            progress=lambda step, *_: steps.append(step),
+        )
+    assert steps == []
 
 
 def test_files_of_other_programs_alone_are_named_in_the_error(tmp_path: Path) -> None:

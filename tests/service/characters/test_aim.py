@@ -80,10 +80,14 @@ def test_a_websocket_looks_and_aims_and_ends_it(service: Running, bank: Bank) ->
     [
         ({"do": "look"}, "look requires a point or a direction, and not both. Give one of them; null ends it"),
         ({"do": "look", "point": [0, 0, 1], "direction": None}, "and not both"),
-        ({"do": "look", "point": [0, 0]}, "point: expected a list of three numbers, or null for none, found [0, 0]"),
+        ({"do": "look", "point": [0, 0]}, "point: expected a list of three numbers of at most 1,000,000,000, or null"),
         ({"do": "look", "point": [0, 0, 1e10]}, "point: expected"),
         ({"do": "look", "direction": [0, 0, 0]}, "direction: expected a list of three numbers that are not all 0"),
         ({"do": "look", "direction": [0, None, 1]}, "direction: expected"),
+        (
+            {"do": "place", "position": [1e30, 0, 0]},
+            "position: expected a list of three numbers of at most 1,000,000,0",
+        ),
         ({"do": "look", "point": None, "weight": 1}, "look: null ends it, and may have no other key than blend"),
         ({"do": "look", "point": [0, 0, 1], "part": "chest"}, "look has no key 'part'"),
         ({"do": "look", "point": [0, 0, 1], "spine": 2}, "spine: expected a number from 0 to 1, found 2"),
@@ -96,3 +100,12 @@ def test_a_wrong_target_is_refused(client: TestClient, command: dict[str, Any], 
     answer = client.post("/v1/take", json={"frames": 2, "commands": [WALK, command]})
     assert (answer.status_code, answer.json()["type"]) == (422, "urn:motionsplice:request"), answer.text
     assert words in answer.json()["detail"]
+
+
+def test_a_direction_may_have_any_length(client: TestClient) -> None:
+    frames = []
+    for length in (1e200, 1.0):
+        look = {"do": "look", "direction": [length, 0, 0]}
+        answer = client.post("/v1/take", json={"frames": 2, "commands": [WALK, look]}, params={"format": "json"})
+        frames.append(answer.json()["rotations"])
+    assert frames[0] == frames[1]

@@ -1,5 +1,5 @@
 import { characterField } from '../figure/field.js';
-import { isLayered, LONGEST, PARTS, SIDES, SIDE_NAMES } from '../takes.js';
+import { isLayered, LONGEST, PARTS, secondsOf, SIDES, SIDE_NAMES } from '../takes.js';
 import { BODIES, CROWDS, LAYOUTS, VIEWS } from './choices.js';
 import { sidesField } from './compared.js';
 import { hint, number, row, segments, select, shownIf, toggle } from './fields.js';
@@ -129,8 +129,8 @@ export class Controls {
   #length() {
     const { state } = this;
     return new Group(state, 'Length', ['length'], [
-      number(state, 'length', 'Take', { unit: 's', step: 0.5, most: LONGEST, limit: LONGEST, title: '0: as long as the locomotion' }),
-      hint(state, ({ length }) => (length ? 'The locomotion repeats.' : `0: as long as the locomotion, ${this.#seconds().toFixed(1)} s`)),
+      number(state, 'length', 'Take', { unit: 's', step: 0.5, most: LONGEST, limit: LONGEST, title: '0: as long as the locomotion, or as the action if the locomotion repeats' }),
+      hint(state, ({ length }) => (length ? 'The locomotion repeats.' : `0: ${this.#lasts()}, ${this.#seconds().toFixed(1)} s`)),
     ]);
   }
 
@@ -165,8 +165,12 @@ export class Controls {
 
   /** Seconds of the take. */
   #seconds() {
-    const { length, locomotion } = this.state.values;
-    return Math.min(LONGEST, length || (this.catalogue.clips.get(locomotion)?.duration ?? 10));
+    return secondsOf(this.state.values, this.catalogue);
+  }
+
+  #lasts() {
+    const whole = this.catalogue.clips.get(this.state.values.locomotion)?.duration ?? Infinity;
+    return this.#seconds() > whole ? 'as long as the action' : 'as long as the locomotion';
   }
 
   /** @param {string} none */

@@ -189,7 +189,7 @@ function option(name, clip) {
   row.append(
     make('span', { class: 'marks' }),
     make('span', { class: 'sign' }, ...warningSign(clip)),
-    make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' },
+    clip.stands ? make('span', { class: 'mismatch' }, 'stands') : make('span', { class: clip.mean_mismatch > BADLY ? 'mismatch bad' : 'mismatch' },
       make('span', { class: 'unseen' }, ' mismatch '), centimetres(clip.mean_mismatch)),
     make('span', { class: 'seconds' }, ` ${clip.duration.toFixed(1)} s`),
     make('span', { class: 'more', 'aria-hidden': 'true', title: 'Mix in, compare as truth ... (Menu key)' }, '⋯'),
@@ -224,12 +224,17 @@ function mark(row, values) {
  * @param {Clip} clip
  */
 export function summary(clip) {
+  const names = [clip.name, ...clip.warnings.map((one) => `⚠ ${one}`)];
+  const length = `${clip.duration.toFixed(2)} s at ${Number(clip.rate.toFixed(2))} frames/s`;
+  if (clip.stands) {
+    const uses = clip.uses.map((part) => part.replaceAll('_', ' ')).join(', ');
+    return [...names, length, 'Captured standing: plays at its own speed', ...(uses ? [`Uses ${uses}`] : [])];
+  }
   return [
-    clip.name,
-    ...clip.warnings.map((one) => `⚠ ${one}`),
-    `${clip.duration.toFixed(2)} s at ${Number(clip.rate.toFixed(2))} frames/s, ${clip.cycles.toFixed(1)} strides`,
+    ...names,
+    `${length}, ${clip.cycles.toFixed(1)} strides`,
     `Legs differ from the baseline's by ${centimetres(clip.mean_mismatch)} on average, ${centimetres(clip.worst_mismatch)} at worst`,
-    clip.loop ? `Repeats by ${clip.loop} strides` : 'Does not repeat',
+    clip.loop ? `Repeats by ${clip.loop} ${clip.loop === 1 ? 'stride' : 'strides'}` : 'Does not repeat',
   ];
 }
 

@@ -78,6 +78,17 @@ export class Grid extends Plot {
     this.#write();
   }
 
+  /**
+   * Shows a sentence in place of a grid.
+   *
+   * @param {string} reason
+   */
+  clear(reason) {
+    this.#shown = this.#pointed = undefined;
+    this.redraw();
+    this.caption.replaceChildren(make('span', { class: 'grid-title' }, reason));
+  }
+
   /** @param {number} time */
   at(time) {
     if (time === this.#time) return;

@@ -17,6 +17,7 @@ import { axis, largest } from './ticks.js';
  * @property {{ left: [number, number][], right: [number, number][] }} contacts seconds of each stance
  * @property {{ frame: number, event: string, action?: string }[]} events
  * @property {Float32Array} [mismatches] metres between the legs at each frame; NaN without an action
+ * @property {boolean} [stands] whether the action was captured standing, so that its legs do not matter
  * @property {Float32Array} [differences] metres between two sides at each frame
  * @property {{ action?: string, difference?: string }} [colours]
  * @property {{ action?: string, difference?: string }} [names] of the clip, and of what is compared
@@ -46,7 +47,8 @@ const BAD = 0.1; // metres between legs from which a splice looks wrong
 export function rowsOf(data) {
   const { actionTimes, mismatches = NONE, differences } = data;
   const rows = [phaseRow(data), contactRow(data, 'left'), contactRow(data, 'right')];
-  if (actionTimes) rows.push(actionRow(data, actionTimes), mismatchRow(mismatches, actionTimes));
+  if (actionTimes) rows.push(actionRow(data, actionTimes));
+  if (actionTimes && !data.stands) rows.push(mismatchRow(mismatches, actionTimes));
   if (differences) rows.push(differenceRow(differences, data.names?.difference ?? 'Difference', data.colours?.difference));
   return rows;
 }

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def unevenness(rotations: Floats) -> tuple[float, float]:
     """Returns the largest error of a rotation's length, and the least product of successive frames; inf for NaN."""
     error, least = 0.0, np.inf

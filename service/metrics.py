@@ -8,9 +8,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, Counter, Gauge, Histogram, generate_latest
+from prometheus_client.metrics_core import Metric
 from prometheus_client.multiprocess import MultiProcessCollector, mark_process_dead
 
 SHARED_FOLDER = "PROMETHEUS_MULTIPROC_DIR"  # where workers write metrics; prometheus_client reads it at import
+BANK = "motionsplice_bank_info"
 SECONDS = (*(base * 10.0**power for power in range(-4, 0) for base in (1.0, 2.0, 5.0)), 1.0)
 
 
@@ -54,7 +56,7 @@ class Metrics:
             multiprocess_mode="livesum",
         )
         self._bank = Gauge(
-            "motionsplice_bank_info", "The bank that is served", ["digest"], registry=self._registry,
+            BANK, "The bank that is served", ["digest"], registry=self._registry,
             multiprocess_mode="livemax",
         )  # fmt: skip
         self._requests = Counter(
@@ -89,7 +91,8 @@ class Metrics:
         """Records the digest of the bank that is served."""
         if self._digest and self._digest != digest:
             self._bank.labels(self._digest).set(0)
-            self._bank.remove(self._digest)
+            if SHARED_FOLDER not in os.environ:  # what workers have written stays; `Together` leaves it out
+                self._bank.remove(self._digest)
         self._bank.labels(digest).set(1)
         self._digest = digest
 
@@ -99,8 +102,18 @@ class Metrics:
         if SHARED_FOLDER in os.environ:
             forget_the_dead(Path(os.environ[SHARED_FOLDER]))
             registry = CollectorRegistry()
-            MultiProcessCollector(registry)  # type: ignore[no-untyped-call]
+            Together(registry)  # type: ignore[no-untyped-call]
         return generate_latest(registry), CONTENT_TYPE_LATEST
+
+
+class Together(MultiProcessCollector):
+    """Collects what all workers have written, but for banks that none of them serves any more."""
+
+    def collect(self) -> Iterator[Metric]:
+        for metric in super().collect():  # type: ignore[no-untyped-call]
+            if metric.name == BANK:
+                metric.samples = [sample for sample in metric.samples if sample.value]
+            yield metric
 
 
 def forget_the_dead(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import socket
 import tempfile
@@ -13,7 +14,9 @@ from uvicorn.supervisors import Multiprocess
 from motionsplice.motion.errors import SettingsError
 from motionsplice.service.edge.config import EdgeConfig
 from motionsplice.service.metrics import SHARED_FOLDER
-from motionsplice.service.settings import Settings
+from motionsplice.service.settings import Settings, unknown_variables
+
+logger = logging.getLogger(__name__)
 
 BACKLOG = 2048
 MOST_UNSENT = 1024 * 1024  # bytes that the kernel buffers for a client; few, so that a slow one is soon noticed
@@ -41,12 +44,15 @@ def listen(settings: Settings) -> socket.socket:
 
 def serve(path: Path, settings: Settings, listener: socket.socket) -> None:
     """Serves the bank at `path` until stopped. The caller has verified the bank."""
+    config = EdgeConfig(path, settings)  # which sets up the log
+    if unknown := unknown_variables(os.environ):
+        logger.warning("variables of the environment that are no settings have no effect", extra={"variables": unknown})
     if settings.workers == 1:
-        uvicorn.Server(EdgeConfig(path, settings)).run(sockets=[listener])
+        uvicorn.Server(config).run(sockets=[listener])
         return
     with tempfile.TemporaryDirectory(prefix="motionsplice-metrics-") as folder:
         os.environ[SHARED_FOLDER] = folder
         try:
-            Multiprocess(EdgeConfig(path, settings), sockets=[listener]).run()
+            Multiprocess(config, sockets=[listener]).run()
         finally:
             del os.environ[SHARED_FOLDER]

@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, ModelWrapValidatorHandler, SecretStr, ValidationError, model_validator
+from pydantic import (
+    Field,
+    ModelWrapValidatorHandler,
+    SecretStr,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import ErrorDetails
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.sending.receiver import PORTS, Kind, host_and_port
+from motionsplice.service.listed import listed_host, listed_origin
 
 PREFIX = "MOTIONSPLICE_"
+LISTS = {
+    "origins": (listed_origin, "a web origin", "Write it as https://game.example or http://localhost:8080"),
+    "hosts": (listed_host, "the name of a host", "Write it as game.example"),
+}
 SECOND = Annotated[float, Field(gt=0.0, le=3600.0, allow_inf_nan=False)]
 
 
@@ -83,11 +97,27 @@ class Settings(BaseSettings):
 
     @model_validator(mode="before")
     @classmethod
-    def _split(cls, values: Any) -> Any:
-        for name in ("origins", "hosts") if isinstance(values, dict) else ():
-            if isinstance(listed := values.get(name), str):
-                values[name] = tuple(one.strip() for one in listed.split(",") if one.strip())
+    def _refuse_empty(cls, values: dict[str, Any]) -> dict[str, Any]:
+        """Refuses what an unset variable of a shell or a compose file leaves: no host would be all addresses."""
+        for name, value in values.items():
+            if value == "" and name not in LISTS:
+                raise SettingsError(f"{variable(name)} is empty", mend="Give it a value, or unset it")
         return values
+
+    @field_validator(*LISTS, mode="before")
+    @classmethod
+    def _split(cls, listed: Any) -> Any:
+        return tuple(one.strip() for one in listed.split(",") if one.strip()) if isinstance(listed, str) else listed
+
+    @field_validator(*LISTS)
+    @classmethod
+    def _as_compared(cls, listed: tuple[str, ...], about: ValidationInfo) -> tuple[str, ...]:
+        """Brings entries into the form that requests are compared with, and refuses those that none could match."""
+        name = about.field_name or ""
+        compared, kind, mend = LISTS[name]
+        if wrong := [one for one in listed if compared(one) is None]:
+            raise SettingsError(f"{variable(name)} has {wrong[0]!r:.100}, which is not {kind}", mend=mend)
+        return tuple(filter(None, map(compared, listed)))
 
     @model_validator(mode="after")
     def _check_receivers(self) -> Self:
@@ -121,3 +151,13 @@ def _problem(error: ErrorDetails) -> str:
 def variable(*place: int | str) -> str:
     """Returns the environment variable of a setting."""
     return PREFIX + ".".join(map(str, place)).upper()
+
+
+def unknown_variables(environment: Mapping[str, str]) -> list[str]:
+    """Returns the variables that look like settings and are none; not those that Kubernetes makes for Services."""
+    names = {name.upper() for name in environment if name.upper().startswith(PREFIX)}
+    services = {name.removesuffix("_SERVICE_HOST") for name in names if name.endswith("_SERVICE_HOST")}
+    links = tuple(f"{service}_{kind}" for service in services for kind in ("SERVICE_HOST", "SERVICE_PORT", "PORT"))
+    return sorted(
+        name for name in names - {variable(one) for one in Settings.model_fields} if not name.startswith(links)
+    )

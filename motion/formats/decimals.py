@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 
 MOST_DIGITS = 18  # that an int64 holds; further digits are below a float's precision
@@ -41,7 +41,7 @@ def is_finite(word: str) -> bool:
         return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def fill_table(text: NDArray[np.uint8], values: Floats) -> bool:
     """Parses `text` into `values` [rows, width]. Returns whether it has exactly these rows of numbers."""
     rows, width = values.shape

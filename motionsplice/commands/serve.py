@@ -19,7 +19,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.service.settings import PREFIX, Settings
 
 EPILOG = "Example: [bold]motionsplice serve bank --port 8000 --watch[/bold]"
-TEXT = (SecretStr, tuple)  # types of settings that flags give as text
+TEXT = (SecretStr, tuple, Path)  # types of settings that flags give as text; an empty path would be the folder `.`
 
 
 def register(app: typer.Typer) -> None:
@@ -80,8 +80,9 @@ def _signature() -> inspect.Signature:
     argument = Annotated[str, typer.Argument(help="A bank, as `precompute` wrote it: a folder or a URL.")]
     parameters = [inspect.Parameter("bank", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=argument)]
     for name, field in Settings.model_fields.items():
-        kind = _flag_type(hints[name])
-        option = typer.Option(help=f"{field.description}. {PREFIX}{name.upper()}", show_default=False)
+        kind, metavar = _flag_type(hints[name]), "<path>" if hints[name] == Path | None else None
+        text = f"{field.description}. {PREFIX}{name.upper()}"
+        option = typer.Option(help=text, metavar=metavar, show_default=False)
         parameters.append(
             inspect.Parameter(
                 name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[kind | None, option]

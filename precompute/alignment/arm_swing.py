@@ -8,8 +8,8 @@ against others. It counts as far as the stride explains it: an arm that carries 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 
@@ -36,7 +36,7 @@ def arm_swing(positions: Floats) -> Floats:
     return swing
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def fill_swing(positions: Floats, swing: Floats) -> None:
     """Fills `swing` [n, 2]; see `arm_swing`. Ahead is across the hips, over the floor."""
     for frame in range(len(positions)):

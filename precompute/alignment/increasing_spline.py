@@ -11,12 +11,12 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
-from numba import njit
 from numpy.linalg import LinAlgError
 from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 from scipy.linalg.lapack import dpbsv
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 
 DEGREE = 3
@@ -57,7 +57,7 @@ def _greville_steps(knots: Floats, count: int) -> Floats:
     return cast(Floats, np.diff(abscissae))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def normal_equations(x: Floats, y: Floats, knots: Floats, steps: Floats, stiffness: float) -> tuple[Floats, Floats]:
     """Returns the bands [4, n] (lower form) and the right side [n] of the least-squares problem of n coefficients.
 
@@ -120,7 +120,7 @@ def _increasing_least_squares(bands: Floats, right: Floats, inside: Floats, floo
     return c
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def newton_system(
     bands: Floats, right: Floats, c: Floats, slack: Floats, dual: Floats, gap: float, weight: Floats, pull: Floats
 ) -> tuple[Floats, Floats, float]:
@@ -158,7 +158,7 @@ def newton_system(
     return system, target, steepest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def advance(c: Floats, slack: Floats, dual: Floats, floor: Floats, move: Floats, weight: Floats, pull: Floats) -> None:
     """Moves `c` [n], `slack` and `dual` [n - 1] by the step `move` [n], as far as all stay positive."""
     reach, duals = 1.0, np.empty_like(dual)

@@ -7,9 +7,9 @@ baseline is one stride. A path may go round the ring any number of times, so cli
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 
 MOST_ADVANCE = 4  # cells per frame
@@ -57,7 +57,7 @@ def between_cells(distances: Floats, wound: NDArray[np.int64]) -> Floats:
     return np.asarray(wound + np.clip(0.5 * (before - after) / np.where(bend > 0.0, bend, np.inf), -0.5, 0.5))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def walk_ring(distances: Floats, pace: float, steadiness: float) -> NDArray[np.int64]:
     """Runs the dynamic programme of `wind`, over states (cell, number of zero steps in a row).
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from motionsplice.motion.errors import ClipError
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.pointcloud import planar_distances, windowed
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.alignment.increasing_spline import fit_increasing
@@ -77,7 +77,7 @@ def first_meeting(locomotion: Floats, action: Floats) -> int:
     return int(np.flatnonzero(near & lowest)[0])
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def cheapest_paths(grid: Floats, most_flat: int) -> tuple[Floats, Floats, NDArray[np.int8]]:
     """Returns the least cost of a path from cell (0, 0) to each cell on the two far edges, and how to trace it back.
 
@@ -141,7 +141,7 @@ def _best_path(last_row: Floats, last_column: Floats, came: NDArray[np.int8]) ->
     return best_path
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def trace(came: NDArray[np.int8], i: int, j: int, state: int) -> NDArray[np.int64]:
     """Returns the cheapest path [steps, 2] from (0, 0) that arrives at (i, j) in this state."""
     most_flat = (came.shape[2] - 1) // 2

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.alignment.baseline import Baseline
 from motionsplice.precompute.alignment.ring import walk_ring
@@ -41,7 +41,7 @@ def _centred(stride: Baseline) -> Floats:
     return np.asarray(clouds - clouds.mean(axis=1, keepdims=True))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def distance_to_all(rings: Floats, ends: NDArray[np.int64], ring: Floats, enough: float) -> float:
     """Returns the sum of the distances of strides from one of them; inf if it is certainly above `enough`.
 
@@ -78,7 +78,7 @@ def distance_to_all(rings: Floats, ends: NDArray[np.int64], ring: Floats, enough
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def _squared_distance(a: Floats, b: Floats) -> float:
     """Returns the distance of two clouds [p, 3] about their means, as `motion.pointcloud.planar_distances`."""
     squares, along, across = 0.0, 0.0, 0.0

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.kernels import arrays
@@ -28,7 +28,7 @@ def best_rotations(targets: Floats, sources: Floats) -> Floats:
     return rotations
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def fit_blocks(correlations: Floats, bounds: Floats, rotations: Floats, gaps: Floats) -> None:
     """Fills `rotations` [n, 4] and `gaps` [n] from `correlations` [n, 9] and `bounds` [n]."""
     block = np.zeros(arrays.BLOCK_ROWS * arrays.BLOCK)

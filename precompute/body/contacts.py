@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_paths
@@ -44,7 +44,7 @@ def _loading(rate: float) -> Floats:
     return np.asarray(window / window.sum())
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def smoothed_bits(standing: NDArray[np.uint8], bits: NDArray[np.uint8], window: Floats) -> Floats:
     """Returns means [F, n] of whether each of `bits` [n] is set in `standing` [F], weighted by a symmetric `window`.
 
@@ -73,7 +73,7 @@ def left_strike(standing: NDArray[np.uint8], rate: float, first: float, last: fl
     return next((float(down) for down in downs if first <= down < last), None)
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def feet_down(speeds: Floats, above: Floats, slow: Floats, low: float, left: int) -> NDArray[np.uint8]:
     """Returns which feet stand [F, 2], 0 or 1: those of which a joint is slow and low.
 
@@ -97,7 +97,7 @@ def _fast(speed: Floats) -> Floats:
     return np.asarray(low + (high - low) * part if part < 0.5 else high - (high - low) * (1.0 - part))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def speeds_and_heights(paths: Floats, step: float, smoothed: int, reach: int) -> tuple[Floats, Floats]:
     """Returns the smoothed speeds of joints [F, n], and how far they are above their lowest point nearby [F, n].
 
@@ -145,7 +145,7 @@ def _lasting(feet: NDArray[np.uint8], rate: float) -> NDArray[np.uint8]:
     return lasting
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def invert_short(feet: NDArray[np.uint8], value: int, shortest: int, at_ends: int) -> None:
     """Inverts runs of a value, 0 or 1, in each column of `feet` [F, n] that are below `shortest` frames.
 

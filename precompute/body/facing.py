@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.kinematics import heading
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -25,7 +25,7 @@ def facing(positions: Floats) -> Floats:
     return clouds
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def face(positions: Floats, headings: Floats, clouds: Floats) -> None:
     """Fills `clouds` [n, 3, 3], given the headings of the hips [n]; see `facing`."""
     for frame in range(len(positions)):

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.followed_joints import follow_joints
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.motion.skeleton import Integers, Skeleton
@@ -74,7 +74,7 @@ def _chains(skeleton: Skeleton, joints: tuple[int, ...]) -> tuple[Integers, Inte
     return needed, parents, skeleton.offsets[needed], np.array([places[joint] for joint in joints])
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def picked_joints(values: Floats, joints: Integers) -> Floats:
     """Returns values[:, joints] of [F, J, n], in C order; NumPy takes several times as long."""
     picked = np.empty((len(values), len(joints), values.shape[2]))

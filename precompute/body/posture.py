@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -60,7 +60,7 @@ def measure_torso(clip: Clip, roles: Roles) -> Torso:
     return Torso(clouds, quaternion.one_hemisphere(frames), upright)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def fill_torso(
     positions: Floats, world: Floats, turns: Floats, clouds: Floats, frames: Floats, upright: Floats
 ) -> None:
@@ -84,7 +84,7 @@ def fill_torso(
             _turn_back(turn, vx, vy, vz, upright[frame, point])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def _turn_back(q: Floats, vx: float, vy: float, vz: float, turned: Floats) -> None:
     """Fills `turned` [3] with a vector turned by the inverse of `q` [4]."""
     x, y, z, w = -q[0], -q[1], -q[2], q[3]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 
 
@@ -15,7 +15,7 @@ def sampled_rows(rows: Floats, frames: Floats) -> Floats:
     return sampled
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def sample_rows(rows: Floats, frames: Floats, sampled: Floats) -> None:
     """Fills `sampled` [n, columns] from rows [F, columns]; see `sampled_rows`."""
     last = len(rows) - 1

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 
 
@@ -18,7 +18,7 @@ def turned_points(turns: Floats, points: Floats) -> Floats:
     return turned
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def turn_points(turns: Floats, points: Floats, turned: Floats) -> None:
     """Fills `turned` [F, p, 3]; see `turned_points`."""
     for frame in range(len(points)):

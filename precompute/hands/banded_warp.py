@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import ClipError, SettingsError
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 
@@ -169,7 +169,7 @@ def limits(body_frames: int, hand_frames: int, pairs: Sequence[FramePair]) -> tu
     return lowest[np.searchsorted(x, frame, side="right") - 1], highest[np.searchsorted(x, frame, side="left")]
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def cheapest_path(costs: NDArray[np.float32], low: Integers, high: Integers) -> Integers:
     """Returns the path [steps, 2] of least cost through a band, from its first row to its last.
 

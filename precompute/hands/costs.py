@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Integers
 from motionsplice.precompute.hands.banded_warp import Band
@@ -90,7 +90,7 @@ def _paces(found: Derivatives) -> Floats:
     return np.concatenate([change / max(float(change.std()), zone) for change, zone in parts], axis=1)
 
 
-@njit(cache=True, nogil=True, fastmath=FASTMATH)
+@compiled(nogil=True, fastmath=FASTMATH)
 def _turn(body: Floats, hands: Floats, turned: Floats, i: int, j: int) -> tuple[float, float]:
     """Returns cosine and sine of the turn about Y that lays the hands in frame j onto the body's in frame i."""
     along = across = 0.0
@@ -101,13 +101,13 @@ def _turn(body: Floats, hands: Floats, turned: Floats, i: int, j: int) -> tuple[
     return (along / size, across / size) if size > 0.0 else (1.0, 0.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _sign(value: float) -> float:
     """Returns the sign of a value in units of its dead zone: 0 inside it."""
     return 1.0 if value > 1.0 else -1.0 if value < -1.0 else 0.0
 
 
-@njit(cache=True, nogil=True, fastmath=FASTMATH)
+@compiled(nogil=True, fastmath=FASTMATH)
 def _add_differences(
     ours: Floats,
     theirs: Floats,
@@ -137,13 +137,13 @@ def _add_differences(
             out[i, j - low[i]] += cost
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _turned(cosine: float, sine: float, bone: Floats) -> tuple[float, float, float]:
     """Returns a vector [3] turned about Y."""
     return cosine * bone[0] + sine * bone[2], bone[1], cosine * bone[2] - sine * bone[0]
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _add_palm_costs(
     ours: Floats,
     theirs: Floats,

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.precompute.preparation.prepared import PreparedClip
 
@@ -57,7 +57,7 @@ def nearest_gaits(actions: Sequence[ShownGait], locomotions: Sequence[ShownGait]
     return [usable[one].name for one in nearest]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def nearest_of(theirs: Floats, seen: Floats, tempos: Floats, ours: Floats, our_tempos: Floats) -> NDArray[np.int64]:
     """Returns [m] which of `theirs` [bins, 3, 3, n] is nearest to each of `ours` [m, bins, 3, 3]. Of equals the first.
 
@@ -80,7 +80,7 @@ def nearest_of(theirs: Floats, seen: Floats, tempos: Floats, ours: Floats, our_t
     return nearest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def _add_squares(theirs: Floats, seen: Floats, first: int, ours: Floats, total: Floats, common: Floats) -> None:
     """Sets the sums of squared distances of points and the numbers of points, of as many of theirs as `total` is long.
 

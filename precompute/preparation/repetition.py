@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.best_rotations import best_rotations
@@ -38,7 +38,7 @@ def stride_to_stride(clip: Clip, clouds: Floats, phase: Floats, roles: Roles) ->
     return round(float(np.mean(apart)), DECIMALS)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def mean_distance(
     local: Floats,
     frames: NDArray[np.int64],

@@ -12,11 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.kinematics import heading
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -89,7 +89,7 @@ def _perhaps_nearest(clip: Clip, tried: Floats, allowed: NDArray[np.bool_]) -> N
     return np.asarray(allowed & (widest <= WIDEST_TURN + SURE) & (gaps <= nearest + SURE))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def rough_gaps(rotations: Floats, frames: Floats) -> tuple[Floats, Floats]:
     """Returns the gaps [n] of `_gaps`, up to rounding, and the widest turn [n] of a joint, for real-valued frames [n].
 

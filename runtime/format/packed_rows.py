@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from motionsplice.motion import quaternion
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.format.rows import (
     CLOUD,
@@ -41,7 +41,7 @@ def packed_stance(layout: Layout, rotations: Floats) -> Float32s:
     return packed(layout, np.zeros((1, 3)), rotations[None], none)["upper"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def fill_rows(
     rows: Float32s,
     roots: Floats,

@@ -9,8 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit  # noqa: TID251  of kernels that are never called from Python
 from numpy.typing import NDArray
+
+from motionsplice.motion.kernel_cache import compiled
 
 Array = NDArray[Any]
 Index = int | np.uint64  # unsigned, because for signed indices the compiler adds a check for counting from the end
@@ -21,7 +23,7 @@ ZERO = np.int64(0)  # a typed zero, because a literal argument makes Numba compi
 
 UNCOUNTED: dict[str, Any] = {"_nrt": False}  # kernels create no arrays; reference counting took half the time
 
-kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **UNCOUNTED)
-parallel_kernel = njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)
+kernel = compiled(nogil=True, error_model="numpy", fastmath=FASTMATH, **UNCOUNTED)
+parallel_kernel = compiled(nogil=True, error_model="numpy", fastmath=FASTMATH, parallel=True)
 # inlined by LLVM: Numba's own inlining infers types again in each caller, and compiling took twice as long
 inlined = njit(nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True, **UNCOUNTED)

@@ -11,8 +11,10 @@ from typer.testing import CliRunner
 
 from motionsplice.cli import app
 from motionsplice.service.metrics import Metrics
+from motionsplice.service.settings import Settings, variable
 
 DEPLOY = Path(__file__).parents[2] / "deploy"
+SNIPPET = re.compile(r"```yaml\n(.*?)```", re.DOTALL)
 yaml = pytest.importorskip("yaml", reason="PyYAML is not installed")
 kubernetes_validate = pytest.importorskip("kubernetes_validate", reason="kubernetes-validate is not installed")
 
@@ -33,6 +35,10 @@ def pods() -> list[dict[str, Any]]:
 
 def containers() -> list[dict[str, Any]]:
     return [one for pod in pods() for one in (*pod["spec"].get("initContainers", ()), *pod["spec"]["containers"])]
+
+
+def serving() -> dict[str, Any]:
+    return next(one for one in of_kind("Deployment") if one["metadata"]["name"] == "motionsplice")
 
 
 def name_of(one: dict[str, Any]) -> str:
@@ -94,6 +100,29 @@ def test_the_autoscaler_scales_the_service_by_a_metric_that_the_rule_makes_of_th
     series = rule["seriesQuery"].partition("{")[0]
     assert f"\n{series}{{le=" in metrics.render()[0].decode()
     assert "histogram_quantile(0.95," in rule["metricsQuery"]
+
+
+def test_links_to_services_do_not_reach_the_settings() -> None:
+    names = {one["metadata"]["name"].upper().replace("-", "_") for one in of_kind("Service")}
+    linked = {f"{name}_{end}" for name in names for end in ("SERVICE_HOST", "SERVICE_PORT", "PORT")}
+    assert linked & {variable(name) for name in Settings.model_fields} == {"MOTIONSPLICE_PORT"}
+    assert serving()["spec"]["template"]["spec"]["enableServiceLinks"] is False
+
+
+def test_prometheus_is_told_to_send_the_token_to_the_pods() -> None:
+    monitor, configuration = (yaml.safe_load(found) for found in SNIPPET.findall((DEPLOY / "README.md").read_text()))
+    pod = serving()["spec"]["template"]
+    (container,) = pod["spec"]["containers"]
+    assert "annotations" not in pod["metadata"]  # Prometheus would scrape by them without the token
+    (endpoint,) = monitor["spec"]["podMetricsEndpoints"]
+    (token,) = [one["valueFrom"]["secretKeyRef"] for one in container["env"] if one["name"] == "MOTIONSPLICE_TOKEN"]
+    assert endpoint["authorization"] == {"type": "Bearer", "credentials": token}
+    assert endpoint["port"] in {port["name"] for port in container["ports"]}
+    assert monitor["spec"]["selector"] == serving()["spec"]["selector"]
+    (job,) = configuration["scrape_configs"]
+    assert job["authorization"]["type"] == "Bearer"
+    assert {rule["target_label"] for rule in job["relabel_configs"] if "target_label" in rule} == {"namespace", "pod"}
+    assert endpoint["path"] == job["metrics_path"] == "/metrics"
 
 
 def test_commands_have_the_flags_that_are_used() -> None:

@@ -11,7 +11,6 @@ import pytest
 from fastapi.openapi.models import OpenAPI
 from fastapi.testclient import TestClient
 
-from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
@@ -247,16 +246,6 @@ def test_too_many_streams_are_refused(bank: Bank, monkeypatch: pytest.MonkeyPatc
                 assert (answer.status_code, answer.json()["type"]) == (429, "urn:motionsplice:busy")
         assert client.get("/v1/stream?locomotion=walk").status_code == 200
         assert not front.shared.streams
-
-
-def test_settings_of_the_environment_are_read_and_checked(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("MOTIONSPLICE_PORT", "8123")
-    monkeypatch.setenv("MOTIONSPLICE_ORIGINS", "http://one.example, http://two.example")
-    assert Settings().port == 8123
-    assert Settings().origins == ("http://one.example", "http://two.example")
-    monkeypatch.setenv("MOTIONSPLICE_PORT", "soon")
-    with pytest.raises(SettingsError, match="MOTIONSPLICE_PORT is 'soon'"):
-        Settings()
 
 
 def test_the_documentation_needs_no_other_host(client: TestClient) -> None:

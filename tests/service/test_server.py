@@ -32,12 +32,17 @@ ROOT = Path(__file__).parents[2]
 
 
 @contextmanager
-def served(bank: Bank, log: Path, *flags: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def served(bank: Bank, log: Path, *flags: str, **variables: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     command = [sys.executable, "-m", "motionsplice", "serve", str(bank.path), "--port", "0", *flags]
     with (
         log.open("w") as errors,
         subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=ROOT, env={**os.environ, "COLUMNS": "200"}
+            command,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            cwd=ROOT,
+            env={**os.environ, "COLUMNS": "200"} | variables,
         ) as server,
     ):
         try:
@@ -63,7 +68,7 @@ def _status(url: str) -> int:
 
 def test_workers_share_a_port_and_metrics_and_stop_together(bank: Bank, tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with served(bank, log, "--workers", "2", "--stop-seconds", "1") as (server, url):
+    with served(bank, log, "--workers", "2", "--stop-seconds", "1", MOTIONSPLICE_MAX_RATES="9") as (server, url):
         for _ in range(30):
             assert _status(f"{url}/v1/pose?locomotion=walk&time=1") == 200
         _status(f"{url}/v1/pose?locomotion=wlak&time=1")
@@ -80,6 +85,8 @@ def test_workers_share_a_port_and_metrics_and_stop_together(bank: Bank, tmp_path
             assert caught.value.rcvd.code == 1012
         assert server.wait(PATIENCE) == 0
     lines = [json.loads(line) for line in log.read_text().splitlines()]
+    (unknown,) = [line for line in lines if line["level"] == "warning" and "variables" in line]
+    assert unknown["variables"] == ["MOTIONSPLICE_MAX_RATES"]
     (refused,) = [line for line in lines if line["message"] == "refused"]
     assert refused["status"] == 404
     assert refused["request_id"]

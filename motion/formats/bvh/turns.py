@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 
 RADIAN = np.pi / 180.0
@@ -21,7 +21,7 @@ def fill_rotations(
     compose(values, columns, np.array(["xyz".index(axis) for axis in order]), joints, rotations)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def compose(
     values: Floats,
     columns: NDArray[np.int64],

@@ -8,7 +8,7 @@ from motionsplice.runtime.simd.compiled import Array
 from motionsplice.runtime.simd.entry import entry_of
 
 
-@numba.njit()
+@numba.njit()  # noqa: TID251
 def scaled_sum(numbers: Array, scale: float) -> float:
     """Returns the sum of numbers [n, m] times a scale, and erases the first number."""
     total = 0.0

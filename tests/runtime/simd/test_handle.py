@@ -29,7 +29,7 @@ class Work(NamedTuple):
     pairs: Annotated[Array, PAIR, 1]
 
 
-@numba.njit()
+@numba.njit()  # noqa: TID251
 def copy_all(handle: Handle, rows: Array, marks: Array, points: Array, pairs: Array) -> float:
     """Copies all arrays of a Work, erases its points, and returns its number."""
     work = record_at(handle, Work)

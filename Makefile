@@ -27,7 +27,7 @@ PARTLY_PLAIN = tests/runtime/test_hands.py tests/runtime/test_standing.py tests/
 	tests/precompute/hands/test_banded_warp.py tests/runtime/characters/test_feet.py tests/runtime/characters/test_foot_lock.py
 
 # What `make lowest` runs: the kernels, the job, the command, and the service over real sockets.
-LOWEST_TESTS = tests/motion/test_bvh.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
+LOWEST_TESTS = tests/motion/test_bvh.py tests/motion/test_kernel_cache.py tests/motionsplice tests/precompute/job tests/runtime/test_bank.py \
 	tests/runtime/test_evaluator.py tests/service/answers tests/service/edge tests/service/test_http.py
 
 FUZZ_CPP := -std=c++17 -O2 -g -fno-exceptions -fno-rtti -fsanitize=fuzzer,address,undefined,float-cast-overflow

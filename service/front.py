@@ -13,7 +13,7 @@ from fastapi import FastAPI
 from starlette.types import Message, Receive, Scope, Send
 
 from motionsplice.motion.errors import MotionError
-from motionsplice.service.admission import Admission, origin_of
+from motionsplice.service.admission import Admission, address_of, origin_of
 from motionsplice.service.answers.answer import Answer, Headers
 from motionsplice.service.answers.expectation import expected
 from motionsplice.service.answers.pose import PoseAnswers
@@ -86,6 +86,12 @@ class Front:
         """Returns a new id, under which the log lists a request."""
         return f"{next(self._request_ids):x}"
 
+    def refuse_connection(self, status: int, detail: str, address: str) -> str:
+        """Logs a refusal of the HTTP server itself, which closes the connection. Returns the request's id."""
+        identity = self.next_request_id()
+        self.shared.refusals.note(identity, address, status, detail)
+        return identity
+
     def answer_at_once(self, query: bytes, headers: Headers) -> tuple[Answer, str] | None:
         """Returns the answer to GET /v1/pose and the request's id, for a server that answers without a task.
 
@@ -151,8 +157,8 @@ class Front:
                 status = await self._fastapi(inner, receive, send, headers, cached)
         except MotionError as error:
             status, kind = kind_of(error)
+            self.shared.refusals.note(identity, address_of(scope), status, str(error), path)
             await _refuse(send, status, kind, str(error), headers)
-            logger.info("refused", extra={"path": path, "status": status, "detail": str(error)})
         except Exception:
             logger.exception("failed", extra={"path": path})
             await _refuse(send, 500, "failure", "the service failed; see its log", headers)
@@ -191,7 +197,8 @@ class Front:
         return 200
 
     async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
-        request_id.set(self.next_request_id())
+        identity = self.next_request_id()
+        request_id.set(identity)
         try:
             self._admission.check(scope)
             if scope["path"] == CHARACTERS:
@@ -200,7 +207,7 @@ class Front:
             status, kind, detail = 404, "http", f"no WebSocket here. Connect to {CHARACTERS}."
         except MotionError as error:
             (status, kind), detail = kind_of(error), str(error)
-        logger.info("refused", extra={"path": scope["path"], "status": status, "detail": detail})
+        self.shared.refusals.note(identity, address_of(scope), status, detail, scope["path"])
         await _refuse_websocket(scope, receive, send, status, kind, detail)
 
 

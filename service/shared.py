@@ -11,6 +11,7 @@ from functools import cached_property
 from motionsplice.service.allowance import SharedAllowances
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import BusyError
+from motionsplice.service.refusals import RefusalLog
 from motionsplice.service.serving import Serving
 from motionsplice.service.settings import Settings
 from motionsplice.service.turns import Turns
@@ -35,6 +36,7 @@ class Shared:
     retargeting: asyncio.Lock = field(default_factory=asyncio.Lock)
     estimating: asyncio.Lock = field(default_factory=asyncio.Lock)
     turns: Turns = field(default_factory=Turns)
+    refusals: RefusalLog = field(default_factory=RefusalLog)
 
     @cached_property
     def batches(self) -> SharedAllowances:

@@ -31,6 +31,7 @@ logger = logging.getLogger(__name__)
 
 BANKS, BELOW = "/v1/banks/", "/v1/"
 POSE, CHARACTERS = "/v1/pose", "/v1/characters"
+OTHER, CONNECTION = "other", "connection"  # in metrics: requests of other routes, refusals of the HTTP server
 CACHED = frozenset({"/v1/splice", "/v1/expectation", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
 CACHED_BELOW = ("/v1/clips/", "/v1/tables/")
 PREFLIGHT: Headers = [
@@ -87,8 +88,9 @@ class Front:
         return f"{next(self._request_ids):x}"
 
     def refuse_connection(self, status: int, detail: str, address: str) -> str:
-        """Logs a refusal of the HTTP server itself, which closes the connection. Returns the request's id."""
+        """Counts and logs a refusal of the HTTP server itself, which closes the connection. Returns the request's id."""
         identity = self.next_request_id()
+        self.shared.metrics.answered(CONNECTION, status)
         self.shared.refusals.note(identity, address, status, detail)
         return identity
 
@@ -163,7 +165,7 @@ class Front:
             logger.exception("failed", extra={"path": path})
             await _refuse(send, 500, "failure", "the service failed; see its log", headers)
         finally:
-            self.shared.metrics.answered(path if (method, path) in self._direct else "other", status)
+            self.shared.metrics.answered(path if (method, path) in self._direct else OTHER, status)
 
     def _without_digest(self, path: str) -> tuple[str, bool]:
         """Returns a path without a bank's digest, and whether it had one. Raises UnknownBankError."""
@@ -207,6 +209,7 @@ class Front:
             status, kind, detail = 404, "http", f"no WebSocket here. Connect to {CHARACTERS}."
         except MotionError as error:
             (status, kind), detail = kind_of(error), str(error)
+        self.shared.metrics.answered(CHARACTERS if scope["path"] == CHARACTERS else OTHER, status)
         self.shared.refusals.note(identity, address_of(scope), status, detail, scope["path"])
         await _refuse_websocket(scope, receive, send, status, kind, detail)
 

@@ -1,13 +1,17 @@
 from __future__ import annotations
 
 import logging
+import re
+from contextlib import suppress
 from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
 
 from motionsplice.service.refusals import MOST, MOST_OF_ALL, PERIOD, RefusalLog
-from tests.service.running import Running, received
+from tests.service.running import PATIENCE, Running, received
 
 
 class Now:
@@ -94,3 +98,35 @@ def test_a_flood_of_many_addresses_is_bounded(caplog: pytest.LogCaptureFixture) 
     for number in range(5000):
         log.note("1", f"2001:db8::{number:x}", 429, "too many")
     assert len(lines(caplog)) == MOST_OF_ALL
+
+
+@pytest.mark.parametrize(
+    ("sent", "status"),
+    [
+        (b"GET /healthz HTTP/1.1\r\nHost: evil.example\r\n\r\n", 421),
+        (b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nX: " + 20_000 * b"a" + b"\r\n\r\n", 431),
+        (b"HELLO\r\n\r\n", 400),
+    ],
+)
+def test_refusals_of_the_http_server_are_counted(service: Running, sent: bytes, status: int) -> None:
+    before = counted(service, "connection", status)
+    received(service.connect(sent))
+    assert counted(service, "connection", status) == before + 1
+
+
+@pytest.mark.parametrize(
+    ("path", "route", "status"),
+    [("/v1/characters?rate=0", "/v1/characters", 422), ("/v1/nothing", "other", 404), ("/v1/other", "other", 404)],
+)
+def test_refused_websockets_are_counted(service: Running, path: str, route: str, status: int) -> None:
+    before = counted(service, route, status)
+    with connect(f"ws://127.0.0.1:{service.port}{path}") as socket, suppress(ConnectionClosed):
+        while True:
+            socket.recv(timeout=PATIENCE)
+    assert counted(service, route, status) == before + 1
+
+
+def counted(service: Running, route: str, status: int) -> float:
+    text = service.config.front.shared.metrics.render()[0].decode()
+    found = re.search(rf'motionsplice_requests_total{{route="{route}",status="{status}"}} ([0-9.]+)', text)
+    return float(found[1]) if found else 0.0

@@ -24,7 +24,7 @@ from motionsplice.service.answers.take import take
 from motionsplice.service.characters.connection import REFUSED, event_message
 from motionsplice.service.characters.hub import Hub, accept
 from motionsplice.service.logs import request_id, request_ids
-from motionsplice.service.problems import MEDIA_TYPE, URN, UnknownBankError, kind_of, problem
+from motionsplice.service.problems import MEDIA_TYPE, URN, UnknownBankError, kind_of, problem, stopping
 from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)
@@ -78,9 +78,10 @@ class Front:
             await self.app(scope, receive, send)
 
     def begin_stop(self) -> None:
-        """Ends all streams and WebSockets. Further calls do nothing."""
+        """Ends all streams and WebSockets, and the wait for bodies. Further calls do nothing."""
         if not self.shared.stopping.is_set():
             self.shared.stopping.set()
+            self.shared.arrivals.stop()
             self._stopping = asyncio.ensure_future(self.hub.stop())
 
     def next_request_id(self) -> str:
@@ -131,6 +132,13 @@ class Front:
         origin = origin_of(scope)
         if origin is not None:  # refusals too, so that a page can read them
             headers += [(b"access-control-allow-origin", origin), (b"vary", b"origin")]
+        is_begun = False
+
+        async def begin(message: Message) -> None:
+            nonlocal is_begun
+            is_begun = True
+            await send(message)
+
         try:
             self._admission.check(scope)
             if origin is not None and method == "OPTIONS":
@@ -153,19 +161,29 @@ class Front:
                 cached = []
             direct = self._direct.get((method, path))
             if direct is not None:
-                status = await direct(self.shared, scope, receive, send, [*headers, *cached])
+                status = await direct(self.shared, scope, receive, begin, [*headers, *cached])
             else:
                 inner = {**scope, "path": path, "method": method}
-                status = await self._fastapi(inner, receive, send, headers, cached)
+                status = await self._fastapi(inner, receive, begin, headers, cached)
         except MotionError as error:
-            status, kind = kind_of(error)
-            self.shared.refusals.note(identity, address_of(scope), status, str(error), path)
-            await _refuse(send, status, kind, str(error), headers)
+            status = await self._refuse(scope, send, path, error, headers)
+        except asyncio.CancelledError:  # by uvicorn when the time to stop is over; it would answer 500 in plain text
+            if not self.shared.stopping.is_set():
+                raise
+            if not is_begun:
+                status = await self._refuse(scope, send, path, stopping(), headers)
         except Exception:
             logger.exception("failed", extra={"path": path})
-            await _refuse(send, 500, "failure", "the service failed; see its log", headers)
+            await _send_problem(send, 500, "failure", "the service failed; see its log", headers)
         finally:
             self.shared.metrics.answered(path if (method, path) in self._direct else OTHER, status)
+
+    async def _refuse(self, scope: Scope, send: Send, path: str, error: MotionError, headers: Headers) -> int:
+        """Logs an error and answers with it. Returns the status."""
+        status, kind = kind_of(error)
+        self.shared.refusals.note(request_id.get(), address_of(scope), status, str(error), path)
+        await _send_problem(send, status, kind, str(error), headers)
+        return status
 
     def _without_digest(self, path: str) -> tuple[str, bool]:
         """Returns a path without a bank's digest, and whether it had one. Raises UnknownBankError."""
@@ -247,7 +265,7 @@ def _client_has(scope: Scope, etag: bytes) -> bool:
     return False
 
 
-async def _refuse(send: Send, status: int, kind: str, detail: str, headers: Headers) -> None:
+async def _send_problem(send: Send, status: int, kind: str, detail: str, headers: Headers) -> None:
     body = problem(status, kind, detail, request_id.get())
     await Answer(body, MEDIA_TYPE.encode(), status).send(send, [*headers, *WITH_STATUS.get(status, [])])
 

@@ -103,6 +103,11 @@ def at_most(name: str, given: float, most: float) -> None:
         raise LimitError(f"{name}: {given:g} is more than {most:g}", mend=f"Ask for at most {most:g}")
 
 
+def stopping() -> NotReadyError:
+    """Returns the error for a request that cannot be answered because the service stops."""
+    return NotReadyError("the service is stopping", mend="Send the request again later, or to another service")
+
+
 def kind_of(error: MotionError) -> tuple[int, str]:
     """Returns the HTTP status and the problem type of an error."""
     return next(PROBLEMS[kind] for kind in type(error).__mro__ if kind in PROBLEMS)

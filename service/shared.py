@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from motionsplice.service.allowance import SharedAllowances
+from motionsplice.service.answers.body import Arrivals
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import BusyError
 from motionsplice.service.refusals import RefusalLog
@@ -37,6 +38,7 @@ class Shared:
     estimating: asyncio.Lock = field(default_factory=asyncio.Lock)
     turns: Turns = field(default_factory=Turns)
     refusals: RefusalLog = field(default_factory=RefusalLog)
+    arrivals: Arrivals = field(default_factory=Arrivals)
 
     @cached_property
     def batches(self) -> SharedAllowances:

@@ -37,7 +37,7 @@ async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     values, settings = POSES.read(scope["query_string"]), shared.settings
     is_json = media_type(scope, MSGPACK, JSON) == JSON
     most = settings.max_body // (JSON_SHARE if is_json else 1)
-    body = await whole_body(scope, receive, most, settings.request_seconds)
+    body = await whole_body(scope, receive, most, settings.request_seconds, shared.arrivals)
     charged = len(body) / WIDEST
     await _charge(shared, scope, charged)
     batch = await _read(shared, body, is_json)

@@ -127,11 +127,12 @@ class Front:
         identity = self.next_request_id()
         request_id.set(identity)
         method = scope["method"]
-        headers: Headers = [(b"x-request-id", identity.encode())]
+        # `vary` also without an origin: else a cache that an engine has filled gives pages what they may not read
+        headers: Headers = [(b"x-request-id", identity.encode()), (b"vary", b"origin")]
         path, status = scope["path"], 500
         origin = origin_of(scope)
         if origin is not None:  # refusals too, so that a page can read them
-            headers += [(b"access-control-allow-origin", origin), (b"vary", b"origin")]
+            headers.append((b"access-control-allow-origin", origin))
         is_begun = False
 
         async def begin(message: Message) -> None:

@@ -20,12 +20,13 @@ from motionsplice.service.exchange.job import Job
 from motionsplice.service.exchange.leases import Leases
 from motionsplice.service.exchange.routes import exchange_routes
 from motionsplice.service.exchange.watch import watch
-from motionsplice.service.front import WITH_STATUS, Front
+from motionsplice.service.front import Front
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi.document import document
 from motionsplice.service.problems import MEDIA_TYPE, kind_of, problem
 from motionsplice.service.refusals import RefusalLog
+from motionsplice.service.refused import WITH_STATUS
 from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
 from motionsplice.service.settings import Settings

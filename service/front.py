@@ -21,10 +21,16 @@ from motionsplice.service.answers.poses import poses
 from motionsplice.service.answers.splice import splice
 from motionsplice.service.answers.stream import stream
 from motionsplice.service.answers.take import take
-from motionsplice.service.characters.connection import REFUSED, event_message
-from motionsplice.service.characters.hub import Hub, accept
+from motionsplice.service.characters.hub import Hub
 from motionsplice.service.logs import request_id, request_ids
-from motionsplice.service.problems import MEDIA_TYPE, URN, UnknownBankError, kind_of, problem, stopping
+from motionsplice.service.problems import (
+    MethodError,
+    UnknownBankError,
+    UpgradeError,
+    kind_of,
+    stopping,
+)
+from motionsplice.service.refused import refuse_websocket, send_problem
 from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)
@@ -39,13 +45,6 @@ PREFLIGHT: Headers = [
     (b"access-control-allow-headers", b"authorization, content-type, range, if-none-match"),
     (b"access-control-max-age", b"600"),
 ]
-# after 408 and 413, the rest of the body would come in place of the next request
-WITH_STATUS: dict[int, Headers] = {
-    401: [(b"www-authenticate", b"Bearer")],
-    408: [(b"connection", b"close")],
-    413: [(b"connection", b"close")],
-}
-
 Handler = Callable[[Shared, Scope, Receive, Send, Headers], Awaitable[int]]
 
 
@@ -68,6 +67,7 @@ class Front:
             ("GET", "/v1/stream"): _stream,
             ("POST", "/v1/take"): _take,
         }
+        self._methods = {path: method for method, path in self._direct}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":
@@ -89,7 +89,7 @@ class Front:
         return f"{next(self._request_ids):x}"
 
     def refuse_connection(self, status: int, detail: str, address: str) -> str:
-        """Counts and logs a refusal of the HTTP server itself, which closes the connection. Returns the request's id."""
+        """Counts and logs a refusal of the HTTP server itself. Returns the request's id."""
         identity = self.next_request_id()
         self.shared.metrics.answered(CONNECTION, status)
         self.shared.refusals.note(identity, address, status, detail)
@@ -148,8 +148,9 @@ class Front:
                 return
             path, immutable = self._without_digest(path)
             cacheable = path in CACHED or path.startswith(CACHED_BELOW) or (immutable and path == POSE)
-            if method in ("GET", "HEAD") and cacheable:
-                method = "GET"  # for HEAD the server drops the body
+            if method == "HEAD" and (cacheable or path == POSE):
+                method = "GET"  # the server drops the body
+            if method == "GET" and cacheable:
                 etag = b'"%s"' % self.shared.serving.bank.digest.encode()
                 keep = b"%s, max-age=31536000, immutable" % self._cache_scope if immutable else b"no-cache"
                 cached = [(b"etag", etag), (b"cache-control", keep)]
@@ -164,6 +165,7 @@ class Front:
             if direct is not None:
                 status = await direct(self.shared, scope, receive, begin, [*headers, *cached])
             else:
+                self._check_method(method, path)
                 inner = {**scope, "path": path, "method": method}
                 status = await self._fastapi(inner, receive, begin, headers, cached)
         except MotionError as error:
@@ -175,7 +177,7 @@ class Front:
                 status = await self._refuse(scope, send, path, stopping(), headers)
         except Exception:
             logger.exception("failed", extra={"path": path})
-            await _send_problem(send, 500, "failure", "the service failed; see its log", headers)
+            await send_problem(send, 500, "failure", "the service failed; see its log", headers)
         finally:
             self.shared.metrics.answered(path if (method, path) in self._direct else OTHER, status)
 
@@ -183,7 +185,9 @@ class Front:
         """Logs an error and answers with it. Returns the status."""
         status, kind = kind_of(error)
         self.shared.refusals.note(request_id.get(), address_of(scope), status, str(error), path)
-        await _send_problem(send, status, kind, str(error), headers)
+        if isinstance(error, MethodError):
+            headers = [*headers, (b"allow", self._methods[path].encode())]
+        await send_problem(send, status, kind, str(error), headers)
         return status
 
     def _without_digest(self, path: str) -> tuple[str, bool]:
@@ -194,6 +198,17 @@ class Front:
         if digest != self.shared.serving.bank.digest:
             raise UnknownBankError(f"the bank {digest!r:.40} is not served", mend="GET /v1/server returns the digest")
         return BELOW + rest, True
+
+    def _check_method(self, method: str, path: str) -> None:
+        """Refuses what FastAPI would call unknown: other methods of a direct route, and the WebSocket without upgrade.
+
+        Raises MethodError or UpgradeError.
+        """
+        if path in self._methods:
+            raise MethodError(f"{path} does not have the method {method}", mend=f"Use {self._methods[path]}")
+        if path == CHARACTERS:
+            mend = "Connect with a WebSocket, and let proxies pass the header Upgrade on"
+            raise UpgradeError(f"{path} is a WebSocket, but the request does not ask for one", mend=mend)
 
     async def _fastapi(self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers) -> int:
         """Answers with FastAPI, and adds headers. Returns the status."""
@@ -230,7 +245,7 @@ class Front:
             (status, kind), detail = kind_of(error), str(error)
         self.shared.metrics.answered(CHARACTERS if scope["path"] == CHARACTERS else OTHER, status)
         self.shared.refusals.note(identity, address_of(scope), status, detail, scope["path"])
-        await _refuse_websocket(scope, receive, send, status, kind, detail)
+        await refuse_websocket(scope, receive, send, status, kind, detail)
 
 
 async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
@@ -264,16 +279,3 @@ def _client_has(scope: Scope, etag: bytes) -> bool:
         if name == b"if-none-match":
             return value.strip() == b"*" or etag in [tag.strip().removeprefix(b"W/") for tag in value.split(b",")]
     return False
-
-
-async def _send_problem(send: Send, status: int, kind: str, detail: str, headers: Headers) -> None:
-    body = problem(status, kind, detail, request_id.get())
-    await Answer(body, MEDIA_TYPE.encode(), status).send(send, [*headers, *WITH_STATUS.get(status, [])])
-
-
-async def _refuse_websocket(scope: Scope, receive: Receive, send: Send, status: int, kind: str, detail: str) -> None:
-    """Accepts a WebSocket to refuse it: web pages and most engines cannot read why a handshake failed."""
-    await accept(scope, receive, send)
-    event = event_message("refused", ref=None, type=URN + kind, detail=detail)
-    await send({"type": "websocket.send", "text": event.decode()})
-    await send({"type": "websocket.close", "code": REFUSED + status, "reason": kind})

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from motionsplice.service.allowance import SharedAllowances
-from motionsplice.service.answers.body import Arrivals
+from motionsplice.service.arrivals import Arrivals
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import BusyError
 from motionsplice.service.refusals import RefusalLog

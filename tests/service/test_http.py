@@ -237,6 +237,43 @@ def test_a_refused_method_lists_the_allowed_ones(client: TestClient) -> None:
     assert answer.headers["allow"] == "GET"
 
 
+@pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("POST", "/v1/pose", "GET"),
+        ("DELETE", "/v1/pose?locomotion=walk&time=0", "GET"),
+        ("GET", "/v1/poses", "POST"),
+        ("GET", "/v1/take", "POST"),
+        ("POST", "/v1/splice", "GET"),
+        ("PUT", "/v1/expectation", "GET"),
+        ("HEAD", "/v1/stream?locomotion=walk", "GET"),
+        ("HEAD", "/v1/poses", "POST"),
+        ("OPTIONS", "/v1/stream", "GET"),
+    ],
+)
+def test_a_refused_method_of_a_direct_route_does_too(client: TestClient, method: str, path: str, allowed: str) -> None:
+    answer = client.request(method, path)
+    assert (answer.status_code, answer.headers["allow"]) == (405, allowed)
+    if method != "HEAD":
+        assert answer.json()["type"] == "urn:motionsplice:http"
+        assert answer.json()["detail"].endswith(f"does not have the method {method}. Use {allowed}")
+
+
+def test_the_head_of_a_pose_is_that_of_its_get(client: TestClient) -> None:
+    for path in ("/v1/pose?locomotion=walk&time=1", "/v1/splice?locomotion=walk"):
+        head, got = client.head(path), client.get(path)
+        assert (head.status_code, head.headers["content-length"]) == (200, str(len(got.content)))
+        assert head.headers["content-type"] == got.headers["content-type"]
+
+
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_a_plain_request_to_the_websocket_says_so(client: TestClient, method: str) -> None:
+    answer = client.request(method, "/v1/characters?rate=60")
+    assert (answer.status_code, answer.json()["type"]) == (426, "urn:motionsplice:http")
+    assert "Connect with a WebSocket" in answer.json()["detail"]
+    assert answer.headers["upgrade"] == "websocket"
+
+
 def test_too_many_streams_are_refused(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
     front = create_app(bank, Settings(max_streams=1))
     with TestClient(front) as client:

@@ -15,12 +15,21 @@ from starlette.types import Message, Receive, Scope, Send
 from motionsplice.motion.errors import MotionError
 from motionsplice.service.admission import Admission, address_of, origin_of
 from motionsplice.service.answers.answer import Answer, Headers
-from motionsplice.service.answers.expectation import expected
+from motionsplice.service.answers.expectation import check_expectation, expected
 from motionsplice.service.answers.pose import PoseAnswers
 from motionsplice.service.answers.poses import poses
-from motionsplice.service.answers.splice import splice
+from motionsplice.service.answers.splice import check_splice, splice
 from motionsplice.service.answers.stream import stream
 from motionsplice.service.answers.take import take
+from motionsplice.service.caching import (
+    POSE,
+    Unchanged,
+    always_succeeds,
+    cache_headers,
+    client_has,
+    is_cacheable,
+    send_unchanged,
+)
 from motionsplice.service.characters.hub import Hub
 from motionsplice.service.logs import request_id, request_ids
 from motionsplice.service.problems import (
@@ -36,10 +45,8 @@ from motionsplice.service.shared import Shared
 logger = logging.getLogger(__name__)
 
 BANKS, BELOW = "/v1/banks/", "/v1/"
-POSE, CHARACTERS = "/v1/pose", "/v1/characters"
+CHARACTERS = "/v1/characters"
 OTHER, CONNECTION = "other", "connection"  # in metrics: requests of other routes, refusals of the HTTP server
-CACHED = frozenset({"/v1/splice", "/v1/expectation", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
-CACHED_BELOW = ("/v1/clips/", "/v1/tables/")
 PREFLIGHT: Headers = [
     (b"access-control-allow-methods", b"GET, HEAD, POST, OPTIONS"),
     (b"access-control-allow-headers", b"authorization, content-type, range, if-none-match"),
@@ -66,6 +73,11 @@ class Front:
             ("GET", "/v1/expectation"): _expectation,
             ("GET", "/v1/stream"): _stream,
             ("POST", "/v1/take"): _take,
+        }
+        self._checks: dict[str, Callable[[Shared, bytes], object]] = {
+            POSE: self._check_pose,
+            "/v1/splice": check_splice,
+            "/v1/expectation": check_expectation,
         }
         self._methods = {path: method for method, path in self._direct}
 
@@ -147,27 +159,13 @@ class Front:
                 await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
                 return
             path, immutable = self._without_digest(path)
-            cacheable = path in CACHED or path.startswith(CACHED_BELOW) or (immutable and path == POSE)
-            if method == "HEAD" and (cacheable or path == POSE):
+            if method == "HEAD" and (path == POSE or is_cacheable(path)):
                 method = "GET"  # the server drops the body
-            if method == "GET" and cacheable:
-                etag = b'"%s"' % self.shared.serving.bank.digest.encode()
-                keep = b"%s, max-age=31536000, immutable" % self._cache_scope if immutable else b"no-cache"
-                cached = [(b"etag", etag), (b"cache-control", keep)]
-                if _client_has(scope, etag):
-                    status = 304
-                    await send({"type": "http.response.start", "status": status, "headers": [*headers, *cached]})
-                    await send({"type": "http.response.body", "body": b""})
-                    return
-            else:
-                cached = []
-            direct = self._direct.get((method, path))
-            if direct is not None:
-                status = await direct(self.shared, scope, receive, begin, [*headers, *cached])
-            else:
-                self._check_method(method, path)
-                inner = {**scope, "path": path, "method": method}
-                status = await self._fastapi(inner, receive, begin, headers, cached)
+            cached: Headers = []
+            if method == "GET" and (is_cacheable(path) or (immutable and path == POSE)):
+                cached = cache_headers(self.shared.serving.bank.digest, self._cache_scope, immutable=immutable)
+            inner = {**scope, "path": path, "method": method}
+            status = await self._answer(inner, receive, begin, headers, cached)
         except MotionError as error:
             status = await self._refuse(scope, send, path, error, headers)
         except asyncio.CancelledError:  # by uvicorn when the time to stop is over; it would answer 500 in plain text
@@ -180,6 +178,20 @@ class Front:
             await send_problem(send, 500, "failure", "the service failed; see its log", headers)
         finally:
             self.shared.metrics.answered(path if (method, path) in self._direct else OTHER, status)
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers) -> int:
+        """Answers a request that is allowed. Returns the status. Raises MotionError."""
+        method, path = scope["method"], scope["path"]
+        direct, is_known = self._direct.get((method, path)), client_has(scope, cached)
+        if direct is None:
+            self._check_method(method, path)
+            if not (is_known and always_succeeds(scope)):
+                return await self._fastapi(scope, receive, send, headers, cached, is_known)
+        elif not is_known:
+            return await direct(self.shared, scope, receive, send, [*headers, *cached])
+        else:
+            self._checks[path](self.shared, scope["query_string"])
+        return await send_unchanged(send, [*headers, *cached])
 
     async def _refuse(self, scope: Scope, send: Send, path: str, error: MotionError, headers: Headers) -> int:
         """Logs an error and answers with it. Returns the status."""
@@ -210,23 +222,33 @@ class Front:
             mend = "Connect with a WebSocket, and let proxies pass the header Upgrade on"
             raise UpgradeError(f"{path} is a WebSocket, but the request does not ask for one", mend=mend)
 
-    async def _fastapi(self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers) -> int:
-        """Answers with FastAPI, and adds headers. Returns the status."""
+    async def _fastapi(
+        self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers, is_known: bool
+    ) -> int:
+        """Answers with FastAPI, and adds headers, or with 304 what the client has already. Returns the status."""
         status = 500
 
         async def with_headers(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status, ours = message["status"], [*headers, *(cached if message["status"] < 300 else [])]
+                if is_known and status < 300:
+                    status = await send_unchanged(send, ours)
+                    raise Unchanged
                 replaced = {name for name, _ in ours}
                 message["headers"] = [one for one in message["headers"] if one[0] not in replaced] + ours
             await send(message)
 
         try:
             await self.app(scope, receive, with_headers)
+        except Unchanged:
+            pass
         except Exception:
             logger.exception("failed", extra={"path": scope["path"]})  # FastAPI has answered 500
         return status
+
+    def _check_pose(self, shared: Shared, query: bytes) -> None:
+        self._poses.answer(shared.serving.edition, query)
 
     async def _pose(self, shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
         await self._poses.answer(shared.serving.edition, scope["query_string"]).send(send, headers)
@@ -271,11 +293,3 @@ async def _take(shared: Shared, scope: Scope, receive: Receive, send: Send, head
 async def _stream(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
     await stream(shared, scope["query_string"], receive, send, headers)
     return 200
-
-
-def _client_has(scope: Scope, etag: bytes) -> bool:
-    """Returns whether the client's If-None-Match header lists this tag."""
-    for name, value in scope["headers"]:
-        if name == b"if-none-match":
-            return value.strip() == b"*" or etag in [tag.strip().removeprefix(b"W/") for tag in value.split(b",")]
-    return False

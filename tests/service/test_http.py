@@ -15,6 +15,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
+from motionsplice.service import caching
 from motionsplice.service.app import create_app
 from motionsplice.service.models import BankInfo
 from motionsplice.service.settings import Settings
@@ -135,6 +136,9 @@ def test_errors_are_problems_that_say_what_to_do(
         "splice?locomotion=walk",
         "expectation?locomotion=walk&action=wave",
         "clips",
+        "clips/walk",
+        "skeleton?axes=unity",
+        "manifest",
         "tables/lower",
     ],
 )
@@ -156,6 +160,40 @@ def test_answers_without_the_digest_must_be_revalidated(client: TestClient, path
     assert plain.headers["cache-control"] == "no-cache"
     again = client.get(f"/v1/{path}", headers={"if-none-match": plain.headers["etag"]})
     assert (again.status_code, again.content) == (304, b"")
+
+
+def test_another_version_of_the_service_has_other_tags(
+    client: TestClient, bank: Bank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for path in ("/v1/splice?locomotion=walk", "/v1/clips", "/v1/clips/walk"):
+        tag = client.get(path).headers["etag"]
+        assert bank.digest in tag
+        with monkeypatch.context() as later:
+            later.setattr(caching, "__version__", "999.0")
+            answer = client.get(path, headers={"if-none-match": tag})
+        assert (answer.status_code, answer.headers["etag"]) == (200, f'"{bank.digest}-999.0"')
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("splice?locomotion=NOPE", 404),
+        ("splice?locomotion=walk&first=9999", 422),
+        ("splice?locomotion=walk&format=bvh&axes=unity", 422),
+        ("expectation?locomotion=walk&action=wafe", 404),
+        ("pose?locomotion=walk&time=99", 422),
+        ("clips/wlak", 404),
+        ("clips?name=walk", 422),
+        ("skeleton?axes=maya", 422),
+        ("tables/lowe", 404),
+    ],
+)
+def test_what_would_be_refused_is_not_unchanged(client: TestClient, bank: Bank, path: str, status: int) -> None:
+    tag = client.get("/v1/clips").headers["etag"]
+    for known in (tag, "*"):
+        answer = client.get(f"/v1/banks/{bank.digest}/{path}", headers={"if-none-match": known})
+        assert answer.status_code == answer.json()["status"] == status
+        assert "etag" not in answer.headers
 
 
 def test_errors_are_not_cached(client: TestClient, bank: Bank) -> None:

@@ -52,6 +52,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
         if job is not None:
             tasks.append(asyncio.create_task(job.run()))
         yield
+        front.begin_stop()  # if no connection was open, nothing else has
         for task in tasks:
             task.cancel()
         await asyncio.gather(warming, *tasks, return_exceptions=True)

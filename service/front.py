@@ -92,6 +92,7 @@ class Front:
     def begin_stop(self) -> None:
         """Ends all streams and WebSockets, and the wait for bodies. Further calls do nothing."""
         if not self.shared.stopping.is_set():
+            logger.info("stopping", extra={"bank": self.shared.serving.bank.digest})
             self.shared.stopping.set()
             self.shared.arrivals.stop()
             self._stopping = asyncio.ensure_future(self.hub.stop())

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import re
 import threading
 import time
@@ -15,7 +16,7 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
-from motionsplice.service import caching
+from motionsplice.service import caching, serving
 from motionsplice.service.app import create_app
 from motionsplice.service.models import BankInfo
 from motionsplice.service.settings import Settings
@@ -237,6 +238,25 @@ def test_it_is_alive_at_once_and_ready_when_the_kernels_are_compiled(
         while client.get("/readyz").status_code == 503:
             assert time.monotonic() < deadline
         assert client.get("/v1/pose?locomotion=walk&time=0").status_code == 200
+
+
+def test_the_log_says_that_kernels_are_being_compiled(
+    bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    compiled = threading.Event()
+    caplog.set_level(logging.INFO)
+    monkeypatch.setattr(Evaluator, "warm", lambda _: compiled.wait(30))
+    monkeypatch.setattr(serving, "CACHED_SECONDS", 0.01)
+    with TestClient(create_app(bank)) as client:
+        deadline = time.monotonic() + 30.0
+        while "the kernels are being compiled" not in caplog.text:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        compiled.set()
+        wait_until_ready(client)
+    messages = [record.message.partition(",")[0] for record in caplog.records if "." in record.name]
+    logged = [one for one in messages if one in ("starting", "the kernels are being compiled", "ready", "stopping")]
+    assert logged == ["starting", "the kernels are being compiled", "ready", "stopping"]
 
 
 def test_kernels_that_cannot_be_compiled_are_reported(

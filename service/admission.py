@@ -77,6 +77,11 @@ class Admission:
         return b""
 
 
+def address_of(scope: Scope) -> str:
+    """Returns the address of the client, or an empty text if it has none."""
+    return str((scope.get("client") or ("",))[0])
+
+
 def origin_of(scope: Scope) -> bytes | None:
     """Returns the Origin header, which browsers send for web pages, or None."""
     return next((value for name, value in scope["headers"] if name == b"origin"), None)

@@ -15,15 +15,18 @@ from starlette.exceptions import HTTPException
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
+from motionsplice.service.admission import address_of
 from motionsplice.service.exchange.job import Job
 from motionsplice.service.exchange.leases import Leases
 from motionsplice.service.exchange.routes import exchange_routes
 from motionsplice.service.exchange.watch import watch
-from motionsplice.service.front import WITH_STATUS, Front
+from motionsplice.service.front import Front
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi.document import document
 from motionsplice.service.problems import MEDIA_TYPE, kind_of, problem
+from motionsplice.service.refusals import RefusalLog
+from motionsplice.service.refused import WITH_STATUS
 from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
 from motionsplice.service.settings import Settings
@@ -49,6 +52,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
         if job is not None:
             tasks.append(asyncio.create_task(job.run()))
         yield
+        front.begin_stop()  # if no connection was open, nothing else has
         for task in tasks:
             task.cancel()
         await asyncio.gather(warming, *tasks, return_exceptions=True)
@@ -61,10 +65,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
     app.include_router(health_routes(shared))
     app.include_router(viewer_routes())
     app.openapi = lambda: document(app, shared)  # type: ignore[method-assign]
-    app.add_exception_handler(MotionError, _motion_problem)
-    app.add_exception_handler(RequestValidationError, _request_problem)
-    app.add_exception_handler(HTTPException, _http_problem)
-    app.add_exception_handler(Exception, _failure)
+    _add_problems(app, shared.refusals)
 
     def discard_schema(_: Edition) -> None:
         app.openapi_schema = None  # its examples are from the previous bank
@@ -89,25 +90,35 @@ async def _warm(serving: Serving) -> None:
     gc.freeze()
 
 
-async def _motion_problem(_: Request, error: Exception) -> Response:
-    assert isinstance(error, MotionError)
-    status, kind = kind_of(error)
-    answer = _problem(status, kind, str(error))
-    answer.raw_headers.extend(WITH_STATUS.get(status, []))
-    return answer
+def _add_problems(app: FastAPI, refusals: RefusalLog) -> None:
+    """Makes FastAPI answer and log errors as the front does."""
 
+    def refuse(request: Request, status: int, kind: str, detail: str) -> Response:
+        refusals.note(request_id.get(), address_of(request.scope), status, detail, request.scope["path"])
+        return _problem(status, kind, detail)
 
-async def _request_problem(_: Request, error: Exception) -> Response:
-    assert isinstance(error, RequestValidationError)
-    wrong = [f"{'.'.join(map(str, one['loc'][1:]))}: {one['msg']}" for one in error.errors()]
-    return _problem(422, "request", "; ".join(wrong))
+    async def motion_problem(request: Request, error: Exception) -> Response:
+        assert isinstance(error, MotionError)
+        status, kind = kind_of(error)
+        answer = refuse(request, status, kind, str(error))
+        answer.raw_headers.extend(WITH_STATUS.get(status, []))
+        return answer
 
+    async def request_problem(request: Request, error: Exception) -> Response:
+        assert isinstance(error, RequestValidationError)
+        wrong = [f"{'.'.join(map(str, one['loc'][1:]))}: {one['msg']}" for one in error.errors()]
+        return refuse(request, 422, "request", "; ".join(wrong))
 
-async def _http_problem(_: Request, error: Exception) -> Response:
-    assert isinstance(error, HTTPException)
-    answer = _problem(error.status_code, "http", str(error.detail))
-    answer.headers.update(error.headers or {})
-    return answer
+    async def http_problem(request: Request, error: Exception) -> Response:
+        assert isinstance(error, HTTPException)
+        answer = refuse(request, error.status_code, "http", str(error.detail))
+        answer.headers.update(error.headers or {})
+        return answer
+
+    app.add_exception_handler(MotionError, motion_problem)
+    app.add_exception_handler(RequestValidationError, request_problem)
+    app.add_exception_handler(HTTPException, http_problem)
+    app.add_exception_handler(Exception, _failure)
 
 
 async def _failure(_: Request, __: Exception) -> Response:

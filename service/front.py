@@ -13,38 +13,45 @@ from fastapi import FastAPI
 from starlette.types import Message, Receive, Scope, Send
 
 from motionsplice.motion.errors import MotionError
-from motionsplice.service.admission import Admission, origin_of
+from motionsplice.service.admission import Admission, address_of, origin_of
 from motionsplice.service.answers.answer import Answer, Headers
-from motionsplice.service.answers.expectation import expected
+from motionsplice.service.answers.expectation import check_expectation, expected
 from motionsplice.service.answers.pose import PoseAnswers
 from motionsplice.service.answers.poses import poses
-from motionsplice.service.answers.splice import splice
+from motionsplice.service.answers.splice import check_splice, splice
 from motionsplice.service.answers.stream import stream
 from motionsplice.service.answers.take import take
-from motionsplice.service.characters.connection import REFUSED, event_message
-from motionsplice.service.characters.hub import Hub, accept
+from motionsplice.service.caching import (
+    POSE,
+    Unchanged,
+    always_succeeds,
+    cache_headers,
+    client_has,
+    is_cacheable,
+    send_unchanged,
+)
+from motionsplice.service.characters.hub import Hub
 from motionsplice.service.logs import request_id, request_ids
-from motionsplice.service.problems import MEDIA_TYPE, URN, UnknownBankError, kind_of, problem
+from motionsplice.service.problems import (
+    MethodError,
+    UnknownBankError,
+    UpgradeError,
+    kind_of,
+    stopping,
+)
+from motionsplice.service.refused import refuse_websocket, send_problem
 from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)
 
 BANKS, BELOW = "/v1/banks/", "/v1/"
-POSE, CHARACTERS = "/v1/pose", "/v1/characters"
-CACHED = frozenset({"/v1/splice", "/v1/expectation", "/v1/bank", "/v1/skeleton", "/v1/clips", "/v1/manifest"})
-CACHED_BELOW = ("/v1/clips/", "/v1/tables/")
+CHARACTERS = "/v1/characters"
+OTHER, CONNECTION = "other", "connection"  # in metrics: requests of other routes, refusals of the HTTP server
 PREFLIGHT: Headers = [
     (b"access-control-allow-methods", b"GET, HEAD, POST, OPTIONS"),
     (b"access-control-allow-headers", b"authorization, content-type, range, if-none-match"),
     (b"access-control-max-age", b"600"),
 ]
-# after 408 and 413, the rest of the body would come in place of the next request
-WITH_STATUS: dict[int, Headers] = {
-    401: [(b"www-authenticate", b"Bearer")],
-    408: [(b"connection", b"close")],
-    413: [(b"connection", b"close")],
-}
-
 Handler = Callable[[Shared, Scope, Receive, Send, Headers], Awaitable[int]]
 
 
@@ -67,6 +74,12 @@ class Front:
             ("GET", "/v1/stream"): _stream,
             ("POST", "/v1/take"): _take,
         }
+        self._checks: dict[str, Callable[[Shared, bytes], object]] = {
+            POSE: self._check_pose,
+            "/v1/splice": check_splice,
+            "/v1/expectation": check_expectation,
+        }
+        self._methods = {path: method for method, path in self._direct}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":
@@ -77,14 +90,23 @@ class Front:
             await self.app(scope, receive, send)
 
     def begin_stop(self) -> None:
-        """Ends all streams and WebSockets. Further calls do nothing."""
+        """Ends all streams and WebSockets, and the wait for bodies. Further calls do nothing."""
         if not self.shared.stopping.is_set():
+            logger.info("stopping", extra={"bank": self.shared.serving.bank.digest})
             self.shared.stopping.set()
+            self.shared.arrivals.stop()
             self._stopping = asyncio.ensure_future(self.hub.stop())
 
     def next_request_id(self) -> str:
         """Returns a new id, under which the log lists a request."""
         return f"{next(self._request_ids):x}"
+
+    def refuse_connection(self, status: int, detail: str, address: str) -> str:
+        """Counts and logs a refusal of the HTTP server itself. Returns the request's id."""
+        identity = self.next_request_id()
+        self.shared.metrics.answered(CONNECTION, status)
+        self.shared.refusals.note(identity, address, status, detail)
+        return identity
 
     def answer_at_once(self, query: bytes, headers: Headers) -> tuple[Answer, str] | None:
         """Returns the answer to GET /v1/pose and the request's id, for a server that answers without a task.
@@ -118,11 +140,19 @@ class Front:
         identity = self.next_request_id()
         request_id.set(identity)
         method = scope["method"]
-        headers: Headers = [(b"x-request-id", identity.encode())]
+        # `vary` also without an origin: else a cache that an engine has filled gives pages what they may not read
+        headers: Headers = [(b"x-request-id", identity.encode()), (b"vary", b"origin")]
         path, status = scope["path"], 500
         origin = origin_of(scope)
         if origin is not None:  # refusals too, so that a page can read them
-            headers += [(b"access-control-allow-origin", origin), (b"vary", b"origin")]
+            headers.append((b"access-control-allow-origin", origin))
+        is_begun = False
+
+        async def begin(message: Message) -> None:
+            nonlocal is_begun
+            is_begun = True
+            await send(message)
+
         try:
             self._admission.check(scope)
             if origin is not None and method == "OPTIONS":
@@ -130,34 +160,48 @@ class Front:
                 await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
                 return
             path, immutable = self._without_digest(path)
-            cacheable = path in CACHED or path.startswith(CACHED_BELOW) or (immutable and path == POSE)
-            if method in ("GET", "HEAD") and cacheable:
-                method = "GET"  # for HEAD the server drops the body
-                etag = b'"%s"' % self.shared.serving.bank.digest.encode()
-                keep = b"%s, max-age=31536000, immutable" % self._cache_scope if immutable else b"no-cache"
-                cached = [(b"etag", etag), (b"cache-control", keep)]
-                if _client_has(scope, etag):
-                    status = 304
-                    await send({"type": "http.response.start", "status": status, "headers": [*headers, *cached]})
-                    await send({"type": "http.response.body", "body": b""})
-                    return
-            else:
-                cached = []
-            direct = self._direct.get((method, path))
-            if direct is not None:
-                status = await direct(self.shared, scope, receive, send, [*headers, *cached])
-            else:
-                inner = {**scope, "path": path, "method": method}
-                status = await self._fastapi(inner, receive, send, headers, cached)
+            if method == "HEAD" and (path == POSE or is_cacheable(path)):
+                method = "GET"  # the server drops the body
+            cached: Headers = []
+            if method == "GET" and (is_cacheable(path) or (immutable and path == POSE)):
+                cached = cache_headers(self.shared.serving.bank.digest, self._cache_scope, immutable=immutable)
+            inner = {**scope, "path": path, "method": method}
+            status = await self._answer(inner, receive, begin, headers, cached)
         except MotionError as error:
-            status, kind = kind_of(error)
-            await _refuse(send, status, kind, str(error), headers)
-            logger.info("refused", extra={"path": path, "status": status, "detail": str(error)})
+            status = await self._refuse(scope, send, path, error, headers)
+        except asyncio.CancelledError:  # by uvicorn when the time to stop is over; it would answer 500 in plain text
+            if not self.shared.stopping.is_set():
+                raise
+            if not is_begun:
+                status = await self._refuse(scope, send, path, stopping(), headers)
         except Exception:
             logger.exception("failed", extra={"path": path})
-            await _refuse(send, 500, "failure", "the service failed; see its log", headers)
+            await send_problem(send, 500, "failure", "the service failed; see its log", headers)
         finally:
-            self.shared.metrics.answered(path if (method, path) in self._direct else "other", status)
+            self.shared.metrics.answered(path if (method, path) in self._direct else OTHER, status)
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers) -> int:
+        """Answers a request that is allowed. Returns the status. Raises MotionError."""
+        method, path = scope["method"], scope["path"]
+        direct, is_known = self._direct.get((method, path)), client_has(scope, cached)
+        if direct is None:
+            self._check_method(method, path)
+            if not (is_known and always_succeeds(scope)):
+                return await self._fastapi(scope, receive, send, headers, cached, is_known)
+        elif not is_known:
+            return await direct(self.shared, scope, receive, send, [*headers, *cached])
+        else:
+            self._checks[path](self.shared, scope["query_string"])
+        return await send_unchanged(send, [*headers, *cached])
+
+    async def _refuse(self, scope: Scope, send: Send, path: str, error: MotionError, headers: Headers) -> int:
+        """Logs an error and answers with it. Returns the status."""
+        status, kind = kind_of(error)
+        self.shared.refusals.note(request_id.get(), address_of(scope), status, str(error), path)
+        if isinstance(error, MethodError):
+            headers = [*headers, (b"allow", self._methods[path].encode())]
+        await send_problem(send, status, kind, str(error), headers)
+        return status
 
     def _without_digest(self, path: str) -> tuple[str, bool]:
         """Returns a path without a bank's digest, and whether it had one. Raises UnknownBankError."""
@@ -168,30 +212,52 @@ class Front:
             raise UnknownBankError(f"the bank {digest!r:.40} is not served", mend="GET /v1/server returns the digest")
         return BELOW + rest, True
 
-    async def _fastapi(self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers) -> int:
-        """Answers with FastAPI, and adds headers. Returns the status."""
+    def _check_method(self, method: str, path: str) -> None:
+        """Refuses what FastAPI would call unknown: other methods of a direct route, and the WebSocket without upgrade.
+
+        Raises MethodError or UpgradeError.
+        """
+        if path in self._methods:
+            raise MethodError(f"{path} does not have the method {method}", mend=f"Use {self._methods[path]}")
+        if path == CHARACTERS:
+            mend = "Connect with a WebSocket, and let proxies pass the header Upgrade on"
+            raise UpgradeError(f"{path} is a WebSocket, but the request does not ask for one", mend=mend)
+
+    async def _fastapi(
+        self, scope: Scope, receive: Receive, send: Send, headers: Headers, cached: Headers, is_known: bool
+    ) -> int:
+        """Answers with FastAPI, and adds headers, or with 304 what the client has already. Returns the status."""
         status = 500
 
         async def with_headers(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status, ours = message["status"], [*headers, *(cached if message["status"] < 300 else [])]
+                if is_known and status < 300:
+                    status = await send_unchanged(send, ours)
+                    raise Unchanged
                 replaced = {name for name, _ in ours}
                 message["headers"] = [one for one in message["headers"] if one[0] not in replaced] + ours
             await send(message)
 
         try:
             await self.app(scope, receive, with_headers)
+        except Unchanged:
+            pass
         except Exception:
             logger.exception("failed", extra={"path": scope["path"]})  # FastAPI has answered 500
         return status
+
+    def _check_pose(self, shared: Shared, query: bytes) -> None:
+        self._poses.answer(shared.serving.edition, query)
 
     async def _pose(self, shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
         await self._poses.answer(shared.serving.edition, scope["query_string"]).send(send, headers)
         return 200
 
     async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
-        request_id.set(self.next_request_id())
+        identity = self.next_request_id()
+        request_id.set(identity)
         try:
             self._admission.check(scope)
             if scope["path"] == CHARACTERS:
@@ -200,8 +266,9 @@ class Front:
             status, kind, detail = 404, "http", f"no WebSocket here. Connect to {CHARACTERS}."
         except MotionError as error:
             (status, kind), detail = kind_of(error), str(error)
-        logger.info("refused", extra={"path": scope["path"], "status": status, "detail": detail})
-        await _refuse_websocket(scope, receive, send, status, kind, detail)
+        self.shared.metrics.answered(CHARACTERS if scope["path"] == CHARACTERS else OTHER, status)
+        self.shared.refusals.note(identity, address_of(scope), status, detail, scope["path"])
+        await refuse_websocket(scope, receive, send, status, kind, detail)
 
 
 async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
@@ -227,24 +294,3 @@ async def _take(shared: Shared, scope: Scope, receive: Receive, send: Send, head
 async def _stream(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
     await stream(shared, scope["query_string"], receive, send, headers)
     return 200
-
-
-def _client_has(scope: Scope, etag: bytes) -> bool:
-    """Returns whether the client's If-None-Match header lists this tag."""
-    for name, value in scope["headers"]:
-        if name == b"if-none-match":
-            return value.strip() == b"*" or etag in [tag.strip().removeprefix(b"W/") for tag in value.split(b",")]
-    return False
-
-
-async def _refuse(send: Send, status: int, kind: str, detail: str, headers: Headers) -> None:
-    body = problem(status, kind, detail, request_id.get())
-    await Answer(body, MEDIA_TYPE.encode(), status).send(send, [*headers, *WITH_STATUS.get(status, [])])
-
-
-async def _refuse_websocket(scope: Scope, receive: Receive, send: Send, status: int, kind: str, detail: str) -> None:
-    """Accepts a WebSocket to refuse it: web pages and most engines cannot read why a handshake failed."""
-    await accept(scope, receive, send)
-    event = event_message("refused", ref=None, type=URN + kind, detail=detail)
-    await send({"type": "websocket.send", "text": event.decode()})
-    await send({"type": "websocket.close", "code": REFUSED + status, "reason": kind})

@@ -65,6 +65,14 @@ class OriginError(MotionError):
     """A web page whose origin is not allowed."""
 
 
+class MethodError(MotionError):
+    """A method that a path does not have."""
+
+
+class UpgradeError(MotionError):
+    """A plain request where a WebSocket is served."""
+
+
 PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
     TokenError: (401, "token"),
     OriginError: (403, "origin"),
@@ -72,6 +80,7 @@ PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
     UnknownClipError: (404, "unknown-clip"),
     UnknownBankError: (404, "unknown-bank"),
     ReportError: (404, "report"),
+    MethodError: (405, "http"),
     TooSlowError: (408, "timeout"),
     TooLargeError: (413, "too-large"),
     MediaTypeError: (415, "media-type"),
@@ -80,6 +89,7 @@ PROBLEMS: dict[type[MotionError], tuple[int, str]] = {
     SettingsError: (422, "request"),
     LimitError: (422, "limit"),
     RigError: (422, "rig"),
+    UpgradeError: (426, "http"),
     BusyError: (429, "busy"),
     BankError: (500, "failure"),
     NotReadyError: (503, "not-ready"),
@@ -101,6 +111,11 @@ def at_most(name: str, given: float, most: float) -> None:
     """Checks a number against a limit. Raises LimitError if it is larger."""
     if given > most:
         raise LimitError(f"{name}: {given:g} is more than {most:g}", mend=f"Ask for at most {most:g}")
+
+
+def stopping() -> NotReadyError:
+    """Returns the error for a request that cannot be answered because the service stops."""
+    return NotReadyError("the service is stopping", mend="Send the request again later, or to another service")
 
 
 def kind_of(error: MotionError) -> tuple[int, str]:

@@ -15,7 +15,7 @@ from starlette.types import Message, Receive, Scope, Send
 from motionsplice.motion.axes import AXES, AxesName
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.service.models import BankInfo, ClipInfo, ServerInfo, SkeletonInfo
-from motionsplice.service.problems import MEDIA_TYPE, NotReadyError, RequestError, UnknownBankError
+from motionsplice.service.problems import MEDIA_TYPE, RequestError, UnknownBankError, stopping
 from motionsplice.service.report import QualityReport, ReportFile
 from motionsplice.service.shared import Shared
 
@@ -158,7 +158,7 @@ def health_routes(shared: Shared) -> APIRouter:
     async def get_readiness() -> Response:
         """Answers 204 once the kernels are compiled, and 503 before and while the service stops."""
         if shared.stopping.is_set():
-            raise NotReadyError("the service is stopping")
+            raise stopping()
         _ = shared.serving.edition
         return Response(status_code=204)
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from motionsplice import __version__
 from motionsplice.motion.axes import Axes
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
@@ -19,6 +21,8 @@ from motionsplice.service.wire.encoding import warm as warm_encoding
 from motionsplice.service.wire.rig import rig_fields
 
 logger = logging.getLogger(__name__)
+
+CACHED_SECONDS = 3.0  # seconds in which kernels are loaded that were compiled before
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +74,9 @@ class Serving:
 
     async def warm(self) -> None:
         """Compiles the kernels in a thread. If that fails, the service stays unready and logs why."""
+        logger.info("starting", extra={"bank": self.bank.digest, "version": __version__})
+        began, loop = time.monotonic(), asyncio.get_running_loop()
+        slow = loop.call_later(CACHED_SECONDS, logger.info, "the kernels are being compiled, which may take minutes")
         try:
             edition = await asyncio.to_thread(Edition.warm, self.bank)
         except Exception:
@@ -77,6 +84,10 @@ class Serving:
             logger.exception("the kernels could not be compiled, so no poses are served")
         else:
             self.exchange(edition)
+            seconds = round(time.monotonic() - began, 3)
+            logger.info("ready", extra={"bank": edition.bank.digest, "seconds": seconds})
+        finally:
+            slow.cancel()
 
     @property
     def ready(self) -> bool:

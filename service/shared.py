@@ -9,8 +9,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from motionsplice.service.allowance import SharedAllowances
+from motionsplice.service.arrivals import Arrivals
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import BusyError
+from motionsplice.service.refusals import RefusalLog
 from motionsplice.service.serving import Serving
 from motionsplice.service.settings import Settings
 from motionsplice.service.turns import Turns
@@ -35,6 +37,8 @@ class Shared:
     retargeting: asyncio.Lock = field(default_factory=asyncio.Lock)
     estimating: asyncio.Lock = field(default_factory=asyncio.Lock)
     turns: Turns = field(default_factory=Turns)
+    refusals: RefusalLog = field(default_factory=RefusalLog)
+    arrivals: Arrivals = field(default_factory=Arrivals)
 
     @cached_property
     def batches(self) -> SharedAllowances:

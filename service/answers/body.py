@@ -9,6 +9,7 @@ from typing import Any
 import orjson
 from starlette.types import Receive, Scope
 
+from motionsplice.service.arrivals import Arrivals
 from motionsplice.service.parsing import loads
 from motionsplice.service.problems import MediaTypeError, RequestError, TooLargeError, TooSlowError
 
@@ -39,29 +40,31 @@ def json_map(body: bytes) -> dict[str, Any]:
     return values
 
 
-async def whole_body(scope: Scope, receive: Receive, most: int, seconds: float) -> bytes:
-    """Returns a whole body. Raises TooLargeError if it has more than `most` bytes, or TooSlowError after `seconds`."""
-    try:
-        async with asyncio.timeout(seconds):
-            return b"".join([chunk async for chunk in chunks(scope, receive, most)])
-    except TimeoutError:
-        raise TooSlowError(f"the body did not arrive within {seconds:g} s", mend="Send it in one piece") from None
+async def whole_body(scope: Scope, receive: Receive, most: int, seconds: float, arrivals: Arrivals) -> bytes:
+    """Returns a whole body.
+
+    Raises TooLargeError if it has more than `most` bytes, TooSlowError after `seconds`, or NotReadyError if the service
+    stops.
+    """
+    late = TooSlowError(f"the body did not arrive within {seconds:g} s", mend="Send it in one piece")
+    async with arrivals.until(asyncio.get_running_loop().time() + seconds, late):
+        return b"".join([chunk async for chunk in chunks(scope, receive, most)])
 
 
-async def steady_chunks(scope: Scope, receive: Receive, most: int, seconds: float) -> AsyncIterator[bytes]:
+async def steady_chunks(
+    scope: Scope, receive: Receive, most: int, seconds: float, arrivals: Arrivals
+) -> AsyncIterator[bytes]:
     """Yields a body as it arrives, as `chunks` does.
 
-    Raises TooSlowError if it falls `seconds` behind one that comes at SLOWEST.
+    Raises TooSlowError if it falls `seconds` behind one that comes at SLOWEST, or NotReadyError if the service stops.
     """
     loop, received = asyncio.get_running_loop(), 0
     begun, body = loop.time(), chunks(scope, receive, most)
     while True:
-        try:
-            async with asyncio.timeout_at(begun + seconds + received / SLOWEST):
-                chunk = await anext(body, None)
-        except TimeoutError:
-            mend = f"Send at least {SLOWEST // 1024} KiB a second"
-            raise TooSlowError(f"the body stopped coming after {received} bytes", mend=mend) from None
+        mend = f"Send at least {SLOWEST // 1024} KiB a second"
+        late = TooSlowError(f"the body stopped coming after {received} bytes", mend=mend)
+        async with arrivals.until(begun + seconds + received / SLOWEST, late):
+            chunk = await anext(body, None)
         if chunk is None:
             return
         received += len(chunk)

@@ -11,7 +11,9 @@ import numpy as np
 import orjson
 
 from motionsplice.runtime.expectation import Expectation, expectation
+from motionsplice.runtime.splice import Splice
 from motionsplice.service.answers.answer import Answer
+from motionsplice.service.serving import Edition
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.messages import JSON, MSGPACK, packed_map
 from motionsplice.service.wire.parameters import WHAT, format_parameter, splice_of
@@ -29,15 +31,20 @@ WRITERS: Mapping[str, tuple[str, Callable[[Mapping[str, Any]], bytes]]] = {
 
 async def expected(shared: Shared, query: bytes) -> Answer:
     """Returns what to expect of a splice. Raises MotionError."""
-    values = EXPECTATION.read(query)
-    edition = shared.serving.edition
-    splice = splice_of(values | {"method": "splice"})
-    edition.evaluator.action_frames(splice, np.zeros(1))  # a request that is invalid is refused before it waits
+    values, edition, splice = check_expectation(shared, query)  # refused before it waits
     with shared.admitted():
         async with shared.estimating:
             found = await asyncio.to_thread(lambda: expectation(edition.estimator, splice))
     media_type, write = WRITERS[values["format"]]
     return Answer(write({"bank": edition.bank.digest, "expected": found and _fields(found)}), media_type.encode())
+
+
+def check_expectation(shared: Shared, query: bytes) -> tuple[dict[str, Any], Edition, Splice]:
+    """Returns the values of a query, the edition and the splice. Raises MotionError."""
+    values, edition = EXPECTATION.read(query), shared.serving.edition
+    splice = splice_of(values | {"method": "splice"})
+    edition.evaluator.action_frames(splice, np.zeros(1))
+    return values, edition, splice
 
 
 def _fields(found: Expectation) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from starlette.types import Receive, Scope
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.requests import Requests
+from motionsplice.service.admission import address_of
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.answers.batch import Batch
 from motionsplice.service.answers.body import media_type, whole_body
@@ -36,7 +37,7 @@ async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     values, settings = POSES.read(scope["query_string"]), shared.settings
     is_json = media_type(scope, MSGPACK, JSON) == JSON
     most = settings.max_body // (JSON_SHARE if is_json else 1)
-    body = await whole_body(scope, receive, most, settings.request_seconds)
+    body = await whole_body(scope, receive, most, settings.request_seconds, shared.arrivals)
     charged = len(body) / WIDEST
     await _charge(shared, scope, charged)
     batch = await _read(shared, body, is_json)
@@ -52,8 +53,7 @@ async def poses(shared: Shared, scope: Scope, receive: Receive) -> Answer:
 
 async def _charge(shared: Shared, scope: Scope, characters: float) -> None:
     """Charges characters to the client's address, and waits if that has no more left."""
-    address, now = str((scope.get("client") or ("",))[0]), asyncio.get_running_loop().time()
-    if wait := shared.batches.charge(address, characters, now):
+    if wait := shared.batches.charge(address_of(scope), characters, asyncio.get_running_loop().time()):
         await asyncio.sleep(wait)
 
 

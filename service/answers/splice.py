@@ -21,20 +21,28 @@ SPLICE = Query(*WHAT, *WHICH, *HOW, format_parameter("json", "msgpack", *FILES))
 
 async def splice(shared: Shared, query: bytes) -> Answer:
     """Returns the frames as one map, or as a file of the motion. Raises MotionError."""
-    values = SPLICE.read(query)
-    frames = Frames.from_query(shared.serving.edition, values, shared.settings.max_frames)
-    how = encoding(values)
+    values, frames, how = check_splice(shared, query)
     form: str = values["format"]
     if form in FILES:
-        check_encoding(form, how)
         write = _file(frames, form)
+    elif form == "json":
+        write = _json(frames, how)
     else:
-        write = _json(frames, how) if form == "json" else _msgpack(frames, how)
+        write = _msgpack(frames, how)
     with shared.admitted():
         body = await joined(write)
     if form in FILES:
         return file_answer(body, form, values["locomotion"], values["action"], values["hands"])
     return Answer(body, FORMS[form].media_type)
+
+
+def check_splice(shared: Shared, query: bytes) -> tuple[dict[str, Any], Frames, Encoding]:
+    """Returns the values of a query, its frames, of which one is evaluated, and their encoding. Raises MotionError."""
+    values = SPLICE.read(query)
+    frames, how = Frames.from_query(shared.serving.edition, values, shared.settings.max_frames), encoding(values)
+    if values["format"] in FILES:
+        check_encoding(values["format"], how)
+    return values, frames, how
 
 
 def _fields(frames: Frames) -> dict[str, Any]:

@@ -44,7 +44,7 @@ async def take(shared: Shared, scope: Scope, receive: Receive) -> Answer:
     if form in FILES:
         check_encoding(form, how)
     most = settings.max_message + room_for_rig(settings.max_rig)
-    body, text = without_rig(await whole_body(scope, receive, most, settings.request_seconds))
+    body, text = without_rig(await whole_body(scope, receive, most, settings.request_seconds, shared.arrivals))
     if len(body) > settings.max_message:
         raise too_large(settings.max_message)
     asked = Take.parse(body, how.axes, settings.max_frames)

@@ -13,7 +13,7 @@ from typing import Any
 from starlette.types import Receive, Scope, Send
 
 from motionsplice.runtime.requests import Poses
-from motionsplice.service.admission import SUBPROTOCOL
+from motionsplice.service.admission import SUBPROTOCOL, address_of
 from motionsplice.service.allowance import Allowances
 from motionsplice.service.characters.commands import Command, in_pieces
 from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPORT, Connection, State
@@ -63,11 +63,10 @@ class Hub:
         transport = scope.get("extensions", {}).get(TRANSPORT)
         connection = Connection(play, form, self._shared.settings, self._shared.metrics, transport)
         self._check(connection, play)
-        address = str((scope.get("client") or ("",))[0])
         with (
             self._shared.admitted(),
             self._shared.metrics.connection("characters"),
-            self._allowances.of(address, loop.time) as allowance,
+            self._allowances.of(address_of(scope), loop.time) as allowance,
         ):
             await accept(scope, receive, send)
             connection.queue_event("welcome", **self._welcome(play, form))

@@ -230,5 +230,6 @@ class HttpProtocol(HttpToolsProtocol):
         if self.cycle is not None and self.cycle.response_started and not self.cycle.response_complete:
             self._real_transport.abort()  # the middle of an answer, where a problem cannot be sent
             return
-        self.transport.write(refusal(status, kind, detail, self.config.front.next_request_id()))
+        identity = self.config.front.refuse_connection(status, detail, self.client[0] if self.client else "")
+        self.transport.write(refusal(status, kind, detail, identity))
         self.transport.close()

@@ -135,7 +135,8 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             status, kind = HTTPStatus.BAD_REQUEST, "http"
         self.handshake_initiated = self.handshake_complete = self.close_sent = True
         detail = f"the request is not a WebSocket handshake: {error}"
-        self.transport.write(refusal(status, kind, detail, self.config.front.next_request_id()))
+        identity = self.config.front.refuse_connection(status, detail, self.client[0] if self.client else "")
+        self.transport.write(refusal(status, kind, detail, identity))
         self.transport.close()
 
     def keepalive_timeout(self) -> None:

@@ -67,7 +67,9 @@ def exchange_routes(shared: Shared, job: Job | None) -> APIRouter:
         job, settings = require_job(), shared.settings
         assert uploads is not None
         listed = None if tags is None else tuple(tag.strip() for tag in tags.split(",") if tag.strip())
-        body = steady_chunks(request.scope, request.receive, settings.max_upload, settings.request_seconds)
+        body = steady_chunks(
+            request.scope, request.receive, settings.max_upload, settings.request_seconds, shared.arrivals
+        )
         await uploads.take(name, EntryUpdate(kind, neutral, listed), body)
         job.ask()
         return await job.look()

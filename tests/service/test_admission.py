@@ -81,6 +81,17 @@ def test_only_allowed_origins_are_answered(guarded: TestClient, origin: str | No
     assert guarded.options("/v1/poses", headers={**preflight, "origin": "https://evil.example"}).status_code == 403
 
 
+@pytest.mark.parametrize("path", ["pose?locomotion=walk&time=1", "clips", "tables/lower"])
+def test_a_cache_that_an_engine_fills_serves_no_page(guarded: TestClient, bank: Bank, path: str) -> None:
+    token, url = {"authorization": f"Bearer {TOKEN}"}, f"/v1/banks/{bank.digest}/{path}"
+    eventually(lambda: guarded.get("/readyz").status_code == 204)
+    for headers in (token, token | {"origin": PAGE}):
+        answer = guarded.get(url, headers=headers)
+        again = guarded.get(url, headers=headers | {"if-none-match": answer.headers["etag"]})
+        assert (answer.status_code, again.status_code) == (200, 304)
+        assert answer.headers["vary"] == again.headers["vary"] == "origin"
+
+
 def test_settings_do_not_reveal_the_token() -> None:
     assert TOKEN not in repr(Settings(token=SecretStr(TOKEN)))
     with pytest.raises(SettingsError, match="MOTIONSPLICE_TOKEN is too short") as caught:

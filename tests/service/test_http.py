@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import re
 import threading
 import time
@@ -14,6 +15,7 @@ from fastapi.testclient import TestClient
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.splice import Splice
+from motionsplice.service import caching, serving
 from motionsplice.service.app import create_app
 from motionsplice.service.models import BankInfo
 from motionsplice.service.settings import Settings
@@ -134,6 +136,9 @@ def test_errors_are_problems_that_say_what_to_do(
         "splice?locomotion=walk",
         "expectation?locomotion=walk&action=wave",
         "clips",
+        "clips/walk",
+        "skeleton?axes=unity",
+        "manifest",
         "tables/lower",
     ],
 )
@@ -155,6 +160,40 @@ def test_answers_without_the_digest_must_be_revalidated(client: TestClient, path
     assert plain.headers["cache-control"] == "no-cache"
     again = client.get(f"/v1/{path}", headers={"if-none-match": plain.headers["etag"]})
     assert (again.status_code, again.content) == (304, b"")
+
+
+def test_another_version_of_the_service_has_other_tags(
+    client: TestClient, bank: Bank, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for path in ("/v1/splice?locomotion=walk", "/v1/clips", "/v1/clips/walk"):
+        tag = client.get(path).headers["etag"]
+        assert bank.digest in tag
+        with monkeypatch.context() as later:
+            later.setattr(caching, "__version__", "999.0")
+            answer = client.get(path, headers={"if-none-match": tag})
+        assert (answer.status_code, answer.headers["etag"]) == (200, f'"{bank.digest}-999.0"')
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("splice?locomotion=NOPE", 404),
+        ("splice?locomotion=walk&first=9999", 422),
+        ("splice?locomotion=walk&format=bvh&axes=unity", 422),
+        ("expectation?locomotion=walk&action=wafe", 404),
+        ("pose?locomotion=walk&time=99", 422),
+        ("clips/wlak", 404),
+        ("clips?name=walk", 422),
+        ("skeleton?axes=maya", 422),
+        ("tables/lowe", 404),
+    ],
+)
+def test_what_would_be_refused_is_not_unchanged(client: TestClient, bank: Bank, path: str, status: int) -> None:
+    tag = client.get("/v1/clips").headers["etag"]
+    for known in (tag, "*"):
+        answer = client.get(f"/v1/banks/{bank.digest}/{path}", headers={"if-none-match": known})
+        assert answer.status_code == answer.json()["status"] == status
+        assert "etag" not in answer.headers
 
 
 def test_errors_are_not_cached(client: TestClient, bank: Bank) -> None:
@@ -200,6 +239,25 @@ def test_it_is_alive_at_once_and_ready_when_the_kernels_are_compiled(
         assert client.get("/v1/pose?locomotion=walk&time=0").status_code == 200
 
 
+def test_the_log_says_that_kernels_are_being_compiled(
+    bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    compiled = threading.Event()
+    caplog.set_level(logging.INFO)
+    monkeypatch.setattr(Evaluator, "warm", lambda _: compiled.wait(30))
+    monkeypatch.setattr(serving, "CACHED_SECONDS", 0.01)
+    with TestClient(create_app(bank)) as client:
+        deadline = time.monotonic() + 30.0
+        while "the kernels are being compiled" not in caplog.text:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        compiled.set()
+        wait_until_ready(client)
+    messages = [record.message.partition(",")[0] for record in caplog.records if "." in record.name]
+    logged = [one for one in messages if one in ("starting", "the kernels are being compiled", "ready", "stopping")]
+    assert logged == ["starting", "the kernels are being compiled", "ready", "stopping"]
+
+
 def test_kernels_that_cannot_be_compiled_are_reported(
     bank: Bank, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -234,6 +292,43 @@ def test_a_refused_method_lists_the_allowed_ones(client: TestClient) -> None:
     answer = client.post("/v1/bank")
     assert answer.status_code == answer.json()["status"] == 405
     assert answer.headers["allow"] == "GET"
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("POST", "/v1/pose", "GET"),
+        ("DELETE", "/v1/pose?locomotion=walk&time=0", "GET"),
+        ("GET", "/v1/poses", "POST"),
+        ("GET", "/v1/take", "POST"),
+        ("POST", "/v1/splice", "GET"),
+        ("PUT", "/v1/expectation", "GET"),
+        ("HEAD", "/v1/stream?locomotion=walk", "GET"),
+        ("HEAD", "/v1/poses", "POST"),
+        ("OPTIONS", "/v1/stream", "GET"),
+    ],
+)
+def test_a_refused_method_of_a_direct_route_does_too(client: TestClient, method: str, path: str, allowed: str) -> None:
+    answer = client.request(method, path)
+    assert (answer.status_code, answer.headers["allow"]) == (405, allowed)
+    if method != "HEAD":
+        assert answer.json()["type"] == "urn:motionsplice:http"
+        assert answer.json()["detail"].endswith(f"does not have the method {method}. Use {allowed}")
+
+
+def test_the_head_of_a_pose_is_that_of_its_get(client: TestClient) -> None:
+    for path in ("/v1/pose?locomotion=walk&time=1", "/v1/splice?locomotion=walk"):
+        head, got = client.head(path), client.get(path)
+        assert (head.status_code, head.headers["content-length"]) == (200, str(len(got.content)))
+        assert head.headers["content-type"] == got.headers["content-type"]
+
+
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_a_plain_request_to_the_websocket_says_so(client: TestClient, method: str) -> None:
+    answer = client.request(method, "/v1/characters?rate=60")
+    assert (answer.status_code, answer.json()["type"]) == (426, "urn:motionsplice:http")
+    assert "Connect with a WebSocket" in answer.json()["detail"]
+    assert answer.headers["upgrade"] == "websocket"
 
 
 def test_too_many_streams_are_refused(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:

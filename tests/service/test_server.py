@@ -87,7 +87,12 @@ def test_workers_share_a_port_and_metrics_and_stop_together(bank: Bank, tmp_path
     lines = [json.loads(line) for line in log.read_text().splitlines()]
     (unknown,) = [line for line in lines if line["level"] == "warning" and "variables" in line]
     assert unknown["variables"] == ["MOTIONSPLICE_MAX_RATES"]
-    (refused,) = [line for line in lines if line["message"] == "refused"]
+    for message in ("starting", "ready", "stopping"):
+        of_workers = [line for line in lines if line["message"] == message]
+        assert [line["bank"] for line in of_workers] == [bank.digest] * 2
+        assert all(line.keys() >= {"time", "level", "logger"} for line in of_workers)
+    assert all(line["seconds"] > 0.0 for line in lines if line["message"] == "ready")
+    (refused,) = [line for line in lines if line["message"] == "refused" and line["path"] != "/readyz"]
     assert refused["status"] == 404
     assert refused["request_id"]
     assert "wlak" in refused["detail"]

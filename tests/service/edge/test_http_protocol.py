@@ -81,6 +81,8 @@ def test_connections_of_one_address_are_limited(impatient: Running) -> None:
     peers = [impatient.connect(b"GET") for _ in range(8)]
     eventually(lambda: len(impatient.config.ledger) == 8)
     assert problem(received(impatient.connect())) == (429, "busy")
+    metrics = impatient.config.front.shared.metrics.render()[0].decode()
+    assert 'motionsplice_requests_total{route="connection",status="429"} 1.0' in metrics
     for peer in peers:
         peer.close()
     eventually(lambda: len(impatient.config.ledger) == 0)

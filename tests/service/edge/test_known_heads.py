@@ -27,7 +27,7 @@ REQUESTS = {  # and the statuses of their answers
     b"GET /v1/pose?locomotion=run&action=wave&time=99&format=msgpack HTTP/1.1\r\n" + HEADERS: 422,
     b"GET /v1/pose?locomotion=run&action=wave&time=soon&format=msgpack HTTP/1.1\r\n" + HEADERS: 422,
     b"GET /healthz HTTP/1.1\r\n" + HEADERS: 204,
-    b"POST /v1/pose?locomotion=run&time=1 HTTP/1.1\r\nContent-Length: 3\r\n" + HEADERS + b"GET": 404,
+    b"POST /v1/pose?locomotion=run&time=1 HTTP/1.1\r\nContent-Length: 3\r\n" + HEADERS + b"GET": 405,
 }
 
 

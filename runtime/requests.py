@@ -55,6 +55,8 @@ class Fixed:
         return self
 
     def __setattr__(self, name: str, value: object) -> None:
+        if name in vars(self) and value is vars(self)[name]:  # after `requests.time += 1.0`, which is in place
+            return
         raise SettingsError(f"{name!r} cannot be set", mend="Write into arrays in place, as in requests.time[:] = ...")
 
 

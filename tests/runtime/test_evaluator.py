@@ -215,3 +215,6 @@ def test_arrays_cannot_be_replaced_since_others_are_views_of_them(bank: Bank) ->
         with pytest.raises(SettingsError, match=rf"^'{name}' cannot be set. Write into arrays in place"):
             setattr(arrays, name, before.copy())
         assert getattr(arrays, name) is before
+    requests = Requests.empty(2)
+    requests.time += 0.5
+    np.testing.assert_array_equal(requests.records["time"], 0.5)

@@ -75,7 +75,7 @@ class Bones {
         const inwards = rest.above(bone).invert();
         const before = bone.turn.clone();
         inwards.decompose(bone.place.clone(), before, bone.node.scale.clone());
-        const isCarried = this.base !== undefined && ancestors(bone.node).includes(this.base.node);
+        const isCarried = this.base !== undefined && holder(bone.node, new Set([this.base.node])) !== undefined;
         this.free.push({ joint, node: bone.node, inwards, before, after: bone.turn, isCarried });
       } else if (held === parent?.node) {
         this.bones[joint] = { node: bone.node, before: rest.between(parent, bone).invert(), after: bone.turn };
@@ -121,17 +121,9 @@ class Bones {
  * @returns {Base | undefined}
  */
 function baseOf(rest, root) {
-  const node = ancestors(root.node).filter((one) => rest.inverses.has(one)).at(-1);
-  const bind = node && rest.find(node.name);
+  let bind;
+  for (let one = root.node.parent; one; one = one.parent) if (rest.inverses.has(one)) bind = rest.find(one.name);
   return bind && { ...bind, below: root, inwards: rest.above(bind).invert() };
-}
-
-/**
- * @param {Node} node
- * @returns {Node[]}
- */
-function ancestors(node) {
-  return node.parent ? [node.parent, ...ancestors(node.parent)] : [];
 }
 
 /**

@@ -18,9 +18,9 @@ import { Service } from './service.js';
 import { Sides } from './sides.js';
 import { State } from './state.js';
 import { Viewer } from './viewer.js';
-import { Warming } from './warming.js';
 
 /** @import { Adding } from './adding/panel.js' */
+/** @import { Warming } from './warming.js' */
 
 const service = new Service();
 const state = new State(new URLSearchParams(location.search));
@@ -52,13 +52,10 @@ takeDrops(byId('view'), own);
 const takeAway = new TakeAway(byId('take-away'), service, state, sides, viewer.stage, player);
 new Keys({ state, player, lists, takeAway, help, own });
 const connection = new Connection(byId('banner'), service, catalogue, reload);
-const warming = new Warming(service, {
-  say: (text) => viewer.readout.fault(text),
-  ready: () => void viewer.refresh(),
-  failed,
-});
 /** @type {Promise<Adding> | undefined} */
 let adding;
+/** @type {Promise<Warming> | undefined} */
+let warming;
 void viewer.refresh().then(offerUploads); // after the first picture
 for (const event of ['dragover', 'drop']) addEventListener(event, (one) => one.preventDefault()); // else the browser opens the file
 
@@ -99,6 +96,10 @@ function play(kind, name) {
 function failed(error) {
   if (connection.notice(error)) return;
   if (isRefused(error, 'token')) void askForToken(service).then(() => viewer.refresh());
-  else if (isRefused(error, 'not-ready')) void warming.wait(error);
+  else if (isRefused(error, 'not-ready')) {
+    const then = { say: (/** @type {string} */ text) => viewer.readout.fault(text), ready: () => void viewer.refresh(), failed };
+    warming ??= import('./warming.js').then(({ Warming }) => new Warming(service, then));
+    void warming.then((one) => one.wait(error));
+  }
   else viewer.readout.fault(messageOf(error));
 }

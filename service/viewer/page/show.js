@@ -2,7 +2,6 @@ import { contactsOf } from './facts.js';
 import { Body } from './scene/body.js';
 import { distances, mean, shares, upperBody, worst } from './scene/differences.js';
 import { Path } from './scene/path.js';
-import { Ring } from './scene/ring.js';
 import { Traces } from './scene/traces.js';
 import { clipOf, isLayered } from './takes.js';
 import { Quaternion, Vector3 } from './vendor/three.js';
@@ -36,7 +35,7 @@ class Shown {
     this.traces = traces;
     /** The user's character in place of the body. */
     this.figure = side.nodes && side.character?.figure(side.nodes);
-    this.ring = this.figure && new Ring(side.colour);
+    this.ring = this.figure && side.character?.ring(side.colour);
     this.path = new Path(side.motion);
     this.beginning = this.path.at(0);
     this.upperBody = upperBody(side.motion.rig);

@@ -4,6 +4,7 @@ import { animated } from './animated.js';
 import { Figure, materialsOf } from './figure.js';
 import { CharacterError, openGlb, writeGlb } from './glb.js';
 import { checkReadable, withOwnPictures } from './readable.js';
+import { Ring } from './ring.js';
 import { strip } from './strip.js';
 
 /** @import { MeshStandardMaterial, Object3D } from '../vendor/three.js' */
@@ -67,6 +68,15 @@ export class Character {
     } finally {
       for (const url of pictures) URL.revokeObjectURL(url);
     }
+  }
+
+  /**
+   * Returns what lies below a figure.
+   *
+   * @param {string} colour
+   */
+  ring(colour) {
+    return new Ring(colour);
   }
 
   /**

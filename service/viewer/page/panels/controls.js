@@ -129,7 +129,7 @@ export class Controls {
   #length() {
     const { state } = this;
     return new Group(state, 'Length', ['length'], [
-      number(state, 'length', 'Take', { unit: 's', step: 0.5, most: LONGEST, limit: LONGEST, title: '0: as long as the locomotion, or as the action if the locomotion repeats' }),
+      number(state, 'length', 'Take', { unit: 's', step: 0.5, most: LONGEST, limit: LONGEST }),
       hint(state, ({ length }) => (length ? 'The locomotion repeats.' : `0: ${this.#lasts()}, ${this.#seconds().toFixed(1)} s`)),
     ]);
   }

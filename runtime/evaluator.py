@@ -223,13 +223,7 @@ class Evaluator:
         """
         rate = self.bank.clip(splice.locomotion).rate
         poses = self.sequence(splice, self.frame_times(splice.locomotion), memory=Memory.begin(1, rate))
-        return Clip(
-            name=splice.name,
-            skeleton=self.bank.skeleton,
-            rate=rate,
-            root_positions=poses.root_positions.astype(np.float64),
-            rotations=poses.rotations.astype(np.float64),
-        )
+        return poses.clip(splice.name, self.bank.skeleton, rate)
 
     def action_frames(self, splice: Splice, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns the time alignment curve [n]: the real-valued frame of the action that is played at each time.

@@ -9,8 +9,10 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import SettingsError, TimeRangeError, did_you_mean
 from motionsplice.motion.quaternion import IDENTITY
+from motionsplice.motion.skeleton import Skeleton
 from motionsplice.runtime.format.entries import ClipEntry
 from motionsplice.runtime.kernels.arrays import LAST_TURN, LATE, MEAN_POSTURE, MEMORY_COLUMNS
 from motionsplice.runtime.kernels.lookup import NAIVE, NONE, SPLICE
@@ -150,6 +152,10 @@ class Poses(Fixed):
         fields["root_positions"], fields["flat"] = np.empty((count, 3), FLOAT32), flat
         fields["rotations"] = flat.reshape(count, joints, 4)
         return poses
+
+    def clip(self, name: str, skeleton: Skeleton, rate: float) -> Clip:
+        """Returns the poses as frames of a clip, at `rate` frames per second."""
+        return Clip(name, skeleton, rate, self.root_positions.astype(np.float64), self.rotations.astype(np.float64))
 
     def rows(self, first: int, end: int) -> Poses:
         """Returns a view of the poses of characters `first` to `end` - 1."""

@@ -94,18 +94,18 @@ class Front:
         if not self.shared.stopping.is_set():
             logger.info("stopping", extra={"bank": self.shared.serving.bank.digest})
             self.shared.stopping.set()
-            self.shared.arrivals.stop()
+            self.shared.arrivals.end()
             self._stopping = asyncio.ensure_future(self.hub.stop())
 
     def next_request_id(self) -> str:
         """Returns a new id, under which the log lists a request."""
         return f"{next(self._request_ids):x}"
 
-    def refuse_connection(self, status: int, detail: str, address: str) -> str:
+    def refuse_connection(self, status: int, detail: str, client: tuple[str, int] | None) -> str:
         """Counts and logs a refusal of the HTTP server itself. Returns the request's id."""
         identity = self.next_request_id()
         self.shared.metrics.answered(CONNECTION, status)
-        self.shared.refusals.note(identity, address, status, detail)
+        self.shared.refusals.note(identity, address_of({"client": client}), status, detail)
         return identity
 
     def answer_at_once(self, query: bytes, headers: Headers) -> tuple[Answer, str] | None:

@@ -38,7 +38,10 @@ class Shared:
     estimating: asyncio.Lock = field(default_factory=asyncio.Lock)
     turns: Turns = field(default_factory=Turns)
     refusals: RefusalLog = field(default_factory=RefusalLog)
-    arrivals: Arrivals = field(default_factory=Arrivals)
+
+    @cached_property
+    def arrivals(self) -> Arrivals:
+        return Arrivals(self.stopping)
 
     @cached_property
     def batches(self) -> SharedAllowances:

@@ -43,8 +43,7 @@ def lasting(bank: Bank, splice: Splice, seconds: float) -> Clip:
         if frame > 0:
             characters.advance()
         characters.evaluate(poses.rows(frame, frame + 1))
-    motion = poses.root_positions.astype(np.float64), poses.rotations.astype(np.float64)
-    return Clip(splice.name, bank.skeleton, locomotion.rate, *motion)
+    return poses.clip(splice.name, bank.skeleton, locomotion.rate)
 
 
 def cut_short(evaluator: Evaluator, splice: Splice) -> str:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from motionsplice.precompute import splice as whole_clip
     from motionsplice.runtime import requests
     from motionsplice.runtime.bank import Bank
+    from motionsplice.runtime.evaluator import Evaluator
     from motionsplice.runtime.expectation import Expectation
     from motionsplice.runtime.splice import Splice
 
@@ -127,31 +128,24 @@ def splice_command(
     part = f" of {whole.duration:.2f} s" if clip.frame_count < whole.frame_count else ""
     console.print(f"{out}: {clip.frame_count} frames at {clip.rate:g} per second, {clip.duration:.2f} s{part}")
     print_sentences(console, "dim", notes)
-    splice = asked(locomotion, action, method, posture, start, hands)
-    if seconds is None and splice.method != "none":
-        print_cut(opened, splice)
-    if method is Method.SPLICE:
-        print_expectation(opened, splice)
-
-
-def print_cut(bank: Bank, splice: Splice) -> None:
-    """Prints what the end of the locomotion cuts off the action, if it does."""
     from motionsplice.commands.length import cut_short
     from motionsplice.runtime.evaluator import Evaluator
 
-    if sentence := cut_short(Evaluator(bank), splice):
+    evaluator, splice = Evaluator(opened), asked(locomotion, action, method, posture, start, hands)
+    if seconds is None and (sentence := cut_short(evaluator, splice)):
         print_sentences(console, "yellow", [sentence])
+    if method is Method.SPLICE:
+        print_expectation(evaluator, splice)
 
 
-def print_expectation(bank: Bank, splice: Splice) -> None:
+def print_expectation(evaluator: Evaluator, splice: Splice) -> None:
     """Prints how far a splice can be trusted, and a warning if plain replacement may be as good.
 
     Of an action without a gait nothing is known but the job's warnings, which are repeated.
     """
-    from motionsplice.runtime.evaluator import Evaluator
     from motionsplice.runtime.expectation import expectation
 
-    found = expectation(Evaluator(bank), splice)
+    found, bank = expectation(evaluator, splice), evaluator.bank
     if found is None:
         warnings = () if splice.action is None else bank.clip(splice.action).warnings
         print_sentences(console, "yellow", (f"{splice.action}: {warning}" for warning in warnings))

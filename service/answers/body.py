@@ -60,8 +60,8 @@ async def steady_chunks(
     """
     loop, received = asyncio.get_running_loop(), 0
     begun, body = loop.time(), chunks(scope, receive, most)
+    mend = f"Send at least {SLOWEST // 1024} KiB a second"
     while True:
-        mend = f"Send at least {SLOWEST // 1024} KiB a second"
         late = TooSlowError(f"the body stopped coming after {received} bytes", mend=mend)
         async with arrivals.until(begun + seconds + received / SLOWEST, late):
             chunk = await anext(body, None)

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import pieces
 from motionsplice.motion.formats.files import WRITERS
 from motionsplice.motion.roles import Roles
-from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.requests import Float32s
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.problems import RequestError
 from motionsplice.service.wire.encoding import Encoding
@@ -34,11 +30,6 @@ def check_encoding(form: str, how: Encoding) -> None:
 def written(clip: Clip, roles: Roles, form: str) -> Iterator[bytes]:
     """Yields the file of a motion, in pieces."""
     yield from pieces(clip) if form == "bvh" else [WRITERS[f".{form}"](clip, roles)]
-
-
-def clip_of(bank: Bank, name: str, rate: float, roots: Float32s, rotations: Float32s) -> Clip:
-    """Returns a motion with root positions [F, 3] and rotations [F, J, 4] as a clip."""
-    return Clip(name, bank.skeleton, rate, roots.astype(np.float64), rotations.astype(np.float64))
 
 
 def file_answer(file: bytes, form: str, *names: str | None) -> Answer:

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from motionsplice.runtime.requests import Poses
 from motionsplice.service.answers.answer import Answer, joined
-from motionsplice.service.answers.files import FILES, check_encoding, clip_of, file_answer, written
+from motionsplice.service.answers.files import FILES, check_encoding, file_answer, written
 from motionsplice.service.answers.frames import BLOCK, WHICH, Frames
 from motionsplice.service.shared import Shared
 from motionsplice.service.wire.encoding import Arrays, Encoding
@@ -74,6 +75,5 @@ def _file(frames: Frames, form: str) -> Iterator[bytes]:
         roots.append(poses.root_positions)
         rotations.append(poses.rotations)
         yield b""
-    motion = np.concatenate(roots), np.concatenate(rotations)
-    bank = frames.edition.bank
-    yield from written(clip_of(bank, frames.splice.name, frames.rate, *motion), bank.roles, form)
+    poses, bank = Poses(np.concatenate(roots), np.concatenate(rotations)), frames.edition.bank
+    yield from written(poses.clip(frames.splice.name, bank.skeleton, frames.rate), bank.roles, form)

@@ -17,7 +17,7 @@ from motionsplice.runtime.characters.moments import action_times, phases
 from motionsplice.runtime.characters.state import EVENT_NAMES
 from motionsplice.service.answers.answer import Answer, joined
 from motionsplice.service.answers.body import json_map, media_type, too_large, whole_body
-from motionsplice.service.answers.files import FILES, check_encoding, clip_of, file_answer, written
+from motionsplice.service.answers.files import FILES, check_encoding, file_answer, written
 from motionsplice.service.answers.rig import OnRig, decoded, room_for_rig, without_rig
 from motionsplice.service.characters.commands import NEEDED, Command, checked
 from motionsplice.service.characters.scene import Scene
@@ -175,8 +175,7 @@ class Played:
     @property
     def clip(self) -> Clip:
         """The frames as a clip, named after the clips that it plays."""
-        motion = self.poses.root_positions, self.poses.rotations
-        return clip_of(self.edition.bank, "+".join(self._take.clips), self._take.rate, *motion)
+        return self.poses.clip("+".join(self._take.clips), self.edition.bank.skeleton, self._take.rate)
 
     def answer(self, how: Encoding, form: str, rig: dict[str, Any], of_rig: Arrays) -> Answer:
         """Returns the answer as a map, with the fields and arrays of a rig if there is one."""

@@ -230,6 +230,6 @@ class HttpProtocol(HttpToolsProtocol):
         if self.cycle is not None and self.cycle.response_started and not self.cycle.response_complete:
             self._real_transport.abort()  # the middle of an answer, where a problem cannot be sent
             return
-        identity = self.config.front.refuse_connection(status, detail, self.client[0] if self.client else "")
+        identity = self.config.front.refuse_connection(status, detail, self.client)
         self.transport.write(refusal(status, kind, detail, identity))
         self.transport.close()

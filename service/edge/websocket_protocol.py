@@ -135,7 +135,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             status, kind = HTTPStatus.BAD_REQUEST, "http"
         self.handshake_initiated = self.handshake_complete = self.close_sent = True
         detail = f"the request is not a WebSocket handshake: {error}"
-        identity = self.config.front.refuse_connection(status, detail, self.client[0] if self.client else "")
+        identity = self.config.front.refuse_connection(status, detail, self.client)
         self.transport.write(refusal(status, kind, detail, identity))
         self.transport.close()
 

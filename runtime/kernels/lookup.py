@@ -139,15 +139,24 @@ def cell_of(bank: BankArrays, clip: int, phase: float) -> tuple[np.uint64, float
 
 @inlined
 def frame_at(bank: BankArrays, clip: int, phase: float, near: float) -> float:
-    """Refines a frame near a phase to the exact frame, by two steps along the phase curve."""
+    """Refines a frame near a phase to the exact frame, by a step along the phase curve.
+
+    A second step is taken if the first leads to another row. Few do, so processors foresee it.
+    """
     first, count = bank.clips[clip, arrays.FIRST_ROW], bank.clips[clip, arrays.ROW_COUNT]
     phase -= bank.clips[clip, arrays.PHASE_SHIFT]
-    for _ in range(2):
-        before, _ = divided(near, count)
-        row = as_index(first) + np.uint64(before)
-        here = bank.phases[row]
-        near = before + (phase - here) / (bank.phases[row + ONE] - here)
-    return near
+    before, _ = divided(near, count)
+    frame = frame_on(bank, first, before, phase)
+    there, _ = divided(frame, count)
+    return frame if there == before else frame_on(bank, first, there, phase)
+
+
+@inlined
+def frame_on(bank: BankArrays, first: float, before: np.int64, phase: float) -> float:
+    """Returns the frame at a phase, on the line from a row of a clip, `before`, to the next."""
+    row = as_index(first) + np.uint64(before)
+    here = bank.phases[row]
+    return before + (phase - here) / (bank.phases[row + ONE] - here)
 
 
 @inlined

@@ -21,6 +21,7 @@ FILLS = {
 }
 PLAIN, EDGE, INK, FAINT = "#f3f4f6", "#9aa0a6", "#202124", "#5f6368"
 ROW, TITLE, GAP, WIDTH = 0.34, 0.34, 0.1, 11.0  # inches
+POINTS, LETTER = 72.0, 0.62  # points in an inch; width of a letter, relative to its size
 Rows = list[list[str]]
 
 
@@ -86,7 +87,8 @@ def _draw_package(axes: Axes, name: str, rows: Rows | None, box: tuple[float, fl
             cell = (left + GAP + place * step, top + TITLE + number * ROW, step - GAP, ROW - 0.06)
             _draw_box(axes, cell, "#ffffff", EDGE)
             centre = cell[0] + cell[2] / 2.0, cell[1] + cell[3] / 2.0
-            axes.text(*centre, one, color=INK, ha="center", va="center", size=9)
+            fitting = POINTS * cell[2] / (LETTER * len(one))
+            axes.text(*centre, one, color=INK, ha="center", va="center", size=min(9.0, fitting))
 
 
 def _draw_box(axes: Axes, box: tuple[float, float, float, float], fill: str, edge: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 
@@ -85,7 +86,7 @@ class Bank(Contents):
         with readable(self.path):
             check_contents(self.manifest, self.tables, self.files)
 
-    @property
+    @cached_property
     def files(self) -> dict[str, Path]:
         """The file of each table, by the table's name."""
         return table_files(self.path, self.manifest)

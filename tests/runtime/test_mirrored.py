@@ -170,7 +170,7 @@ def test_a_saved_row_with_a_mirror_image_moves_to_another_bank(one: Setup, bank:
 @pytest.mark.parametrize("table", ["stances", "lower"])
 def test_infinite_numbers_of_a_bank_that_is_not_verified_are_mirrored_without_a_warning(table: str) -> None:
     random = random_bank(4, joints=9, clips=3, points=4, clouds="torso")
-    bank = replace(random, tables=random.tables | {table: np.full_like(random.tables[table], np.inf)})
+    bank = replace(random, tables={**random.tables, table: np.full_like(random.tables[table], np.inf)})
     Evaluator(bank)
     for name in (clip.name for clip in bank.numbered):
         bank.stance(name)

@@ -15,7 +15,7 @@ from motionsplice.motion.procedural.library import make
 from motionsplice.motion.procedural.stances import Performer, standing_action
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
-from motionsplice.runtime.format.manifest import FORMAT, MANIFEST, TABLES, VERSION, content_digest
+from motionsplice.runtime.format.manifest import FORMAT, MANIFEST, VERSION, content_digest
 from motionsplice.runtime.format.tables import TABLE_FOLDER
 from motionsplice.runtime.requests import METHODS, POSTURES, Requests
 from tests import random_bank

@@ -46,7 +46,7 @@ def main(name: str, folder: Path, runs: int, empty: Path) -> None:
                 os._exit(0)
 
     def changed(data: bytes, longest: int, seed: int) -> bytes:
-        """Returns other bytes: in half of the cases new ones, as most small changes of what is known choose the same."""
+        """Returns other bytes: in half of the cases new ones, as most small changes choose the same."""
         choose = Random(seed)
         if choose.randrange(2):
             return choose.randbytes(LONGEST)

@@ -12,7 +12,7 @@ from pathlib import Path
 from motionsplice.motion.errors import BankError
 from motionsplice.runtime.contents import Contents
 from motionsplice.runtime.format.checks import Tables, check_contents, check_fit, check_references
-from motionsplice.runtime.format.manifest import MANIFEST, Manifest
+from motionsplice.runtime.format.manifest import MANIFEST, Manifest, manifest_data
 from motionsplice.runtime.format.tables import open_tables, table_files
 
 
@@ -66,7 +66,7 @@ class Bank(Contents):
             try:
                 tables = open_tables(table_files(folder, manifest))
             except BankError:
-                if Manifest.read(folder).digest == manifest.digest:
+                if manifest_data(folder) == manifest.data:
                     raise
                 return cls.open(path, verify=verify)  # a job has written another bank, and removed this one's tables
         bank = cls(folder, manifest, tables)

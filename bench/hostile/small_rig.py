@@ -20,11 +20,11 @@ def on_few_joints(clip: Clip) -> Clip:
             above = int(whole.parents[joint])
             nearest[joint], reach[joint] = nearest[above], reach[above] + whole.offsets[joint]
     places = {joint: place for place, joint in enumerate(kept)}
-    above, ends = whole.parents[kept], whole.end_parents
+    over, ends = whole.parents[kept], whole.end_parents
     skeleton = Skeleton(
         names=tuple(whole.names[joint] for joint in kept),
-        parents=np.array([-1, *(places[int(joint)] for joint in nearest[above[1:]])]),
-        offsets=whole.offsets[kept] + reach[above],
+        parents=np.array([-1, *(places[int(joint)] for joint in nearest[over[1:]])]),
+        offsets=whole.offsets[kept] + reach[np.maximum(over, 0)],
         end_parents=np.array([places[int(joint)] for joint in nearest[ends]]),
         end_offsets=whole.end_offsets + reach[ends],
     )

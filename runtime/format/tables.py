@@ -53,7 +53,7 @@ def _read(file: Path) -> NDArray[Any]:
         size = os.fstat(source.fileno()).st_size
         memory = np.empty(size + LINE, np.uint8)
         contents = memory[-memory.__array_interface__["data"][0] % LINE :][:size]
-        source.readinto(contents)
+        source.readinto(contents.data)
         source.seek(0)
         if npy.read_magic(source) != (1, 0):
             raise ValueError("expected version 1.0 of the npy format")

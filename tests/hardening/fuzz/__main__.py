@@ -47,8 +47,8 @@ def main(
         bad += len(tally.bad) + (status != 0)
         share = {name: getattr(tally, name) / max(1, tally.inputs) for name in ("passed_first", "passed")}
         print(
-            f"{door}: {tally.inputs:,} inputs, {tally.repeated:,} more were made again, {share['passed_first']:.1%} passed "
-            f"the first line, {share['passed']:.1%} the whole door, the slowest took {tally.slowest:.2f} s"
+            f"{door}: {tally.inputs:,} inputs, {tally.repeated:,} more were made again, {share['passed_first']:.1%} "
+            f"passed the first line, {share['passed']:.1%} the whole door, the slowest took {tally.slowest:.2f} s"
         )
         for outcome, count in tally.outcomes.most_common(SHOWN):
             print(f"  {count:>9,}  {outcome}")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import tempfile
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -106,6 +107,7 @@ def use_bank(folder: Path, manifest: bytes, tables: Mapping[str, bytes]) -> None
 
 @cache
 def _write_small_tables(folder: Path) -> None:
+    ast.literal_eval = lru_cache(ast.literal_eval)  # with which NumPy parses the headers of all tables for each input
     (folder / TABLE_FOLDER).mkdir()
     for data in small_tables().values():
         _table_file(folder, data).write_bytes(data)

@@ -22,6 +22,7 @@ from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.procedural.library import make
 
 FRAMES = 12
+LIMITED = 4  # joints up to this one have limits
 LARGEST = 2_000_000  # bytes of a file of the user's that is damaged
 HUMANOID = {
     "hips": "Hips",
@@ -57,7 +58,8 @@ BONE = """  begin
     axis 0 0 20 XYZ
 {dof}
   end"""
-DOF = """    dof rx ry rz
+DOF = "    dof rx ry rz"
+LIMITS = """
     limits (-160 20)
            (-70 70)
            (-60 inf)"""
@@ -117,7 +119,8 @@ def _amc_files(clip: Clip) -> list[Good]:
         length = float(np.linalg.norm(skeleton.offsets[joint]))
         x, y, z = skeleton.offsets[joint] / length
         bones.append(BONE.format(id=2 * joint, name=f"to{name}", x=x, y=y, z=z, length=length, dof=""))
-        bones.append(BONE.format(id=2 * joint + 1, name=name, x=0.0, y=1.0, z=0.0, length=0.0, dof=DOF))
+        dof = DOF + LIMITS * (joint < LIMITED)
+        bones.append(BONE.format(id=2 * joint + 1, name=name, x=0.0, y=1.0, z=0.0, length=0.0, dof=dof))
         pairs += [f"    {skeleton.names[above] if above else 'root'} to{name}", f"    to{name} {name}"]
     asf = ASF.format(bones="\n".join(bones), pairs="\n".join(pairs))
     frames = [":FULLY-SPECIFIED", ":DEGREES"]

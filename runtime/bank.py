@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 
 from motionsplice.motion.errors import BankError
 from motionsplice.runtime.contents import Contents
 from motionsplice.runtime.format.checks import Tables, check_contents, check_fit, check_references
-from motionsplice.runtime.format.manifest import MANIFEST, Manifest
+from motionsplice.runtime.format.manifest import MANIFEST, Manifest, manifest_data
 from motionsplice.runtime.format.tables import open_tables, table_files
 
 
@@ -65,7 +66,7 @@ class Bank(Contents):
             try:
                 tables = open_tables(table_files(folder, manifest))
             except BankError:
-                if Manifest.read(folder).digest == manifest.digest:
+                if manifest_data(folder) == manifest.data:
                     raise
                 return cls.open(path, verify=verify)  # a job has written another bank, and removed this one's tables
         bank = cls(folder, manifest, tables)
@@ -85,7 +86,7 @@ class Bank(Contents):
         with readable(self.path):
             check_contents(self.manifest, self.tables, self.files)
 
-    @property
+    @cached_property
     def files(self) -> dict[str, Path]:
         """The file of each table, by the table's name."""
         return table_files(self.path, self.manifest)

@@ -57,6 +57,7 @@ def mirrored_contacts(standing: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(left // LEFT_FOOT * RIGHT_FOOT + right // RIGHT_FOOT * LEFT_FOOT, np.uint8)
 
 
+@np.errstate(invalid="ignore")  # the numbers of a damaged bank may be infinite
 def mirrored_torso(torso: TorsoRows, mirror: Mirror, skeleton: Skeleton, roles: Roles) -> TorsoRows:
     """Mirrors the torso data of n frames."""
     above = mirror.turns[skeleton.parents[roles.pelvis]]

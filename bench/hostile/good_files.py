@@ -13,6 +13,7 @@ import numpy as np
 
 from bench.hostile.damage import Damage, damage_bytes, damage_gltf, damage_text
 from bench.hostile.rich_gltf import rich_document
+from bench.hostile.small_rig import on_few_joints
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import GLTF
@@ -21,8 +22,16 @@ from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.procedural.library import make
 
 FRAMES = 12
+LIMITED = 4  # joints up to this one have limits
 LARGEST = 2_000_000  # bytes of a file of the user's that is damaged
-HUMANOID = {"hips": 0, "head": 5, "leftUpperLeg": 14, "leftLowerLeg": 15, "leftFoot": 16, "rightUpperLeg": 18}
+HUMANOID = {
+    "hips": "Hips",
+    "head": "Head",
+    "leftUpperLeg": "LeftUpLeg",
+    "leftLowerLeg": "LeftLeg",
+    "leftFoot": "LeftFoot",
+    "rightUpperLeg": "RightUpLeg",
+}
 ASF = """:version 1.10
 :name walk
 :units
@@ -49,7 +58,8 @@ BONE = """  begin
     axis 0 0 20 XYZ
 {dof}
   end"""
-DOF = """    dof rx ry rz
+DOF = "    dof rx ry rz"
+LIMITS = """
     limits (-160 20)
            (-70 70)
            (-60 inf)"""
@@ -75,7 +85,7 @@ class Good:
 
 def good_files(kind: str, folder: Path | None) -> list[Good]:
     """Returns built-in files of a kind, and those in a folder; for FBX there are none but those."""
-    clip = make("walk", "wave", seed=1, seconds=1.0).frames(0, FRAMES)
+    clip = on_few_joints(make("walk", "wave", seed=1, seconds=1.0).frames(0, FRAMES))
     makers = {"gltf": _gltf_files, "bvh": _bvh_files, "amc": _amc_files}
     made = makers[kind](clip) if kind in makers else []
     return made + [
@@ -109,7 +119,8 @@ def _amc_files(clip: Clip) -> list[Good]:
         length = float(np.linalg.norm(skeleton.offsets[joint]))
         x, y, z = skeleton.offsets[joint] / length
         bones.append(BONE.format(id=2 * joint, name=f"to{name}", x=x, y=y, z=z, length=length, dof=""))
-        bones.append(BONE.format(id=2 * joint + 1, name=name, x=0.0, y=1.0, z=0.0, length=0.0, dof=DOF))
+        dof = DOF + LIMITS * (joint < LIMITED)
+        bones.append(BONE.format(id=2 * joint + 1, name=name, x=0.0, y=1.0, z=0.0, length=0.0, dof=dof))
         pairs += [f"    {skeleton.names[above] if above else 'root'} to{name}", f"    to{name} {name}"]
     asf = ASF.format(bones="\n".join(bones), pairs="\n".join(pairs))
     frames = [":FULLY-SPECIFIED", ":DEGREES"]
@@ -131,7 +142,8 @@ def _gltf_files(clip: Clip) -> list[Good]:
 
 
 def _with_humanoid(document: dict[str, Any]) -> dict[str, Any]:
-    bones = {name: {"node": node} for name, node in HUMANOID.items()}
+    names = [node.get("name") for node in document["nodes"]]
+    bones = {bone: {"node": names.index(joint)} for bone, joint in HUMANOID.items()}
     return document | {"extensions": {"VRMC_vrm_animation": {"specVersion": "1.0", "humanoid": {"humanBones": bones}}}}
 
 

@@ -79,7 +79,7 @@ class Manifest:
     @classmethod
     def read(cls, folder: Path) -> Manifest:
         """Reads the manifest of the bank in a folder. Raises BankError, naming the file."""
-        return cls.parse(_read(folder), str(folder / MANIFEST))
+        return cls.parse(manifest_data(folder), str(folder / MANIFEST))
 
     @classmethod
     def parse(cls, data: bytes, file: str) -> Manifest:
@@ -111,7 +111,8 @@ def file_digest(file: Path) -> str:
         return hashlib.file_digest(data, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 
 
-def _read(folder: Path) -> bytes:
+def manifest_data(folder: Path) -> bytes:
+    """Returns the bytes of the manifest of the bank in a folder. Raises BankError, naming the file."""
     file = folder / MANIFEST
     if not file.is_file():
         problem = "this folder is not a bank" if folder.is_dir() else "folder not found"

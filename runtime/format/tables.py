@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import mmap
+import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,15 +13,17 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from motionsplice.motion.errors import BankError
-from motionsplice.runtime.format.manifest import REBUILD, TABLES, Manifest
+from motionsplice.runtime.format.manifest import REBUILD, TABLES, Manifest, mark_of
 
 TABLE_FOLDER = "tables"
 SMALL = 64 * 2**20  # bytes of all tables together
+LINE = 64  # bytes of a line of the processor's cache
 
 
 def table_files(folder: Path, manifest: Manifest) -> dict[str, Path]:
     """Returns the file of each table of the bank in `folder`, by the table's name."""
-    return {name: folder / TABLE_FOLDER / f"{Path(manifest.tables[name]).name}.npy" for name in TABLES}
+    tables = folder / TABLE_FOLDER
+    return {name: tables / f"{manifest.tables[name]}.npy" for name in TABLES}
 
 
 def open_tables(files: Mapping[str, Path]) -> dict[str, NDArray[Any]]:
@@ -29,7 +32,7 @@ def open_tables(files: Mapping[str, Path]) -> dict[str, NDArray[Any]]:
     A SMALL bank is read into memory. Larger ones are mapped, so that processes share their pages; but who cuts a mapped
     file short while it is in use kills these processes, unless they lease it, as the service does.
     """
-    small = sum(file.stat().st_size for file in files.values() if file.exists()) <= SMALL
+    small = sum(mark[-1] for file in files.values() if (mark := mark_of(file))) <= SMALL
     return {name: _opened(name, file, small) for name, file in files.items()}
 
 
@@ -45,15 +48,19 @@ def _opened(name: str, file: Path, small: bool) -> NDArray[Any]:
 
 
 def _read(file: Path) -> NDArray[Any]:
-    """Reads a table into pages of its own, which are aligned as those of a mapped file."""
+    """Reads a table into memory that begins at a whole line of the cache, as a mapped file does."""
     with file.open("rb", buffering=0) as source:
-        pages = mmap.mmap(-1, max(1, file.stat().st_size))
-        source.readinto(pages)
-    if npy.read_magic(pages) != (1, 0):
-        raise ValueError("expected version 1.0 of the npy format")
-    shape, fortran_order, dtype = npy.read_array_header_1_0(pages)
+        size = os.fstat(source.fileno()).st_size
+        memory = np.empty(size + LINE, np.uint8)
+        contents = memory[-memory.__array_interface__["data"][0] % LINE :][:size]
+        source.readinto(contents.data)
+        source.seek(0)
+        if npy.read_magic(source) != (1, 0):
+            raise ValueError("expected version 1.0 of the npy format")
+        shape, fortran_order, dtype = npy.read_array_header_1_0(source)
+        offset = source.tell()
     if fortran_order:
         raise ValueError("expected rows in C order")
-    table = np.frombuffer(pages, dtype, count=int(np.prod(shape, dtype=object)), offset=pages.tell()).reshape(shape)
+    table = np.frombuffer(contents, dtype, count=math.prod(shape), offset=offset).reshape(shape)
     table.flags.writeable = False
     return table

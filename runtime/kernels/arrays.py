@@ -158,18 +158,18 @@ def lane_mirror(bank: Bank) -> Array:
     if mirror is None:
         return np.zeros((0, MIRROR_COLUMNS), np.float32)
     above, pelvis = mirror.above(bank.skeleton.parents), layout.pelvis
+    bare = np.tile(IDENTITY, (2, 1))  # of a torso's frame, which hangs on the pelvis's parent, and of its offset
+    images = _images(np.concatenate([above, above[[pelvis]], bare[:1]]), np.concatenate([mirror.turns, bare]))
     parts = []
     for half in layout.halves.values():
         part = np.zeros((half.width, MIRROR_COLUMNS))
         part[:, TWIN], part[:, MATRIX:] = np.arange(half.width), np.eye(4).ravel()
-        part[PELVIS, MATRIX:] = _images(above[[pelvis]], mirror.turns[[pelvis]])
-        part[POSTURE_FRAME, MATRIX:] = _images(above[[pelvis]], IDENTITY[None])
-        part[TORSO_OFFSET, MATRIX:] = _images(IDENTITY[None], IDENTITY[None])
+        part[[PELVIS, POSTURE_FRAME, TORSO_OFFSET], MATRIX:] = images[[pelvis, -2, -1]]
         joints = [joint for joint in half.joints if mirror.twins[joint] >= 0]
         lanes = {joint: lane for lane, joint in enumerate(half.joints, half.first_joint)}
         own = [lanes[joint] for joint in joints]
         part[own, TWIN] = [lanes[int(mirror.twins[joint])] for joint in joints]
-        part[own, MATRIX:] = _images(above[joints], mirror.turns[joints])
+        part[own, MATRIX:] = images[joints]
         parts.append(part)
     cloud = np.zeros((1, MIRROR_COLUMNS))
     cloud[0, MATRIX : MATRIX + 9] = (to_matrices(conjugate(mirror.turns[pelvis])) * MIRROR).ravel()

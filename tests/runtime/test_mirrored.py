@@ -29,6 +29,7 @@ from motionsplice.runtime.requests import METHODS, POSTURES
 from motionsplice.runtime.splice import Splice
 from tests.conftest import CLIPS
 from tests.playing import RATE, Setup, evaluated
+from tests.random_bank import random_bank
 
 STATELESS = sorted(POSTURES.keys() - {"running"})
 
@@ -164,3 +165,13 @@ def test_a_saved_row_with_a_mirror_image_moves_to_another_bank(one: Setup, bank:
     again = Characters(characters.stage, RATE, characters.state.copy())
     np.testing.assert_array_equal(evaluated(again)[1], evaluated(characters)[1])
     assert bank.numbered[int(characters.state[0, col.FIRST_LOCOMOTION])].name == "walk~mirror"
+
+
+@pytest.mark.parametrize("table", ["stances", "lower"])
+def test_infinite_numbers_of_a_bank_that_is_not_verified_are_mirrored_without_a_warning(table: str) -> None:
+    random = random_bank(4, joints=9, clips=3, points=4, clouds="torso")
+    bank = replace(random, tables={**random.tables, table: np.full_like(random.tables[table], np.inf)})
+    Evaluator(bank)
+    for name in (clip.name for clip in bank.numbered):
+        bank.stance(name)
+        bank.torso(name)

@@ -142,7 +142,7 @@ def _nodes(skeleton: AcclaimSkeleton, values: dict[str, Floats], degrees: bool, 
         if turns and name in values:
             order = "".join(axis for _, axis in turns)
             own = about_axes(order, values[name][:, [column for column, _ in turns]], degrees)
-            axes = bones[name].axes
+            axes = skeleton.axes[name]
             rotations[:, place] = quaternion.multiply(quaternion.multiply(axes, own), quaternion.conjugate(axes))
     columns = [skeleton.order.index(channel) for channel in ("tx", "ty", "tz")]
     tips = [place for place, (name, _) in enumerate(ordered) if not bones[name].children]

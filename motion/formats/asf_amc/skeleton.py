@@ -23,19 +23,28 @@ CUT_SHORT = "Export or download the file again; it may be cut short"
 
 @dataclass
 class Bone:
-    """A bone: from its joint to its tip in the bind pose [3], in the file's unit; its axes C [4]; its channels."""
+    """A bone: from its joint to its tip in the bind pose [3], in the file's unit; its channels.
+
+    Its axes are turned by angles [3] about X, Y and Z, the first letter of `order` first.
+    """
 
     tip: Floats
-    axes: Floats
+    order: str
+    angles: list[float]
     dof: tuple[str, ...]
     children: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class AcclaimSkeleton:
-    """The contents of an ASF file. `order` lists the root's channels; `unit` is in metres, None if it is not stated."""
+    """The contents of an ASF file.
+
+    `axes` are the axes C [4] of each bone. `order` lists the root's channels; `unit` is in metres, None if it is not
+    stated.
+    """
 
     bones: dict[str, Bone]
+    axes: Mapping[str, Floats]
     order: tuple[str, ...]
     unit: float | None
 
@@ -73,9 +82,9 @@ def parse_skeleton(data: bytes) -> AcclaimSkeleton:
         raise FormatError(problem, place=f"line {number}" if number else ":root")
     axis = root.get("axis", (0, ["XYZ"]))[1]
     number, orientation = root.get("orientation", (0, ["0", "0", "0"]))
-    bones = {"root": Bone(np.zeros(3), _axes([*orientation, *axis], degrees, number), channels)}
+    bones = {"root": Bone(np.zeros(3), *_axes([*orientation, *axis], number), channels)}
     for bone in _bone_blocks(sections["bonedata"]):
-        name, parsed = _bone(bone, degrees)
+        name, parsed = _bone(bone)
         if name in bones:
             problem = f"two bones have the name {name!r}"
             raise FormatError(problem, place=f"line {bone['name'][0]}", mend="Rename one of them")
@@ -84,7 +93,7 @@ def parse_skeleton(data: bytes) -> AcclaimSkeleton:
     length = numbers(units["length"], 1, 0)[0] if "length" in units else None
     if length is not None and length <= 0.0:
         raise FormatError("the unit of length must be positive", place=":units")
-    return AcclaimSkeleton(bones, channels, INCH / length if length else None)
+    return AcclaimSkeleton(bones, _turned(bones, degrees), channels, INCH / length if length else None)
 
 
 def _lines(data: bytes) -> Iterator[tuple[int, list[str]]]:
@@ -116,12 +125,23 @@ def numbers(words: list[str], count: int, line: int) -> list[float]:
     return values
 
 
-def _axes(words: list[str], degrees: bool, line: int) -> Floats:
+def _axes(words: list[str], line: int) -> tuple[str, list[float]]:
+    """Returns the order and the angles of axes."""
     order = "".join(words[3:4]).lower() or "xyz"
     if sorted(order) != ["x", "y", "z"]:
         problem = f"{order[:20]!r} is not an order of axes"
         raise FormatError(problem, place=f"line {line}", mend="Use X, Y and Z once each")
-    return about_axes(order, np.array(numbers(words, 3, line)), degrees)
+    return order, numbers(words, 3, line)
+
+
+def _turned(bones: Mapping[str, Bone], degrees: bool) -> dict[str, Floats]:
+    """Returns the axes [4] of all bones, those of one order at once."""
+    axes: dict[str, Floats] = {}
+    for order in {bone.order for bone in bones.values()}:
+        names = [name for name, bone in bones.items() if bone.order == order]
+        turned = about_axes(order, np.array([bones[name].angles for name in names]), degrees)
+        axes |= zip(names, turned, strict=True)
+    return axes
 
 
 def about_axes(order: str, angles: Floats, degrees: bool) -> Floats:
@@ -145,7 +165,7 @@ def _bone_blocks(lines: list[tuple[int, list[str]]]) -> Iterator[dict[str, tuple
         raise FormatError("the last bone has no 'end' line", place=":bonedata", mend=CUT_SHORT)
 
 
-def _bone(block: dict[str, tuple[int, list[str]]], degrees: bool) -> tuple[str, Bone]:
+def _bone(block: dict[str, tuple[int, list[str]]]) -> tuple[str, Bone]:
     if missing := [key for key in ("name", "direction", "length", "axis") if key not in block or not block[key][1]]:
         lines = [number for number, _ in block.values()]
         raise FormatError(f"a bone has no {missing[0]}", place=f"line {min(lines, default=0)}", mend=CUT_SHORT)
@@ -157,7 +177,7 @@ def _bone(block: dict[str, tuple[int, list[str]]], degrees: bool) -> tuple[str, 
         raise FormatError(f"bone {name!r} lists a degree of freedom twice")
     direction = np.array(numbers(block["direction"][1], 3, block["direction"][0]))
     length = numbers(block["length"][1], 1, block["length"][0])[0]
-    return name, Bone(direction * length, _axes(block["axis"][1], degrees, block["axis"][0]), dof)
+    return name, Bone(direction * length, *_axes(block["axis"][1], block["axis"][0]), dof)
 
 
 def _link(lines: list[tuple[int, list[str]]], bones: dict[str, Bone]) -> None:

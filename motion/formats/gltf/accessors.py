@@ -71,8 +71,7 @@ def _elements(container: Container, view: int, offset: int, kind: str, width: in
     if not (count > 0 and stride >= size and offset >= 0 and end <= length and begin + length <= len(buffer)):
         problem = f"{count} elements of {size} bytes do not fit into a view of {length} bytes"
         raise FormatError(problem, place=f"buffer view {view}", mend=EXPORT)
-    flat = np.frombuffer(buffer, np.uint8, end - offset, begin + offset)
-    rows = np.lib.stride_tricks.as_strided(flat, (count, size), (stride, 1), writeable=False)
+    rows = np.ndarray((count, size), np.uint8, buffer, begin + offset, (stride, 1))
     return np.ascontiguousarray(rows).view(kind)
 
 

@@ -36,7 +36,7 @@ class Track:
         if len(self.values) != rows:
             problem = f"an animation has {len(self.values)} values at {len(self.times)} times, expected {rows}"
             raise FormatError(problem, mend=EXPORT)
-        if np.any(np.diff(self.times) <= 0.0):
+        if (self.times[1:] <= self.times[:-1]).any():
             raise FormatError("the times of an animation's keys do not increase", mend=EXPORT)
 
     def sampled(self, times: Floats) -> Floats:

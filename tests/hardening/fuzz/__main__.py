@@ -3,6 +3,7 @@
 Inputs are made by generators that know the grammar, from bytes that atheris (libFuzzer) changes so that they reach more
 lines behind the door. Each must pass the door, or be refused by a typed error, within 1 s of processor time and 64 MiB
 of memory plus 64 times its size (RLIMIT_AS). Anything else is a finding: its input is saved, and the exit status is 1.
+An input that is made again is neither sent nor counted.
 Needs the extra `fuzz`. For a BVH file, `passed the first line` means that it got further than the keyword HIERARCHY;
 likewise for others. The coverage, of lines and branches, is that of the corpus. Counts go on from those of earlier runs
 in the same folder; `--runs 0` only prints them. The last line about a door is its row in docs/hardening.md.
@@ -45,8 +46,10 @@ def main(
         tally, status = _fuzzed(door, out / door, runs)
         bad += len(tally.bad) + (status != 0)
         share = {name: getattr(tally, name) / max(1, tally.inputs) for name in ("passed_first", "passed")}
-        print(f"{door}: {tally.inputs:,} inputs, {share['passed_first']:.1%} passed the first line, "
-              f"{share['passed']:.1%} the whole door, the slowest took {tally.slowest:.2f} s")  # fmt: skip
+        print(
+            f"{door}: {tally.inputs:,} inputs, {tally.repeated:,} more were made again, {share['passed_first']:.1%} "
+            f"passed the first line, {share['passed']:.1%} the whole door, the slowest took {tally.slowest:.2f} s"
+        )
         for outcome, count in tally.outcomes.most_common(SHOWN):
             print(f"  {count:>9,}  {outcome}")
         covered = _coverage(door, out / door / "corpus")

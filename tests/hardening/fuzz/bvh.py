@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from bench.hostile.damage import WORDS
+from bench.hostile.small_rig import on_few_joints
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.bvh.hierarchy import CHANNELS
 from motionsplice.motion.formats.reading import read_clip
@@ -24,7 +25,7 @@ CHANNEL = re.compile("(?i)[xyz](?:rotation|position)")
 @cache
 def _sound() -> tuple[list[str], list[str]]:
     """Returns the lines of a sound hierarchy, and its rows of numbers."""
-    text = dump_bvh(make_clip("walk", seed=1, seconds=1.0).frames(0, FRAMES)).decode()
+    text = dump_bvh(on_few_joints(make_clip("walk", seed=1, seconds=1.0).frames(0, FRAMES))).decode()
     head, _, motion = text.partition("MOTION\n")
     return [line.strip() for line in head.splitlines()], motion.splitlines()[2:]
 
@@ -65,8 +66,8 @@ def _hierarchy(draw: Draw) -> tuple[list[str], int]:
     for _ in range(draw.few()):
         at = draw.randrange(len(lines))
         lines[at : at + 1] = _odd_line(draw, lines[at]) or [""]
-    if draw.rarely(60):  # a chain, as deep as it may be
-        deep = draw.choice((2, 30, 300))
+    if draw.rarely(60):  # a chain
+        deep = draw.choice((2, 10, 60))
         chain = [f"JOINT chain{at}\n{{\nOFFSET 0 0 0\nCHANNELS 0" for at in range(deep)] + ["}"] * deep
         at = draw.randrange(len(lines) + 1)
         lines[at:at] = chain

@@ -6,6 +6,7 @@ there. EMPTY is for the files of inputs.
 
 from __future__ import annotations
 
+import os
 import resource
 import sys
 import time
@@ -21,6 +22,8 @@ from tests.hardening.fuzz.harness import Tally, Visitor
 LONGEST = 1024  # bytes of choices, of which generators use up to a few hundred
 SEEDS = 64  # inputs to begin with
 EVERY = 500  # inputs, after which the tally is written: the fuzzer does not return
+MOST_CHANGES = 4  # of an input at once
+MOST_REPEATED = 30  # inputs that are made for each one that is new, at most
 HANGING = 60  # seconds, after which the fuzzer ends with the input
 
 
@@ -35,21 +38,32 @@ def main(name: str, folder: Path, runs: int, empty: Path) -> None:
     end, earlier, before, least = tally.inputs + runs, tally.seconds - time.process_time(), tally.memory, _most_memory()
 
     def visit(data: bytes) -> None:
-        visitor.visit(data)
-        if tally.inputs % EVERY == 0 or tally.inputs >= end:
+        if visitor.visit(data) and (tally.inputs % EVERY == 0 or tally.inputs == end):
             tally.seconds = earlier + time.process_time()
             tally.memory = max(before, _most_memory() - least)
             tally.write(folder / "tally.json")
+            if tally.inputs == end:
+                os._exit(0)
+
+    def changed(data: bytes, longest: int, seed: int) -> bytes:
+        """Returns other bytes: in half of the cases new ones, as most small changes choose the same."""
+        choose = Random(seed)
+        if choose.randrange(2):
+            return choose.randbytes(LONGEST)
+        data = visitor.used if data.startswith(visitor.used) else data  # others choose nothing
+        for _ in range(choose.randint(1, MOST_CHANGES)):
+            data = atheris.Mutate(data, longest)
+        return data
 
     options = [
-        f"-runs={runs}",
+        f"-runs={MOST_REPEATED * runs}",
         f"-max_len={LONGEST}",
         f"-timeout={HANGING}",
         "-rss_limit_mb=0",
         f"-seed={1 + tally.inputs}",
         "-len_control=0",
     ]
-    atheris.Setup(["fuzz", str(corpus), *options, f"-artifact_prefix={folder}/"], visit)
+    atheris.Setup(["fuzz", str(corpus), *options, f"-artifact_prefix={folder}/"], visit, custom_mutator=changed)
     atheris.Fuzz()
 
 

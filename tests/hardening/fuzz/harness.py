@@ -35,12 +35,14 @@ WIDTH = 70  # characters of an outcome
 class Tally:
     """What came of inputs: how many there were, how many passed the first line and the whole door, and the outcomes.
 
-    slowest, seconds: of processor time, of an input and of all with the fuzzer. memory: bytes that the process has
-    taken since the first input, at most, of which an input has taken less. bad: the outcomes that must not be, each
-    with the name of a file with its input.
+    repeated: how many more were made that the same process had sent through the door before. slowest, seconds: of
+    processor time, of an input and of all with the fuzzer. memory: bytes that the process has taken since the first
+    input, at most, of which an input has taken less. bad: the outcomes that must not be, each with the name of a file
+    with its input.
     """
 
     inputs: int = 0
+    repeated: int = 0
     passed_first: int = 0
     passed: int = 0
     slowest: float = 0.0
@@ -66,7 +68,8 @@ class Visitor:
     """Sends inputs through one door.
 
     saved: the folder for inputs that lead to what must not be, or None. folder: an empty one, whose end the caller sees
-    to, for the files of inputs; None makes one, which `close` removes. tally: of earlier inputs, to count on.
+    to, for the files of inputs; None makes one, which `close` removes. tally: of earlier inputs, to count on. used: the
+    bytes from which the last input was made.
     """
 
     def __init__(
@@ -76,6 +79,8 @@ class Visitor:
         self.door, self._saved = door, saved
         self._folder = folder or Path(tempfile.mkdtemp(dir=IN_MEMORY))
         self._memory = Memory()
+        self._seen = set[int]()  # the hashes of inputs
+        self.used = b""
         for data in (b"", bytes(range(256))):  # loads what is loaded at first use, and compiles the kernels
             self._outcome(door.make(Draw(data)))
         gc.collect()
@@ -86,9 +91,18 @@ class Visitor:
         self._memory.close()
         shutil.rmtree(self._folder)
 
-    def visit(self, data: bytes) -> None:
-        """Makes an input from bytes, sends it through the door and counts the outcome."""
-        files = self.door.make(Draw(data))
+    def visit(self, data: bytes) -> bool:
+        """Makes an input from bytes, sends it through the door and counts the outcome. Returns whether it is new.
+
+        An input that was sent before only counts as repeated.
+        """
+        draw = Draw(data)
+        files = self.door.make(draw)
+        self.used = data[: draw.used]
+        if (key := hash(tuple(files.items()))) in self._seen:
+            self.tally.repeated += 1
+            return False
+        self._seen.add(key)
         before = time.process_time()
         with self._memory.limited(FREE + self.door.per_byte * sum(map(len, files.values()))):
             problem, is_bad = self._outcome(files)
@@ -104,6 +118,7 @@ class Visitor:
         tally.outcomes[words or "passed"] += 1
         if is_bad and words not in tally.bad:
             tally.bad[words] = self._save(files, data)
+        return True
 
     def _outcome(self, files: Files) -> tuple[str, bool]:
         """Returns the problem of an input, empty if there is none, and whether it is a bug."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 import msgpack
 
@@ -18,13 +17,9 @@ LARGEST = 2**64 - 1
 BULK = (b"\x90", b"\x80", b"\xc0", b"\x91", b"\xa0", b"\x93\x90\x90\x90", b"\xc4\x00", b"\x81\xa1a")
 
 
-def _packable(value: Any) -> Any:
-    """Returns a value that MessagePack can hold: it has no whole numbers above 64 bits."""
-    if isinstance(value, dict):
-        return {key: _packable(one) for key, one in value.items()}
-    if isinstance(value, list):
-        return [_packable(one) for one in value]
-    return min(max(value, -(2**63)), LARGEST) if isinstance(value, int) and not isinstance(value, bool) else value
+def _whole(number: int) -> int:
+    """Returns a whole number that MessagePack can hold, in place of one that it cannot."""
+    return min(max(number, -(2**63)), LARGEST)
 
 
 def make(draw: Draw) -> Files:
@@ -32,7 +27,7 @@ def make(draw: Draw) -> Files:
     body = small_body()
     for _ in range(draw.choice((0, 1, 1, 1, 2, 3))):
         damage_value(body, draw)
-    packed = msgpack.packb(_packable(body), unicode_errors="surrogatepass")
+    packed = msgpack.packb(body, default=_whole, unicode_errors="surrogatepass")
     if draw.rarely(8):
         packed = damage_bytes(packed, packed, draw)
     if draw.rarely(30):

@@ -6,11 +6,9 @@ import re
 import struct
 from pathlib import Path
 
-import msgpack
-
 from bench.hostile.damage import damage_bytes
 from motionsplice.runtime.format.manifest import TABLES
-from tests.hardening.fuzz.banks import digests, manifest_of, small_body, small_tables, use_bank
+from tests.hardening.fuzz.banks import body_with, manifest_of, small_tables, use_bank
 from tests.hardening.fuzz.door import Door, Files
 from tests.hardening.fuzz.draw import Draw
 
@@ -65,8 +63,7 @@ def make(draw: Draw) -> Files:
 
 def enter(files: Files, folder: Path) -> None:
     """Uses the small bank with these tables."""
-    body = msgpack.packb(small_body() | {"tables": digests({**small_tables(), **files})})
-    use_bank(folder, manifest_of(body), files)
+    use_bank(folder, manifest_of(body_with(files)), files)
 
 
 EARLY = re.compile(".*(is cut short or not an array|is missing)")

@@ -36,8 +36,9 @@ def test_whatever_comes_to_a_door_passes_or_is_refused_by_a_typed_error(name: st
             visitor.visit(Random(f"{name} {number}").randbytes(LONGEST))
     tally = visitor.tally
     assert not tally.bad
-    assert tally.passed_first > INPUTS / 3
-    assert 0 < tally.passed < INPUTS
+    assert tally.inputs + tally.repeated == INPUTS
+    assert tally.passed_first > tally.inputs / 3
+    assert 0 < tally.passed < tally.inputs
 
 
 @pytest.mark.parametrize("name", DOORS)
@@ -102,6 +103,12 @@ def test_outcomes_are_counted_without_their_names_and_numbers(tmp_path: Path) ->
     assert tally.outcomes == {"no … in … files": 1}
     tally.write(tmp_path / "tally.json")
     assert Tally.read(tmp_path / "tally.json") == tally
+
+
+def test_an_input_that_was_sent_before_is_not_sent_again() -> None:
+    with visiting(door(refused)) as visitor:
+        assert [visitor.visit(data) for data in (b"x\x07", b"x\x08", b"y\x07")] == [True, True, False]
+    assert (visitor.tally.inputs, visitor.tally.repeated) == (2, 1)
 
 
 def test_a_tally_counts_on_from_that_of_an_earlier_run(tmp_path: Path) -> None:

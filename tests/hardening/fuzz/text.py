@@ -8,7 +8,7 @@ from bench.hostile.damage import WORDS, damage_bytes, damage_text
 from tests.hardening.fuzz.draw import Draw
 
 ENCODINGS = ("utf-8-sig", "utf-16", "cp932", "gb18030", "latin-1", "utf-16-le")
-LARGE = 2000  # bytes that a part may be repeated to
+LARGE = 600  # bytes that a part may be repeated to
 
 
 def odd_number(draw: Draw) -> str:

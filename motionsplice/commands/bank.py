@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 AUTOMATIC = "auto"
 
 console = Console(emoji=False)
+messages = Console(stderr=True, emoji=False)  # progress and failures: standard output has the report
 
 
 def register(app: typer.Typer) -> None:
@@ -111,10 +112,10 @@ def precompute_command(
         built = Bank.open(bank)
         show_tables(built)
         print_retargeted(built, skeleton)
-    print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed")
+    print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed", to=messages)
     if outcome.failed:
         if roles is not None:
-            console.print("--roles applies to all clips. For a few, set `roles` in clips.toml", soft_wrap=True)
+            messages.print("--roles applies to all clips. For a few, set `roles` in clips.toml", soft_wrap=True)
         raise typer.Exit(1)
 
 
@@ -165,7 +166,7 @@ def _workers(scheduler: str | None) -> AbstractContextManager[Executor | None]:
 def stages(file: ProgressFile | None = None) -> Iterator[Callable[[str, int, int], None]]:
     """Shows a bar for each stage of a job, and writes the progress to a file."""
     columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console) as bar:
+    with Progress(*columns, console=messages) as bar:
         tasks: dict[str, TaskID] = {}
 
         def show(stage: str, done: int, total: int) -> None:
@@ -197,7 +198,7 @@ def print_left_out(clips: Sequence[Path | Remote]) -> None:
     others = [file.name for path in clips if path.is_dir() for file in other_files(path)]
     if others:
         line = f"left out, cannot be read: {listed(others)}. Export them as BVH or GLB"
-        console.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
+        messages.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
 
 
 def print_retargeted(bank: Bank, skeleton: str | None) -> None:

@@ -167,7 +167,9 @@ def test_a_clip_that_fails_is_named_and_the_exit_status_is_1(clip_folder: Path, 
     arguments = ["precompute", str(clip_folder), str(broken), "--out", str(tmp_path / "bank"), "--jobs", "1"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 1
-    assert "broken failed" in result.output
+    assert "broken failed" in result.stderr
+    assert "aligning" in result.stderr
+    assert result.stdout.startswith("7 clips, 0 reused, 1 failed\n")
     assert len(Bank.open(tmp_path / "bank").clips) == 7
 
 
@@ -177,7 +179,7 @@ def test_files_of_other_programs_in_a_folder_are_named(clip_folder: Path, tmp_pa
     arguments = ["precompute", str(clip_folder), str(tmp_path), "--out", str(tmp_path / "bank"), "--jobs", "1"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0
-    assert "left out, cannot be read: jog.c3d. Export them as BVH or GLB" in result.output
+    assert "left out, cannot be read: jog.c3d. Export them as BVH or GLB" in result.stderr
     assert "notes.txt" not in result.output
 
 

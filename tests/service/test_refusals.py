@@ -36,7 +36,7 @@ def lines(caplog: pytest.LogCaptureFixture) -> list[Any]:
 @pytest.mark.parametrize(
     ("method", "path", "headers", "status", "words"),
     [
-        ("GET", "/v1/nothing", {}, 404, "Not Found"),
+        ("GET", "/v1/nothing", {}, 404, "no such path '/v1/nothing'. GET /openapi.json lists all requests"),
         ("GET", "/v1/clips/wlak", {}, 404, "Did you mean 'walk'"),
         ("GET", "/v1/skeleton?axes=maya", {}, 422, "axes: "),
         ("GET", "/v1/skeleton?axis=unity", {}, 422, "Did you mean 'axes'"),
@@ -44,7 +44,7 @@ def lines(caplog: pytest.LogCaptureFixture) -> list[Any]:
         ("GET", "/v1/tables/lower", {"range": "bytes=999999999-"}, 416, "the range is outside the file"),
         ("POST", "/v1/clips?name=jump.bvh", {}, 403, "Start it with --token"),
         ("POST", "/v1/clips", {}, 422, "name: "),
-        ("POST", "/v1/bank", {}, 405, "Method Not Allowed"),
+        ("POST", "/v1/bank", {}, 405, "/v1/bank does not have the method POST. Use GET"),
         ("GET", "/v1/pose?locomotion=wlak&time=0", {}, 404, "Did you mean 'walk'"),
     ],
 )

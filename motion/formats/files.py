@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -49,6 +50,11 @@ def clip_files(folder: At) -> list[At]:
 def other_files(folder: At) -> list[At]:
     """Returns the motion files in a folder that cannot be read, in order of name."""
     return [file for file in listing(folder) if OTHERS.fullmatch(file.suffix) and file.name[0] != "."]
+
+
+def folders_of_clips(folder: Path) -> list[Path]:
+    """Returns the folders in a folder that hold motion files, in order of name."""
+    return [one for one in listing(folder) if one.is_dir() and os.access(one, os.R_OK) and clip_files(one)]
 
 
 def listing(folder: At) -> list[At]:

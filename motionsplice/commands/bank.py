@@ -191,13 +191,19 @@ def print_work(outcome: Outcome, out: Path | Remote) -> None:
 
 
 def print_left_out(clips: Sequence[Path | Remote]) -> None:
-    """Prints which motion files in the folders cannot be read."""
+    """Prints which motion files in the folders cannot be read, and which subfolders have some."""
     from motionsplice.motion.errors import listed
-    from motionsplice.motion.formats.files import other_files
+    from motionsplice.motion.formats.files import folders_of_clips, other_files
 
     others = [file.name for path in clips if path.is_dir() for file in other_files(path)]
     if others:
         line = f"left out, cannot be read: {listed(others)}. Export them as BVH or GLB"
+        messages.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
+    folders = [path for path in clips if isinstance(path, Path) and path.is_dir()]
+    if below := [str(one) for path in folders for one in folders_of_clips(path) if one not in folders]:
+        line = (
+            f"left out, subfolders are not searched: {listed(below)}. Name them too if their clips belong to the bank"
+        )
         messages.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
 
 

@@ -203,7 +203,7 @@ def test_two_clips_with_the_same_name_are_refused(tmp_path: Path) -> None:
 def test_a_name_that_is_not_unicode_is_refused(tmp_path: Path) -> None:
     clips = write(tmp_path / "clips", walk=CLIPS["walk"])
     try:
-        shutil.copy(clips / "walk.bvh", os.fsencode(clips) + b"/run\xff.bvh")
+        shutil.copy(clips / "walk.bvh", os.fsdecode(os.fsencode(clips) + b"/run\xff.bvh"))
     except OSError:
         pytest.skip("this disk has no such names")
     with pytest.raises(ClipError, match=r"run\\udcff\.bvh': no clip can be named 'run\\udcff'.*not UTF-8"):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -166,10 +166,12 @@ def _workers(scheduler: str | None) -> AbstractContextManager[Executor | None]:
 def stages(file: ProgressFile | None = None) -> Iterator[Callable[[str, int, int], None]]:
     """Shows a bar for each stage of a job, and writes the progress to a file."""
     columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=messages) as bar:
-        tasks: dict[str, TaskID] = {}
+    bar, tasks = Progress(*columns, console=messages), dict[str, TaskID]()
+    with ExitStack() as shown:
 
         def show(stage: str, done: int, total: int) -> None:
+            if not tasks:  # one without a stage would print an empty line
+                shown.enter_context(bar)
             if stage not in tasks:  # a stage without work has no bar
                 tasks[stage] = bar.add_task(stage)
             bar.update(tasks[stage], completed=done, total=total)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from unicodedata import normalize
 
 LONGEST_NAME = 200  # characters of a name that others are compared with; it takes seconds for one of a megabyte
 
@@ -84,11 +85,18 @@ class SettingsError(MotionError):
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Returns a hint for an unknown `name`: up to three similar names of `known`, or else the first ten of them."""
     names = sorted(known)
-    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5) if len(name) <= LONGEST_NAME else []
-    if near:
+    short = len(name) <= LONGEST_NAME
+    if short and (alike := [one for one in names if one != name and _composed(one) == _composed(name)]):
+        return f"Did you mean {alike[0]!a}? It looks the same, but has other Unicode characters"
+    if near := difflib.get_close_matches(name, names, n=3, cutoff=0.5) if short else []:
         return "Did you mean " + " or ".join(repr(match) for match in near) + "?"
     listed = ", ".join(names[:10]) + (f" and {len(names) - 10} more" if len(names) > 10 else "")
     return f"Choose one of {listed}" if listed else "None are available"
+
+
+def _composed(name: str) -> str:
+    """Returns a name with each accent in its letter's own character: macOS writes them apart."""
+    return normalize("NFC", name)
 
 
 def listed(names: list[str]) -> str:

@@ -6,6 +6,7 @@ import asyncio
 import gc
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from http import HTTPStatus
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -111,8 +112,14 @@ def _add_problems(app: FastAPI, refusals: RefusalLog) -> None:
 
     async def http_problem(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
-        answer = refuse(request, error.status_code, "http", str(error.detail))
-        answer.headers.update(error.headers or {})
+        headers, path = error.headers or {}, request.scope["path"][:80]
+        detail = str(error.detail)
+        if detail == HTTPStatus.NOT_FOUND.phrase:  # Starlette says no more
+            detail = f"no such path {path!r}. GET /openapi.json lists all requests"
+        if detail == HTTPStatus.METHOD_NOT_ALLOWED.phrase:
+            detail = f"{path} does not have the method {request.method}. Use {headers['Allow']}"
+        answer = refuse(request, error.status_code, "http", detail)
+        answer.headers.update(headers)
         return answer
 
     app.add_exception_handler(MotionError, motion_problem)

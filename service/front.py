@@ -46,6 +46,7 @@ logger = logging.getLogger(__name__)
 
 BANKS, BELOW = "/v1/banks/", "/v1/"
 CHARACTERS = "/v1/characters"
+WITHOUT_HEAD = frozenset({"/v1/stream", "/v1/job/events", "/v1/poses", "/v1/take"})  # they go on, or have no GET
 OTHER, CONNECTION = "other", "connection"  # in metrics: requests of other routes, refusals of the HTTP server
 PREFLIGHT: Headers = [
     (b"access-control-allow-methods", b"GET, HEAD, POST, OPTIONS"),
@@ -160,7 +161,7 @@ class Front:
                 await Answer(b"", b"text/plain", status, PREFLIGHT).send(send, headers)
                 return
             path, immutable = self._without_digest(path)
-            if method == "HEAD" and (path == POSE or is_cacheable(path)):
+            if method == "HEAD" and path not in WITHOUT_HEAD:
                 method = "GET"  # the server drops the body
             cached: Headers = []
             if method == "GET" and (is_cacheable(path) or (immutable and path == POSE)):
@@ -199,7 +200,8 @@ class Front:
         status, kind = kind_of(error)
         self.shared.refusals.note(request_id.get(), address_of(scope), status, str(error), path)
         if isinstance(error, MethodError):
-            headers = [*headers, (b"allow", self._methods[path].encode())]
+            allowed = self._methods[path] + ", HEAD" * (path not in WITHOUT_HEAD)
+            headers = [*headers, (b"allow", allowed.encode())]
         await send_problem(send, status, kind, str(error), headers)
         return status
 

@@ -50,6 +50,13 @@ class Lines(logging.Formatter):
         return f"{line}\n{self.formatException(record.exc_info)}" if record.exc_info else line
 
 
+class Unfinished(logging.Filter):
+    """Leaves out uvicorn's error about an answer without an end, which is how a client sees that a stream was cut."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        return record.msg != "ASGI callable returned without completing response."
+
+
 def log_config() -> dict[str, Any]:
     """Returns a configuration for logging.config that writes everything to stderr."""
     formatter = "motionsplice.service.logs.Lines" if sys.stderr.isatty() else "motionsplice.service.logs.JsonLines"
@@ -57,9 +64,13 @@ def log_config() -> dict[str, Any]:
         "version": 1,
         "disable_existing_loggers": False,
         "formatters": {"lines": {"()": formatter}},
+        "filters": {"unfinished": {"()": Unfinished}},
         "handlers": {"stderr": {"class": "logging.StreamHandler", "formatter": "lines"}},
         "root": {"handlers": ["stderr"], "level": "INFO"},
-        "loggers": {"uvicorn.error": {"level": "WARNING"}, "uvicorn.access": {"handlers": [], "propagate": False}},
+        "loggers": {
+            "uvicorn.error": {"level": "WARNING", "filters": ["unfinished"]},
+            "uvicorn.access": {"handlers": [], "propagate": False},
+        },
     }
 
 

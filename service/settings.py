@@ -141,7 +141,9 @@ class Settings(BaseSettings):
             return handler(values)
         except ValidationError as error:
             wrong = [f"{variable(*one['loc'])} {_problem(one)}" for one in error.errors()]
-            raise SettingsError("; ".join(wrong), mend="Set another value, or unset it") from None
+            raise SettingsError(
+                "; ".join(wrong), mend="Set another value by the variable or its flag, or none"
+            ) from None
 
 
 def _problem(error: ErrorDetails) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -18,7 +19,7 @@ from motionsplice.motion.formats.parsed import Parsed
 from motionsplice.motion.formats.rest_pose import with_own_bind
 from motionsplice.motion.formats.scene import Scene, nodes_of
 from motionsplice.motion.roles import Roles
-from motionsplice.motion.storage.place import At, Place, exists, is_dir, may_never_end, resolved
+from motionsplice.motion.storage.place import At, Place, exists, is_dir, is_named, may_never_end, resolved
 
 GLTF = (".glb", ".gltf", ".vrm", ".vrma")
 SCENES = (*GLTF, ".fbx")
@@ -49,6 +50,11 @@ def clip_files(folder: At) -> list[At]:
 def other_files(folder: At) -> list[At]:
     """Returns the motion files in a folder that cannot be read, in order of name."""
     return [file for file in listing(folder) if OTHERS.fullmatch(file.suffix) and file.name[0] != "."]
+
+
+def folders_of_clips(folder: Path) -> list[Path]:
+    """Returns the folders in a folder that hold motion files, in order of name."""
+    return [one for one in listing(folder) if one.is_dir() and os.access(one, os.R_OK) and clip_files(one)]
 
 
 def listing(folder: At) -> list[At]:
@@ -152,7 +158,11 @@ def read_bytes(path: Place) -> bytes:
         if may_never_end(path):
             raise FormatError("this is a pipe or a device, not a file", file=str(path))
         data = path.read_bytes()
+    except IsADirectoryError:
+        raise FormatError("this is a folder, not a file", file=str(path), mend="Name the files in it") from None
     except (FileNotFoundError, NotADirectoryError):
+        if is_named(path):
+            raise FormatError("this link leads nowhere", file=str(path), mend="Mend the link, or remove it") from None
         raise FormatError("no such file", file=str(path), mend="Check the path") from None
     except OSError as error:
         raise FormatError(f"the file cannot be read: {error.strerror}", file=str(path)) from None

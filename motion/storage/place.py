@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Protocol, Self, TypeVar
 from urllib.parse import unquote, urlsplit
 
+from motionsplice.motion.errors import SettingsError
 from motionsplice.motion.storage.remote import Remote
 
 URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")  # two letters or more: C: is a disk
@@ -46,10 +47,15 @@ class Place(Protocol):
 
 
 def place_of(path: str | os.PathLike[str] | Place) -> Path | Remote:
-    """Returns where a path or URL leads: `s3://bucket/clips` to a Remote, `file:///srv/clips` to a Path."""
+    """Returns where a path or URL leads: `s3://bucket/clips` to a Remote, `file:///srv/clips` to a Path.
+
+    Raises SettingsError if it is empty, as from a variable that is not set: Python takes that for the current folder.
+    """
     if isinstance(path, Path | Remote):
         return path
     text = os.fspath(path)  # type: ignore[arg-type]  # the others have been returned
+    if not text:
+        raise SettingsError("the path is empty", mend="Name a file or folder; . is the current folder")
     if not URL.match(text):
         return Path(text)
     return Path(unquote(urlsplit(text).path)) if text.lower().startswith("file:") else Remote(text.rstrip("/"))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 AUTOMATIC = "auto"
 
 console = Console(emoji=False)
+messages = Console(stderr=True, emoji=False)  # progress and failures: standard output has the report
 
 
 def register(app: typer.Typer) -> None:
@@ -111,10 +112,10 @@ def precompute_command(
         built = Bank.open(bank)
         show_tables(built)
         print_retargeted(built, skeleton)
-    print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed")
+    print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed", to=messages)
     if outcome.failed:
         if roles is not None:
-            console.print("--roles applies to all clips. For a few, set `roles` in clips.toml", soft_wrap=True)
+            messages.print("--roles applies to all clips. For a few, set `roles` in clips.toml", soft_wrap=True)
         raise typer.Exit(1)
 
 
@@ -165,10 +166,12 @@ def _workers(scheduler: str | None) -> AbstractContextManager[Executor | None]:
 def stages(file: ProgressFile | None = None) -> Iterator[Callable[[str, int, int], None]]:
     """Shows a bar for each stage of a job, and writes the progress to a file."""
     columns = (TextColumn("{task.description:>9}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console) as bar:
-        tasks: dict[str, TaskID] = {}
+    bar, tasks = Progress(*columns, console=messages), dict[str, TaskID]()
+    with ExitStack() as shown:
 
         def show(stage: str, done: int, total: int) -> None:
+            if not tasks:  # one without a stage would print an empty line
+                shown.enter_context(bar)
             if stage not in tasks:  # a stage without work has no bar
                 tasks[stage] = bar.add_task(stage)
             bar.update(tasks[stage], completed=done, total=total)
@@ -190,14 +193,20 @@ def print_work(outcome: Outcome, out: Path | Remote) -> None:
 
 
 def print_left_out(clips: Sequence[Path | Remote]) -> None:
-    """Prints which motion files in the folders cannot be read."""
+    """Prints which motion files in the folders cannot be read, and which subfolders have some."""
     from motionsplice.motion.errors import listed
-    from motionsplice.motion.formats.files import other_files
+    from motionsplice.motion.formats.files import folders_of_clips, other_files
 
     others = [file.name for path in clips if path.is_dir() for file in other_files(path)]
     if others:
         line = f"left out, cannot be read: {listed(others)}. Export them as BVH or GLB"
-        console.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
+        messages.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
+    folders = [path for path in clips if isinstance(path, Path) and path.is_dir()]
+    if below := [str(one) for path in folders for one in folders_of_clips(path) if one not in folders]:
+        line = (
+            f"left out, subfolders are not searched: {listed(below)}. Name them too if their clips belong to the bank"
+        )
+        messages.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
 
 
 def print_retargeted(bank: Bank, skeleton: str | None) -> None:

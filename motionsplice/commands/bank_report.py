@@ -54,7 +54,9 @@ def uneven_clips(bank: Bank) -> list[tuple[str, str]]:
     return found
 
 
-def print_grouped(style: str, about: Iterable[tuple[str, object]], clips: Iterable[str], verb: str = "") -> None:
+def print_grouped(
+    style: str, about: Iterable[tuple[str, object]], clips: Iterable[str], verb: str = "", to: Console = console
+) -> None:
     """Prints sentences about clips, each once, after the names of all clips that it is about.
 
     clips: the names of all clips, for `moves:*` to stand for all of a file's.
@@ -65,7 +67,7 @@ def print_grouped(style: str, about: Iterable[tuple[str, object]], clips: Iterab
         names.setdefault(str(sentence), []).append(name)
     for sentence, named in names.items():
         line = f"[{style}]{escape(_in_short(named, per_file))}{verb}: {escape(sentence)}[/{style}]"
-        console.print(line, highlight=False, soft_wrap=True)
+        to.print(line, highlight=False, soft_wrap=True)
 
 
 def _in_short(names: list[str], per_file: Counter[str]) -> str:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.job.written import mend_of
 from motionsplice.runtime.format.manifest import content_digest
 
 OURS = re.compile(r"[0-9a-f]{32}\.(entry|npz)")  # .npz: of earlier versions
@@ -93,8 +94,7 @@ class Cache:
             with suppress(OSError):
                 os.unlink(partial)
             problem = f"cannot write to the cache: {error.strerror}"
-            mend = "Check the folder's permissions and free space"
-            raise CacheError(problem, file=str(self.folder), mend=mend) from None
+            raise CacheError(problem, file=str(self.folder), mend=mend_of(error)) from None
 
     def keep_only(self, keys: Collection[str]) -> None:
         """Removes all other entries, and partial files of killed jobs."""

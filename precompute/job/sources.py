@@ -51,6 +51,9 @@ def find_sources(paths: Iterable[Place], roles: Mapping[str, GivenRole], default
     clips_of = cache(lambda file: read[file] if file in read else _clips_of(file))  # each file is read once
     for file in files:
         for name, animation in (clips_of(file) or {file.stem: None}).items():  # an unread file fails under its name
+            if not _is_unicode(name):
+                problem = f"no clip can be named {name!r}: that is not UTF-8, and a bank cannot store it"
+                raise ClipError(problem, file=ascii(str(file)), mend="Rename the file, or its animation")
             if name.endswith(MIRRORED):
                 problem = f"no clip can be named {name!r}: that is the mirror image of another"
                 raise ClipError(problem, file=str(file), mend="Rename the file")
@@ -67,6 +70,15 @@ def find_sources(paths: Iterable[Place], roles: Mapping[str, GivenRole], default
             settings |= _settings_of(folder, clips_of, default)
     sources = [Source(name, *found[name], settings_for(name, settings, default)) for name in sorted(found)]
     return [replace(one, settings=replace(one.settings, roles=one.settings.roles or roles)) for one in sources]
+
+
+def _is_unicode(name: str) -> bool:
+    """Whether a name is text. Those of files are bytes, and JSON may have half of a surrogate pair."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _nothing_in(paths: list[Place]) -> ClipError:

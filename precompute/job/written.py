@@ -117,13 +117,19 @@ def written(folder: Path, *partials: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        mend = "Check the folder's permissions and free space"
         file = str(error.filename or folder)
-        raise BankError(f"the bank cannot be written: {error.strerror}", file=file, mend=mend) from None
+        raise BankError(f"the bank cannot be written: {error.strerror}", file=file, mend=mend_of(error)) from None
     finally:
         for partial in partials:
             with suppress(OSError):
                 partial.unlink()
+
+
+def mend_of(error: OSError) -> str:
+    """Returns what to do about a folder that cannot be written."""
+    if isinstance(error, FileExistsError | NotADirectoryError):
+        return "A file or a broken link is in the folder's place: name another folder, or remove it"
+    return "Check the folder's permissions and free space"
 
 
 class _Table:

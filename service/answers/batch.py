@@ -56,7 +56,8 @@ class Batch:
             if unpacker.tell() != len(body):
                 raise RequestError("the body has bytes after the map")
         except (ValueError, TypeError, OverflowError, msgpack.UnpackException) as error:
-            raise RequestError(f"the body is not a MessagePack map of names and blobs ({error})") from None
+            problem = f"the body is not a MessagePack map of names and blobs ({error})"
+            raise RequestError(problem, mend="Send each array as one blob of little-endian numbers") from None
         columns = {}
         for key, kind in COLUMNS.items():
             if key in values:
@@ -96,7 +97,9 @@ class Batch:
         columns.setdefault("start", np.zeros(count))
         for key, column in columns.items():
             if len(column) != count:
-                raise RequestError(f"{key}: expected {count} numbers, as many as locomotion has, found {len(column)}")
+                problem = f"{key}: expected {count} numbers, as many as locomotion has, found {len(column)}"
+                own, other = np.dtype(COLUMNS[key]).name, np.dtype(COLUMNS["locomotion"]).name
+                raise RequestError(problem, mend=f"In MessagePack {key} is {own}, and locomotion {other}")
         for key, least in (("locomotion", 0), ("action", NONE), ("hands", NONE)):
             outside = (columns[key] < least) | (columns[key] >= len(clips))
             if outside.any():

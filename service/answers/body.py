@@ -72,7 +72,13 @@ async def steady_chunks(
 
 
 async def chunks(scope: Scope, receive: Receive, most: int) -> AsyncIterator[bytes]:
-    """Yields a body as it arrives. Raises TooLargeError, or RequestError if the client disconnects before its end."""
+    """Yields a body as it arrives.
+
+    Raises MediaTypeError if it is compressed, TooLargeError, or RequestError if the client disconnects before its end.
+    """
+    if header(scope, b"content-encoding").strip().lower() not in ("", "identity"):
+        found = header(scope, b"content-encoding")
+        raise MediaTypeError(f"content encoding {found!r:.40} is not supported", mend="Send the body uncompressed")
     length, received = header(scope, b"content-length"), 0
     if length.isdigit() and int(length[:18]) > most:
         raise too_large(most)

@@ -13,7 +13,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import FormatError, MotionError, RoleError, SettingsError
 from motionsplice.motion.formats import bvh
-from motionsplice.motion.formats.files import clip_files, other_files
+from motionsplice.motion.formats.files import clip_files, other_files, read_bytes
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.formats.units import GUESSED, UNITS, check_stated_unit, guess_unit, metres_per_unit
@@ -89,6 +89,14 @@ def test_hidden_files_are_no_clips(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(b"x")
     assert [file.name for file in clip_files(tmp_path)] == ["RUN.BVH", "walk.bvh"]
     assert [file.name for file in other_files(tmp_path)] == ["jog.C3D"]
+
+
+def test_a_folder_or_a_broken_link_named_as_a_clip_is_said_to_be_one(tmp_path: Path) -> None:
+    (tmp_path / "moves.bvh").mkdir()
+    (tmp_path / "old.bvh").symlink_to(tmp_path / "gone.bvh")
+    for name, problem in (("moves.bvh", "this is a folder"), ("old.bvh", "this link leads nowhere")):
+        with pytest.raises(FormatError, match=rf"{name}: {problem}"):
+            read_bytes(tmp_path / name)
 
 
 def test_a_pointer_of_git_lfs_is_refused_with_what_to_do(tmp_path: Path) -> None:

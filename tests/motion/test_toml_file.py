@@ -18,7 +18,7 @@ DEEP = 10_000
         (b"a = " + b"[" * DEEP + b"]" * DEEP, "nested too deeply"),
         (b"a = " + b"{b = " * DEEP + b"1" + b"}" * DEEP, "nested too deeply"),
         (b"".join(b"[%d.a.b.c.d]\n" % number for number in range(15_000)), "more than one table or list in 16 bytes"),
-        (b"a = \xff", "not TOML: .* can't decode"),
+        (b"a = \xff", "not TOML: .* can't decode.* Save it as UTF-8"),
         (b"[walk", "not TOML: Expected .* end of a table declaration.*Write a name with a colon in quotes"),
     ],
 )
@@ -27,6 +27,11 @@ def test_what_cannot_be_parsed_is_refused_by_name(content: bytes, problem: str, 
     file.write_bytes(content)
     with pytest.raises(SettingsError, match=rf"clips\.toml: .*{problem}"):
         read_toml(file)
+
+
+def test_a_byte_order_mark_is_left_out(tmp_path: Path) -> None:
+    (tmp_path / "clips.toml").write_bytes(b"\xef\xbb\xbf[walk]\r\nkind = 'action'\r\n")
+    assert read_toml(tmp_path / "clips.toml") == {"walk": {"kind": "action"}}
 
 
 def test_what_cannot_be_read_is_refused_by_name(tmp_path: Path) -> None:

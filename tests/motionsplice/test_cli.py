@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import socket
 import subprocess
 import sys
@@ -167,7 +168,9 @@ def test_a_clip_that_fails_is_named_and_the_exit_status_is_1(clip_folder: Path, 
     arguments = ["precompute", str(clip_folder), str(broken), "--out", str(tmp_path / "bank"), "--jobs", "1"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 1
-    assert "broken failed" in result.output
+    assert "broken failed" in result.stderr
+    assert "aligning" in result.stderr
+    assert result.stdout.startswith("7 clips, 0 reused, 1 failed\n")
     assert len(Bank.open(tmp_path / "bank").clips) == 7
 
 
@@ -177,8 +180,19 @@ def test_files_of_other_programs_in_a_folder_are_named(clip_folder: Path, tmp_pa
     arguments = ["precompute", str(clip_folder), str(tmp_path), "--out", str(tmp_path / "bank"), "--jobs", "1"]
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0
-    assert "left out, cannot be read: jog.c3d. Export them as BVH or GLB" in result.output
+    assert "left out, cannot be read: jog.c3d. Export them as BVH or GLB" in result.stderr
     assert "notes.txt" not in result.output
+
+
+def test_subfolders_with_clips_are_named_unless_they_are_given(clip_folder: Path, tmp_path: Path) -> None:
+    clips, more = tmp_path / "clips", tmp_path / "clips" / "more"
+    more.mkdir(parents=True)
+    (clips / "empty").mkdir()
+    shutil.copy(clip_folder / "run.bvh", clips)
+    shutil.copy(clip_folder / "walk.bvh", more)
+    said = f"left out, subfolders are not searched: {more}. Name them too"
+    assert said in run("precompute", clips, "--out", tmp_path / "bank", "--baseline", "run", "--jobs", 1).stderr
+    assert said not in run("precompute", clips, more, "--out", tmp_path / "bank", "--baseline", "run").stderr
 
 
 def test_inspect_lists_hands_and_warns_of_those_that_hardly_fit(hands_bank: Bank) -> None:

@@ -187,6 +187,12 @@ def test_a_very_long_unknown_name_is_refused_at_once_and_not_repeated(bank: Bank
     assert did_you_mean("x" * LONGEST_NAME, ["x" * (LONGEST_NAME - 1)]).startswith("Did you mean")
 
 
+def test_a_name_that_only_looks_the_same_is_written_out() -> None:
+    apart, composed = "Gru\u0308ße", "Grüße"
+    assert did_you_mean(composed, [apart, composed[:-1]]).startswith(f"Did you mean {apart!a}? It looks the same")
+    assert did_you_mean(apart, [composed]).startswith(f"Did you mean {composed!a}? It looks the same")
+
+
 def write_manifest(bank: Path, outer: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> None:
     """Rewrites the manifest with a change to its body and a valid digest."""
     body = msgpack.unpackb(outer["body"])

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gzip
 import json
 import logging
 import re
@@ -19,6 +20,7 @@ from motionsplice.service import caching, serving
 from motionsplice.service.app import create_app
 from motionsplice.service.models import BankInfo
 from motionsplice.service.settings import Settings
+from tests.service.running import Running, received
 
 
 def test_the_bank_and_its_clips_are_listed(client: TestClient, bank: Bank) -> None:
@@ -113,9 +115,9 @@ def test_limits_are_whole_numbers_where_the_settings_are(client: TestClient) -> 
         ("/v1/stream?locomotion=walk&ahead=121", 422, "limit", "ahead: 121 is more than 120"),
         ("/v1/stream?locomotion=walk&rate=500&pace=realtime", 422, "limit", "rate: 500 is more than 120"),
         ("/v1/tables/lowe", 404, "unknown-bank", "Did you mean 'lower'"),
-        ("/v1/tables/..%2Fmanifest.msgpack", 404, "http", "Not Found"),
+        ("/v1/tables/..%2Fmanifest.msgpack", 404, "http", "no such path '/v1/tables/../manifest"),
         ("/v1/banks/00ff/pose?locomotion=walk&time=0", 404, "unknown-bank", "the bank '00ff' is not served"),
-        ("/v1/nothing", 404, "http", "Not Found"),
+        ("/v1/nothing", 404, "http", "no such path '/v1/nothing'. GET /openapi.json lists all"),
     ],
 )
 def test_errors_are_problems_that_say_what_to_do(
@@ -127,6 +129,22 @@ def test_errors_are_problems_that_say_what_to_do(
     assert words in problem["detail"]
     assert (answer.status_code, problem["status"], problem["type"]) == (status, status, f"urn:motionsplice:{kind}")
     assert problem["request_id"] == answer.headers["x-request-id"]
+
+
+@pytest.mark.parametrize("path", ["/healthz", "/readyz", "/metrics", "/v1/server", "/v1/pose?locomotion=walk&time=1"])
+def test_a_head_request_is_answered_as_a_get_without_the_body(service: Running, path: str) -> None:
+    whole = received(service.connect(f"GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n".encode()))
+    alone = received(service.connect(f"HEAD {path} HTTP/1.0\r\nHost: localhost\r\n\r\n".encode()))
+    status = b"204" if path.endswith("z") else b"200"
+    assert alone.split(b" ")[1] == whole.split(b" ")[1] == status
+    assert alone.endswith(b"\r\n\r\n")
+
+
+def test_a_compressed_body_is_refused_as_such(client: TestClient) -> None:
+    headers = {"content-type": "application/json", "content-encoding": "gzip"}
+    answer = client.post("/v1/poses", content=gzip.compress(b"{}"), headers=headers)
+    assert answer.status_code == 415
+    assert answer.json()["detail"] == "content encoding 'gzip' is not supported. Send the body uncompressed"
 
 
 @pytest.mark.parametrize(
@@ -297,12 +315,12 @@ def test_a_refused_method_lists_the_allowed_ones(client: TestClient) -> None:
 @pytest.mark.parametrize(
     ("method", "path", "allowed"),
     [
-        ("POST", "/v1/pose", "GET"),
-        ("DELETE", "/v1/pose?locomotion=walk&time=0", "GET"),
+        ("POST", "/v1/pose", "GET, HEAD"),
+        ("DELETE", "/v1/pose?locomotion=walk&time=0", "GET, HEAD"),
         ("GET", "/v1/poses", "POST"),
         ("GET", "/v1/take", "POST"),
-        ("POST", "/v1/splice", "GET"),
-        ("PUT", "/v1/expectation", "GET"),
+        ("POST", "/v1/splice", "GET, HEAD"),
+        ("PUT", "/v1/expectation", "GET, HEAD"),
         ("HEAD", "/v1/stream?locomotion=walk", "GET"),
         ("HEAD", "/v1/poses", "POST"),
         ("OPTIONS", "/v1/stream", "GET"),
@@ -313,7 +331,9 @@ def test_a_refused_method_of_a_direct_route_does_too(client: TestClient, method:
     assert (answer.status_code, answer.headers["allow"]) == (405, allowed)
     if method != "HEAD":
         assert answer.json()["type"] == "urn:motionsplice:http"
-        assert answer.json()["detail"].endswith(f"does not have the method {method}. Use {allowed}")
+        assert answer.json()["detail"].endswith(
+            f"does not have the method {method}. Use {allowed.removesuffix(', HEAD')}"
+        )
 
 
 def test_the_head_of_a_pose_is_that_of_its_get(client: TestClient) -> None:

@@ -69,3 +69,13 @@ def test_what_is_not_done_in_time_is_refused_without_a_traceback(
         head = f"POST /v1/clips?name=jump.bvh HTTP/1.1\r\n{HEAD}\r\n".encode()
         assert is_refused(stop_with_open(service, head + 1000 * b"x"))
     assert not [record for record in caplog.records if record.exc_info]
+
+
+def test_a_stream_that_is_cut_is_no_error_in_the_log(bank: Bank, caplog: pytest.LogCaptureFixture) -> None:
+    with running(bank.path, Settings()) as service:
+        logging.getLogger().addHandler(caplog.handler)
+        head = "GET /v1/stream?locomotion=walk&pace=realtime HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        answer = stop_with_open(service, head.encode())
+    assert answer.startswith(b"HTTP/1.1 200 ")
+    assert not answer.endswith(b"\r\n0\r\n\r\n")
+    assert not [record for record in caplog.records if record.levelno >= logging.ERROR]

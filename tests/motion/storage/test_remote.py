@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from motionsplice.motion.errors import FormatError
+from motionsplice.motion.errors import FormatError, SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import clip_files, files_behind, read_bytes
 from motionsplice.motion.formats.reading import read_clip
@@ -43,6 +43,11 @@ def memory() -> Iterator[Any]:
 )
 def test_a_path_is_a_path_and_a_url_a_url(text: str, place: object) -> None:
     assert place_of(text) == place
+
+
+def test_an_empty_path_is_refused_instead_of_being_the_current_folder() -> None:
+    with pytest.raises(SettingsError, match="the path is empty"):
+        place_of("")
 
 
 def test_a_folder_is_listed_once_by_all_that_were_found_in_it(memory: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -102,5 +102,7 @@ def test_keep_only_removes_unused_entries_and_no_foreign_files(cache: Cache) -> 
 
 def test_an_entry_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "cache").write_bytes(b"a file where the folder should be")
-    with pytest.raises(MotionError, match="cache: cannot write to the cache: File exists"):
+    with pytest.raises(
+        MotionError, match=r"cache: cannot write to the cache: File exists\. A file .* is in the folder's"
+    ):
         Cache(tmp_path / "cache").store(KEY, {}, {})

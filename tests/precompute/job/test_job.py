@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ import motionsplice
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.clip_settings import ClipSettings
-from motionsplice.motion.errors import BaselineError, ClipError, MotionError, SettingsError
+from motionsplice.motion.errors import BankError, BaselineError, ClipError, MotionError, SettingsError
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.gltf.writer import dump_glb
 from motionsplice.motion.procedural.library import make
@@ -197,6 +198,25 @@ def test_two_clips_with_the_same_name_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ClipError, match=r"two clips are named 'walk'.*Rename"):
         build_bank([a, b], tmp_path / "bank")
     assert not (tmp_path / "bank").exists()
+
+
+def test_a_name_that_is_not_unicode_is_refused(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    try:
+        shutil.copy(clips / "walk.bvh", os.fsdecode(os.fsencode(clips) + b"/run\xff.bvh"))
+    except OSError:
+        pytest.skip("this disk has no such names")
+    with pytest.raises(ClipError, match=r"run\\udcff\.bvh': no clip can be named 'run\\udcff'.*not UTF-8"):
+        build_bank([clips], tmp_path / "bank")
+
+
+def test_a_file_in_the_place_of_the_bank_is_named(tmp_path: Path) -> None:
+    clips = write(tmp_path / "clips", walk=CLIPS["walk"])
+    (tmp_path / "bank").write_bytes(b"")
+    with pytest.raises(
+        BankError, match=r"bank: the bank cannot be written: File exists\. A file .* name another folder"
+    ):
+        build_bank([clips], tmp_path / "bank")
 
 
 def test_nothing_to_do_is_an_error(tmp_path: Path) -> None:

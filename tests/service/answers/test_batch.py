@@ -121,7 +121,7 @@ def test_a_batch_may_be_empty(bank: Bank) -> None:
     [
         ({"clips": None}, "clips: expected a list of names"),
         ({"clips": ["walk", 3, "run"]}, "clips: expected a list of names"),
-        ({"time": [0.5, 1.0]}, "time: expected 3 numbers, as many as locomotion has, found 2"),
+        ({"time": [0.5, 1.0]}, "locomotion has, found 2. In MessagePack time is float64, and locomotion int32"),
         ({"locomotion": [0, 3, 0]}, "locomotion: character 1 has index 3, but there are 3 clips"),
         ({"locomotion": [0, 0, -1]}, "locomotion: character 2 has index -1"),
         ({"action": [0, 0, -2]}, "action: character 2 has index -2"),
@@ -139,6 +139,11 @@ def test_an_error_names_the_key(change: dict[str, Any], words: str, form: str) -
     with pytest.raises(RequestError) as caught:
         read(body, MOST)
     assert words in str(caught.value) or "not a MessagePack map of names" in str(caught.value)
+
+
+def test_lists_of_numbers_in_messagepack_are_refused_with_what_to_send() -> None:
+    with pytest.raises(RequestError, match="Send each array as one blob of little-endian numbers"):
+        Batch.from_msgpack(msgpack.packb(GOOD), MOST)
 
 
 @pytest.mark.parametrize("key", ["clips", "locomotion", "time"])

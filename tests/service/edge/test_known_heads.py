@@ -194,6 +194,6 @@ def test_few_headers_are_kept_and_no_large_ones() -> None:
 
 def test_the_servers_own_headers_are_renewed() -> None:
     head, first, second = AnswerHead(), [(b"date", b"now")], [(b"date", b"later")]
-    assert b"date: now\r\ncontent-type: a/b\r\nx-request-id: " in head.of(first, b"a/b")
+    assert b"date: now\r\ncontent-type: a/b\r\nvary: origin\r\nx-request-id: " in head.of(first, b"a/b")
     assert b"content-type: c/d" in head.of(first, b"c/d")
     assert b"date: later" in head.of(second, b"a/b")

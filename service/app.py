@@ -26,8 +26,8 @@ from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi.document import document
 from motionsplice.service.problems import MEDIA_TYPE, kind_of, problem
-from motionsplice.service.refusals import RefusalLog
-from motionsplice.service.refused import WITH_STATUS
+from motionsplice.service.refusal_log import RefusalLog
+from motionsplice.service.refusals import WITH_STATUS
 from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
 from motionsplice.service.settings import Settings

@@ -39,7 +39,7 @@ from motionsplice.service.problems import (
     kind_of,
     stopping,
 )
-from motionsplice.service.refused import refuse_websocket, send_problem
+from motionsplice.service.refusals import refuse_websocket, send_problem
 from motionsplice.service.shared import Shared
 
 logger = logging.getLogger(__name__)

@@ -1,41 +1,33 @@
-"""Logs refused requests. A flood of them must not flood the log."""
+"""Answers of the front to refused requests and handshakes."""
 
 from __future__ import annotations
 
-import logging
-import time
-from collections import Counter
-from collections.abc import Callable
+from starlette.types import Receive, Scope, Send
 
-logger = logging.getLogger(__name__)
+from motionsplice.service.answers.answer import Answer, Headers
+from motionsplice.service.characters.connection import REFUSED, event_message
+from motionsplice.service.characters.hub import accept
+from motionsplice.service.logs import request_id
+from motionsplice.service.problems import MEDIA_TYPE, URN, problem
 
-PERIOD = 10.0  # seconds after which lines are counted anew
-MOST, MOST_OF_ALL = 100, 1000  # lines in a period: of one address, and of all together
+# after 408 and 413, the rest of the body would come in place of the next request
+WITH_STATUS: dict[int, Headers] = {
+    401: [(b"www-authenticate", b"Bearer")],
+    408: [(b"connection", b"close")],
+    413: [(b"connection", b"close")],
+    426: [(b"upgrade", b"websocket"), (b"connection", b"upgrade")],
+}
 
 
-class RefusalLog:
-    """Logs the refusals of a process, up to so many in a period. The next line says how many were left out."""
+async def send_problem(send: Send, status: int, kind: str, detail: str, headers: Headers) -> None:
+    """Sends a problem with additional headers."""
+    body = problem(status, kind, detail, request_id.get())
+    await Answer(body, MEDIA_TYPE.encode(), status).send(send, [*headers, *WITH_STATUS.get(status, [])])
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._since = clock()
-        self._lines: Counter[str] = Counter()
-        self._all = self._unlogged = 0
 
-    def note(self, identity: str, address: str, status: int, detail: str, path: str = "") -> None:
-        """Logs a refusal by the request's id, unless this address, or all together, have had their lines."""
-        now = self._clock()
-        if now - self._since >= PERIOD:
-            self._since, self._all = now, 0
-            self._lines.clear()
-        if self._lines[address] >= MOST or self._all >= MOST_OF_ALL:
-            self._unlogged += 1
-            return
-        self._lines[address] += 1
-        self._all += 1
-        fields: dict[str, object] = {"request_id": identity, "address": address, "status": status, "detail": detail}
-        if path:
-            fields["path"] = path
-        if self._unlogged:
-            fields["unlogged"], self._unlogged = self._unlogged, 0
-        logger.info("refused", extra=fields)
+async def refuse_websocket(scope: Scope, receive: Receive, send: Send, status: int, kind: str, detail: str) -> None:
+    """Accepts a WebSocket to refuse it: web pages and most engines cannot read why a handshake failed."""
+    await accept(scope, receive, send)
+    event = event_message("refused", ref=None, type=URN + kind, detail=detail)
+    await send({"type": "websocket.send", "text": event.decode()})
+    await send({"type": "websocket.close", "code": REFUSED + status, "reason": kind})

@@ -20,7 +20,7 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.sending.receiver import PORTS, Kind, host_and_port
-from motionsplice.service.listed import listed_host, listed_origin
+from motionsplice.service.origins import listed_host, listed_origin
 
 PREFIX = "MOTIONSPLICE_"
 LISTS = {

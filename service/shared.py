@@ -12,7 +12,7 @@ from motionsplice.service.allowance import SharedAllowances
 from motionsplice.service.arrivals import Arrivals
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.problems import BusyError
-from motionsplice.service.refusals import RefusalLog
+from motionsplice.service.refusal_log import RefusalLog
 from motionsplice.service.serving import Serving
 from motionsplice.service.settings import Settings
 from motionsplice.service.turns import Turns

@@ -10,8 +10,8 @@ from fastapi.testclient import TestClient
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from motionsplice.service import refusals
-from motionsplice.service.refusals import MOST, MOST_OF_ALL, PERIOD, RefusalLog
+from motionsplice.service import refusal_log
+from motionsplice.service.refusal_log import MOST, MOST_OF_ALL, PERIOD, RefusalLog
 from tests.service.running import PATIENCE, Running, received
 
 
@@ -59,7 +59,7 @@ def test_each_refusal_is_a_line_under_its_request_id(
     status: int,
     words: str,
 ) -> None:
-    monkeypatch.setattr(refusals, "MOST", MOST_OF_ALL)  # other tests share the client, and may have had its lines
+    monkeypatch.setattr(refusal_log, "MOST", MOST_OF_ALL)  # other tests share the client, and may have had its lines
     answer = client.request(method, path, headers=headers)
     (line,) = lines(caplog)
     assert answer.status_code == line.status == status

@@ -21,7 +21,7 @@ from motionsplice.service.exchange.job import Job
 from motionsplice.service.exchange.leases import Leases
 from motionsplice.service.exchange.routes import exchange_routes
 from motionsplice.service.exchange.watch import watch
-from motionsplice.service.front import Front
+from motionsplice.service.front import Front, allowed
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi.document import document
@@ -112,12 +112,13 @@ def _add_problems(app: FastAPI, refusals: RefusalLog) -> None:
 
     async def http_problem(request: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
-        headers, path = error.headers or {}, request.scope["path"][:80]
+        headers, path = dict(error.headers or {}), request.scope["path"]
         detail = str(error.detail)
         if detail == HTTPStatus.NOT_FOUND.phrase:  # Starlette says no more
-            detail = f"no such path {path!r}. GET /openapi.json lists all requests"
+            detail = f"no such path {path[:80]!r}. GET /openapi.json lists all requests"
         if detail == HTTPStatus.METHOD_NOT_ALLOWED.phrase:
-            detail = f"{path} does not have the method {request.method}. Use {headers['Allow']}"
+            detail = f"{path[:80]} does not have the method {request.method}. Use {headers['Allow']}"
+            headers["Allow"] = allowed(path, headers["Allow"])
         answer = refuse(request, error.status_code, "http", detail)
         answer.headers.update(headers)
         return answer

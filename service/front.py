@@ -200,8 +200,7 @@ class Front:
         status, kind = kind_of(error)
         self.shared.refusals.note(request_id.get(), address_of(scope), status, str(error), path)
         if isinstance(error, MethodError):
-            allowed = self._methods[path] + ", HEAD" * (path not in WITHOUT_HEAD)
-            headers = [*headers, (b"allow", allowed.encode())]
+            headers = [*headers, (b"allow", allowed(path, self._methods[path]).encode())]
         await send_problem(send, status, kind, str(error), headers)
         return status
 
@@ -271,6 +270,11 @@ class Front:
         self.shared.metrics.answered(CHARACTERS if scope["path"] == CHARACTERS else OTHER, status)
         self.shared.refusals.note(identity, address_of(scope), status, detail, scope["path"])
         await refuse_websocket(scope, receive, send, status, kind, detail)
+
+
+def allowed(path: str, methods: str) -> str:
+    """Returns the methods that a path has, with HEAD wherever GET is answered at once."""
+    return f"{methods}, HEAD" if "GET" in methods and path not in WITHOUT_HEAD else methods
 
 
 async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:

@@ -21,10 +21,10 @@ console = Console(emoji=False)
 
 def show_tables(bank: Bank) -> None:
     """Prints a bank's clips and hands as tables, and the job's warnings."""
-    stride = bank.baseline.end - bank.baseline.start
+    stride, count = bank.baseline.end - bank.baseline.start, len(bank.clips)
     console.print(
-        f"{bank.path}: {len(bank.clips)} clips, {bank.skeleton.joint_count} joints, baseline {bank.baseline.clip!r} "
-        f"(a stride of {stride:.2f} s from {bank.baseline.start:.2f} s)",
+        f"{bank.path}: {count} clip{'s' * (count != 1)}, {bank.skeleton.joint_count} joints, "
+        f"baseline {bank.baseline.clip!r} (a stride of {stride:.2f} s from {bank.baseline.start:.2f} s)",
         highlight=False,
         soft_wrap=True,
     )

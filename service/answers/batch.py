@@ -17,7 +17,10 @@ from motionsplice.service.answers.body import json_map
 from motionsplice.service.problems import LimitError, RequestError
 
 COLUMNS: Mapping[str, str] = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8", "start": "<f8"}
-NAMES: Mapping[str, tuple[str, ...]] = {"method": get_args(Method), "posture": get_args(Posture)}
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "method": get_args(Method),
+    "posture": tuple(one for one in get_args(Posture) if one != "running"),  # which depends on the frames before
+}
 KEYS = ("clips", *COLUMNS, *NAMES)
 NONE = -1
 FEWER = "Send several batches"

@@ -8,6 +8,7 @@ from typing import Any, get_args
 from motionsplice.motion.axes import AxesName
 from motionsplice.runtime.characters.state import EVENT_NAMES
 from motionsplice.runtime.requests import Method, Posture
+from motionsplice.service.answers.batch import NAMES
 from motionsplice.service.answers.pose import POSE
 from motionsplice.service.answers.splice import SPLICE
 from motionsplice.service.answers.stream import STREAM
@@ -37,7 +38,7 @@ ENUMERATIONS: Mapping[tuple[str, ...], str] = {
     PARTS: "Parts",
     get_args(Method): "Method",
     get_args(Posture): "Posture",
-    tuple(posture for posture in get_args(Posture) if posture != "running"): "BatchPosture",
+    NAMES["posture"]: "BatchPosture",
     _values(POSE, "format"): "Format",
     _values(SPLICE, "format"): "SpliceFormat",
     _values(STREAM, "pace"): "Pace",

@@ -309,7 +309,8 @@ def test_a_failure_of_the_service_is_a_problem_too(
 def test_a_refused_method_lists_the_allowed_ones(client: TestClient) -> None:
     answer = client.post("/v1/bank")
     assert answer.status_code == answer.json()["status"] == 405
-    assert answer.headers["allow"] == "GET"
+    assert answer.headers["allow"] == "GET, HEAD"
+    assert client.head("/v1/job/events").headers.get("allow") == "GET"
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import msgpack
 import numpy as np
@@ -26,6 +27,7 @@ from tests.conftest import written as written_clips
 
 JOINTS, CLIPS, POINTS = 9, 4, 4
 SHARES = np.linspace(0.0, 1.0, 3)  # of a clip, at which poses are evaluated
+_parsed = lru_cache(ast.literal_eval)  # NumPy parses the headers of the same tables for each input
 WAYS = (("splice", "relative"), ("splice", "absolute"), ("naive", "off"))
 MOST_CLIPS = 8
 PLAYED = {"walk": ("walk",), "run": ("run",), "wave": ("walk", "wave")}
@@ -97,7 +99,8 @@ def use_bank(folder: Path, manifest: bytes, tables: Mapping[str, bytes]) -> None
     for file, data in others.items():
         file.write_bytes(data)
     try:
-        bank = Bank.open(folder, verify=False)
+        with patch.object(ast, "literal_eval", _parsed):
+            bank = Bank.open(folder, verify=False)
         evaluated(bank)
         bank.verify()
     finally:
@@ -107,7 +110,6 @@ def use_bank(folder: Path, manifest: bytes, tables: Mapping[str, bytes]) -> None
 
 @cache
 def _write_small_tables(folder: Path) -> None:
-    ast.literal_eval = lru_cache(ast.literal_eval)  # with which NumPy parses the headers of all tables for each input
     (folder / TABLE_FOLDER).mkdir()
     for data in small_tables().values():
         _table_file(folder, data).write_bytes(data)

@@ -66,8 +66,8 @@ def _hierarchy(draw: Draw) -> tuple[list[str], int]:
     for _ in range(draw.few()):
         at = draw.randrange(len(lines))
         lines[at : at + 1] = _odd_line(draw, lines[at]) or [""]
-    if draw.rarely(60):  # a chain
-        deep = draw.choice((2, 10, 60))
+    if draw.rarely(60):  # a chain, as deep as it may be
+        deep = draw.choice((2, 10, 10, 300))
         chain = [f"JOINT chain{at}\n{{\nOFFSET 0 0 0\nCHANNELS 0" for at in range(deep)] + ["}"] * deep
         at = draw.randrange(len(lines) + 1)
         lines[at:at] = chain

@@ -11,6 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import anyio.to_thread
 from uvicorn.server import ServerState
@@ -167,7 +168,6 @@ def _service() -> tuple[asyncio.AbstractEventLoop, EdgeConfig, Failures]:
     """Returns an event loop that does not run, a loaded service, and what it logs as an error."""
     loop, failures = asyncio.new_event_loop(), Failures()
     loop.set_default_executor(Inline())
-    anyio.to_thread.run_sync = _inline  # type: ignore[assignment]
     bank = played_bank()
     config = EdgeConfig(bank.path, Settings(request_seconds=3600.0, idle_seconds=3600.0, max_frames=2000))
     config.load()
@@ -258,7 +258,8 @@ async def _connection(config: EdgeConfig, files: Files) -> bytes:
 def enter(files: Files, folder: Path) -> None:
     """Sends the pieces through a connection. Raises RequestError if a request is refused."""
     loop, config, failures = _service()
-    answer = loop.run_until_complete(_connection(config, files))
+    with patch.object(anyio.to_thread, "run_sync", _inline):
+        answer = loop.run_until_complete(_connection(config, files))
     found, failures.found = failures.found, []
     if found:
         raise AssertionError(found[0])

@@ -17,7 +17,7 @@ from motionsplice.service.server import listen
 from motionsplice.service.settings import Settings
 
 PATIENCE = 120.0  # seconds, far more than any step takes, also on a machine that is busy
-COMPILING = 600.0  # if kernels are compiled for the first time
+COMPILING = 1800.0  # if kernels are compiled for the first time, beside other work
 
 
 class Running:

@@ -69,9 +69,8 @@ class Mirror:
     def rotations(self, rotations: Floats, parents: Integers) -> Floats:
         """Returns the mirror image of local rotations [..., J, 4]; parents [J] are those of the skeleton."""
         above = self.above(parents)
-        with np.errstate(invalid="ignore"):  # those of a damaged bank may be infinite
-            image = quaternion.multiply(quaternion.conjugate(above), rotations[..., self.twins, :] * FLIP)
-            image = quaternion.multiply(image, self.turns)
+        image = quaternion.multiply(quaternion.conjugate(above), rotations[..., self.twins, :] * FLIP)
+        image = quaternion.multiply(image, self.turns)
         return np.where((self.twins >= 0)[:, None], image, rotations)
 
     def clip(self, clip: Clip) -> Clip:

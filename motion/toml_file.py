@@ -11,7 +11,6 @@ from motionsplice.motion.storage.place import Place, may_never_end
 BYTES = 16  # of text for each table or list, at least: one that takes two bytes may take a thousand in memory
 FREE = 50_000  # tables and lists that a small file may have
 COLON = 'Write a name with a colon in quotes, as ["moves:run"]'
-
 UTF_8 = "Save it as UTF-8"
 
 

@@ -22,6 +22,7 @@ from motionsplice.runtime.mirrored import (
     mirrored_name,
     mirrored_path,
     mirrored_posture,
+    mirrored_rotations,
     mirrored_torso,
 )
 from motionsplice.runtime.names import Names
@@ -69,7 +70,7 @@ class Contents(Names):
         if mirror := self._mirror_of(body):
             whole = np.zeros((len(rotations), self.skeleton.joint_count, 4))
             whole[:, joints] = rotations
-            rotations = mirror.rotations(whole, self.skeleton.parents)[:, joints]
+            rotations = mirrored_rotations(whole, mirror, self.skeleton)[:, joints]
         return rotations
 
     def _hand_rows(self, name: str, body: str) -> NDArray[np.int64]:
@@ -156,7 +157,7 @@ class Contents(Names):
             return None
         bind = np.tile(quaternion.IDENTITY, (self.skeleton.joint_count, 1))
         stance = self.layout.stance(self.tables["stances"][entry.stance], bind)
-        return mirror.rotations(stance, self.skeleton.parents) if mirror else stance
+        return mirrored_rotations(stance, mirror, self.skeleton) if mirror else stance
 
     def phase(self, name: str, *, seam: bool = False) -> NDArray[np.float64]:
         """Returns the phase [F] of each frame of a clip, in cycles of the baseline; with `seam`, of its seam's too.

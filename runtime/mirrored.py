@@ -57,7 +57,13 @@ def mirrored_contacts(standing: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(left // LEFT_FOOT * RIGHT_FOOT + right // RIGHT_FOOT * LEFT_FOOT, np.uint8)
 
 
-@np.errstate(invalid="ignore")  # the numbers of a damaged bank may be infinite
+@np.errstate(invalid="ignore")  # the numbers of a bank that is not verified may be infinite
+def mirrored_rotations(rotations: Floats, mirror: Mirror, skeleton: Skeleton) -> Floats:
+    """Mirrors local rotations [..., J, 4]."""
+    return mirror.rotations(rotations, skeleton.parents)
+
+
+@np.errstate(invalid="ignore")  # as above
 def mirrored_torso(torso: TorsoRows, mirror: Mirror, skeleton: Skeleton, roles: Roles) -> TorsoRows:
     """Mirrors the torso data of n frames."""
     above = mirror.turns[skeleton.parents[roles.pelvis]]

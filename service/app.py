@@ -21,7 +21,7 @@ from motionsplice.service.exchange.job import Job
 from motionsplice.service.exchange.leases import Leases
 from motionsplice.service.exchange.routes import exchange_routes
 from motionsplice.service.exchange.watch import watch
-from motionsplice.service.front import Front, allowed
+from motionsplice.service.front import Front, allowed, no_method
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi.document import document
@@ -117,7 +117,7 @@ def _add_problems(app: FastAPI, refusals: RefusalLog) -> None:
         if detail == HTTPStatus.NOT_FOUND.phrase:  # Starlette says no more
             detail = f"no such path {path[:80]!r}. GET /openapi.json lists all requests"
         if detail == HTTPStatus.METHOD_NOT_ALLOWED.phrase:
-            detail = f"{path[:80]} does not have the method {request.method}. Use {headers['Allow']}"
+            detail = str(no_method(request.method, path, headers["Allow"]))
             headers["Allow"] = allowed(path, headers["Allow"])
         answer = refuse(request, error.status_code, "http", detail)
         answer.headers.update(headers)

@@ -219,7 +219,7 @@ class Front:
         Raises MethodError or UpgradeError.
         """
         if path in self._methods:
-            raise MethodError(f"{path} does not have the method {method}", mend=f"Use {self._methods[path]}")
+            raise no_method(method, path, self._methods[path])
         if path == CHARACTERS:
             mend = "Connect with a WebSocket, and let proxies pass the header Upgrade on"
             raise UpgradeError(f"{path} is a WebSocket, but the request does not ask for one", mend=mend)
@@ -270,6 +270,11 @@ class Front:
         self.shared.metrics.answered(CHARACTERS if scope["path"] == CHARACTERS else OTHER, status)
         self.shared.refusals.note(identity, address_of(scope), status, detail, scope["path"])
         await refuse_websocket(scope, receive, send, status, kind, detail)
+
+
+def no_method(method: str, path: str, methods: str) -> MethodError:
+    """Returns the error about a method that a path does not have."""
+    return MethodError(f"{path[:80]} does not have the method {method}", mend=f"Use {methods}")
 
 
 def allowed(path: str, methods: str) -> str:

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from motionsplice.commands.bank_report import notes_of, print_grouped, show_tables, uneven_clips
+from motionsplice.commands.outputs import print_sentences
 from motionsplice.commands.progress_file import ProgressFile
 from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
 from motionsplice.motion.clip_settings import DEFAULT_SETTINGS, ClipSettings
@@ -197,16 +197,14 @@ def print_left_out(clips: Sequence[Path | Remote]) -> None:
     from motionsplice.motion.errors import listed
     from motionsplice.motion.formats.files import folders_of_clips, other_files
 
-    others = [file.name for path in clips if path.is_dir() for file in other_files(path)]
-    if others:
-        line = f"left out, cannot be read: {listed(others)}. Export them as BVH or GLB"
-        messages.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
+    sentences = []
+    if others := [file.name for path in clips if path.is_dir() for file in other_files(path)]:
+        sentences.append(f"left out, cannot be read: {listed(others)}. Export them as BVH or GLB")
     folders = [path for path in clips if isinstance(path, Path) and path.is_dir()]
     if below := [str(one) for path in folders for one in folders_of_clips(path) if one not in folders]:
-        line = (
-            f"left out, subfolders are not searched: {listed(below)}. Name them too if their clips belong to the bank"
-        )
-        messages.print(f"[yellow]{escape(line)}[/yellow]", highlight=False, soft_wrap=True)
+        mend = "Name them too if their clips belong to the bank"
+        sentences.append(f"left out, subfolders are not searched: {listed(below)}. {mend}")
+    print_sentences(messages, "yellow", sentences)
 
 
 def print_retargeted(bank: Bank, skeleton: str | None) -> None:

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import BankError
 from motionsplice.runtime.format.manifest import REBUILD, TABLES, Manifest, mark_of
+from motionsplice.runtime.format.rows import LINE
 
 TABLE_FOLDER = "tables"
 SMALL = 64 * 2**20  # bytes of all tables together
-LINE = 64  # bytes of a line of the processor's cache
+ALIGNMENT = 4 * LINE  # bytes
 
 
 def table_files(folder: Path, manifest: Manifest) -> dict[str, Path]:
@@ -51,9 +52,9 @@ def _read(file: Path) -> NDArray[Any]:
     """Reads a table into memory that begins at a whole line of the cache, as a mapped file does."""
     with file.open("rb", buffering=0) as source:
         size = os.fstat(source.fileno()).st_size
-        memory = np.empty(size + LINE, np.uint8)
-        contents = memory[-memory.__array_interface__["data"][0] % LINE :][:size]
-        source.readinto(contents.data)
+        memory = np.empty(size + ALIGNMENT, np.uint8)
+        contents = memory[-memory.ctypes.data % ALIGNMENT :][:size]
+        contents = contents[: source.readinto(contents.data)]  # it may have been cut short meanwhile
         source.seek(0)
         if npy.read_magic(source) != (1, 0):
             raise ValueError("expected version 1.0 of the npy format")

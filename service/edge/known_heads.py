@@ -48,8 +48,6 @@ class AnswerHead:
             self._headers, self._heads = headers, {}
         if media_type not in self._heads:
             lines = b"".join([b"%s: %s\r\n" % one for one in headers])
-            self._heads[media_type] = b"HTTP/1.1 200 OK\r\n%scontent-type: %s\r\nvary: origin\r\nx-request-id: " % (
-                lines,
-                media_type,
-            )
+            own = b"content-type: %s\r\nvary: origin\r\nx-request-id: " % media_type
+            self._heads[media_type] = b"HTTP/1.1 200 OK\r\n" + lines + own
         return self._heads[media_type]

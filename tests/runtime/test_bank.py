@@ -107,6 +107,21 @@ def test_a_truncated_manifest_is_refused(copy: Path, keep: int) -> None:
         Bank.open(copy)
 
 
+def test_a_table_that_is_cut_while_it_is_read_is_refused(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fstat = os.fstat
+
+    def cut_after(descriptor: int) -> os.stat_result:
+        found = fstat(descriptor)
+        for file in (copy / "tables").iterdir():
+            if file.stat().st_ino == found.st_ino:
+                os.truncate(file, 200)
+        return found
+
+    monkeypatch.setattr(os, "fstat", cut_after)
+    with pytest.raises(BankError, match="cut short"):
+        Bank.open(copy, verify=False)
+
+
 def test_a_missing_truncated_or_bit_flipped_file_is_refused(copy: Path) -> None:
     draw = np.random.default_rng(5)
     for file in [copy / MANIFEST, *sorted((copy / "tables").glob("*.npy"))]:

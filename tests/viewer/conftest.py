@@ -39,7 +39,7 @@ def browser() -> Iterator[Browser]:
         browser.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def service(bank: Bank) -> Iterator[Running]:
     """A ready service, which no test changes."""
     with running(bank.path, Settings()) as service:

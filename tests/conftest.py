@@ -1,9 +1,12 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+import numba
 import pytest
 from hypothesis import settings
 
@@ -160,8 +163,14 @@ def hands_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def hands_bank(hands_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bank:
-    """The bank of `hands_folder`; tests must not change it."""
-    return built(hands_folder, tmp_path_factory.mktemp("banks") / "hands")
+    """The bank of `hands_folder`; tests must not change it. Its kernels are compiled: plain ones take a minute."""
+    path = tmp_path_factory.mktemp("banks") / "hands"
+    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return built(hands_folder, path)
+    command = [sys.executable, "-m", "motionsplice", "precompute", str(hands_folder), "--out", str(path)]
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "0"}
+    subprocess.run([*command, "--baseline", "walk"], env=environment, capture_output=True, check=True)
+    return Bank.open(path)
 
 
 @pytest.fixture(scope="session")

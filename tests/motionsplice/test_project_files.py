@@ -74,6 +74,12 @@ def test_words_that_the_makefile_selects_tests_by_are_in_their_names() -> None:
         ]
 
 
+def test_modules_have_at_most_300_lines() -> None:
+    modules = [file for folder in (*BESIDE, "motionsplice", "bench") for file in (ROOT / folder).rglob("*.py")]
+    assert len(modules) > 100
+    assert not [str(one) for one in modules if len(one.read_text(encoding="utf-8").splitlines()) > 300]
+
+
 def test_a_checkout_without_links_says_what_to_do(tmp_path: Path) -> None:
     package = tmp_path / "motionsplice"
     package.mkdir()

@@ -19,7 +19,7 @@ AimPart = Literal["chest", "left_arm", "right_arm"]
 PARTS: Mapping[str, int] = {"chest": col.CHEST, "left_arm": col.LEFT, "right_arm": col.RIGHT, "head": col.GAZE}
 AIM_PARTS = get_args(AimPart)
 LARGEST_YAW, LARGEST_PITCH = math.radians(150.0), math.radians(80.0)
-FARTHEST = 1e9
+FARTHEST = 1e9  # metres of a point or a place, and radians of a heading
 States = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 

@@ -22,6 +22,7 @@ from motionsplice import (
     Characters,
     Clip,
     Evaluator,
+    HandSettings,
     Look,
     Poses,
     Splice,
@@ -30,9 +31,12 @@ from motionsplice import (
     dump_bvh,
     find_roles,
     splice_exact,
+    splice_hands,
 )
 from motionsplice.motion import quaternion
+from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.parts import MASKS
+from motionsplice.motion.procedural.gestures import gesture_pair
 from motionsplice.motion.procedural.variants import warped
 from motionsplice.motion.quaternion import Floats
 from tests.conftest import CLIPS
@@ -87,6 +91,23 @@ def test_an_action_that_is_the_characters_locomotion_changes_nothing(
     characters.evaluate(poses)
     alone, acting = world(characters.stage.evaluator, poses)
     assert np.abs(acting - alone).max() < 2e-3
+
+
+@given(
+    st.integers(0, 1000),
+    st.sampled_from(["left", "right", "both", "each"]),
+    st.booleans(),
+    st.sampled_from(["window", "trunk"]),
+)
+@settings(max_examples=10)
+def test_a_performers_hands_on_the_same_performance_change_nothing(
+    seed: int, hand: Any, wrist: bool, turn: Any
+) -> None:
+    clip = gesture_pair(seed, gestures=3, seconds=2.5).hands
+    roles = find_roles(clip.skeleton)
+    found = splice_hands(clip, roles, clip, roles, HandSettings(hand, wrist=wrist, turn=turn))
+    np.testing.assert_allclose(joint_positions(found.clip), joint_positions(clip), atol=1e-6)
+    assert found.mismatch == 0.0
 
 
 def uneven(frame_count: int, swing: float, ripple: float) -> Floats:

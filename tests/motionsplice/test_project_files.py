@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import motionsplice
 from motionsplice.runtime.format.manifest import VERSION
 
@@ -53,6 +55,14 @@ def test_files_that_contributing_names_exist() -> None:
     folders = ("", "motionsplice/commands/")
     assert len(real) > 30
     assert not [name for name in sorted(real) if not any(exists(folder + name) for folder in folders)]
+
+
+@pytest.mark.parametrize("package", [*BESIDE, "bench"])
+def test_the_index_of_the_documentation_lists_every_subpackage(package: str) -> None:
+    index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
+    table = index.partition(f"### Subpackages of `{package}`\n")[2].partition("\n### ")[0]
+    inside = {file.parent.name for top in ("", "motionsplice") for file in (ROOT / top / package).glob("*/__init__.py")}
+    assert set(re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)) == inside
 
 
 def test_make_targets_that_contributing_names_exist() -> None:

@@ -13,7 +13,7 @@ from motionsplice.motion.formats.reading import Reading, read_as
 from motionsplice.motion.storage.place import Place, among
 from motionsplice.precompute.job.cache import Cache, key_of
 from motionsplice.precompute.job.entries import pack_reading, unpack_reading
-from motionsplice.precompute.job.method import version_of
+from motionsplice.precompute.job.method import version_of_method
 from motionsplice.precompute.job.set_aside import SetAside
 from motionsplice.precompute.job.sources import Source
 from motionsplice.runtime.format.manifest import content_digest
@@ -62,7 +62,7 @@ def identify(source: Source, contents: Contents) -> Identified:
     """Returns a source with its digests, given the contents of its file."""
     reading = {**source.settings.reading, "roles": sorted(source.settings.roles.items())}
     settings = (source.file.suffix.lower(), source.animation, reading)
-    key = key_of(version_of("motion", "runtime", "precompute"), contents.digests, settings)
+    key = key_of(version_of_method(), contents.digests, settings)
     source = replace(source, file=among(source.file, contents.files))
     return Identified(source, contents.size, contents.digests[0], key, contents.checksums)
 

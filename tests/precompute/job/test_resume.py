@@ -149,7 +149,7 @@ def test_another_version_of_the_method_aligns_all_clips_again(
 ) -> None:
     build(clips)
     aligned.clear()
-    monkeypatch.setattr(readings, "version_of", lambda *packages: f"{packages} of another day")
+    monkeypatch.setattr(readings, "version_of_method", lambda: "another day's")
     build(clips)
     assert sorted(aligned) == list(NAMES)
 

@@ -59,6 +59,7 @@ def built(clips: Mapping[str, Clip], folder: Path) -> Bank:
     folder.mkdir()
     for name, clip in clips.items():
         (folder / f"{name}.bvh").write_bytes(dump_bvh(clip))
+    (folder / "clips.toml").write_text('[box]\nkind = "action"\nneutral = "walk"' if "box" in clips else "")
     assert not build_bank([folder], folder / "bank", baseline="walk", jobs=1).failed
     return Bank.open(folder / "bank")
 
@@ -147,10 +148,15 @@ def test_a_clip_of_a_bank_on_an_uneven_copy_of_itself_is_the_copy(swing: float, 
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_local_axes_do_not_matter(seed: int, tmp_path: Path) -> None:
-    """A file's local axes are those of the world in its bind pose, so another bind pose gives others."""
-    draw, lower = np.random.default_rng(seed), ("Hips", "Leg", "Foot", "Toe")
-    upper = [name for name in WALK.skeleton.names if not any(part in name for part in lower)]
-    turns = {name: quaternion.about(quaternion.unit(draw.normal(size=3)), draw.uniform(0.0, 0.6)) for name in upper}
+    """A file's local axes are those of the world in its bind pose, so another bind pose gives others.
+
+    A posture transfer that is applied in the pelvis's own axes is 5 cm off here (docs/method.md).
+    """
+    draw = np.random.default_rng(seed)
+    turns = {
+        name: quaternion.about(quaternion.unit(draw.normal(size=3)), draw.uniform(0.0, 0.6))
+        for name in WALK.skeleton.names
+    }
     clips = {"walk": WALK, "run": RUN, "box": BOX}
     plain = Evaluator(built(clips, tmp_path / "plain"))
     turned = Evaluator(built({name: with_bind_pose(one, turns) for name, one in clips.items()}, tmp_path / "turned"))
@@ -159,9 +165,9 @@ def test_local_axes_do_not_matter(seed: int, tmp_path: Path) -> None:
     forms: list[Any] = [{"posture": "relative"}, {"posture": "absolute"}, {"posture": "off"}, {"method": "naive"}]
     for form in forms:
         ours, theirs = (world(one, one.sequence(Splice("run", "box", **form), times)) for one in (plain, turned))
-        np.testing.assert_allclose(theirs, ours, atol=3e-4, err_msg=str(form))
+        np.testing.assert_allclose(theirs, ours, atol=1e-4, err_msg=str(form))
     ours, theirs = (played(one) for one in (plain, turned))
-    np.testing.assert_allclose(theirs, ours, atol=1e-3)
+    np.testing.assert_allclose(theirs, ours, atol=1e-4)
 
 
 def played(evaluator: Evaluator) -> Floats:

@@ -15,6 +15,7 @@ from motionsplice.runtime.characters.arrays import Limbs
 from motionsplice.runtime.characters.commands import BLEND, fraction, mask_of, not_negative
 from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Posture, known, time_fault
 
+ActionMethod = Literal["splice", "naive"]
 ACTION_METHODS = {name: number for name, number in METHODS.items() if name != "none"}
 
 
@@ -52,7 +53,7 @@ class Action:
     curve: col.Curve = "smooth"
     weight: float = 1.0
     mask: col.Mask = "upper_body"
-    method: Literal["splice", "naive"] = "splice"
+    method: ActionMethod = "splice"
     posture: Posture = "relative"
     loop: bool = True
     own_clock: bool | tuple[float, float] | None = None

@@ -1,4 +1,4 @@
-"""How far two motions of one skeleton are apart: legs on the ground, and upper bodies over the hips."""
+"""How far the legs of two motions are apart, and moments of a motion to compare."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.pointcloud import level, planar_distance
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -21,12 +20,6 @@ def legs_apart(one: Floats, other: Floats, roles: Roles) -> Floats:
     """
     cloud = list(roles.lower_cloud)
     return np.sqrt(planar_distance(*(level(at[:, cloud]) for at in (one, other))) / len(cloud))
-
-
-def over_root(clip: Clip, roles: Roles) -> Floats:
-    """Returns the joints above the pelvis relative to the root [F, n, 3], in metres."""
-    positions = joint_positions(clip)
-    return np.asarray(positions[:, clip.skeleton.subtree(roles.pelvis)[1:]] - positions[:, :1])
 
 
 def at_frames(clip: Clip, frames: ArrayLike) -> Clip:

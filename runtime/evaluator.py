@@ -252,13 +252,12 @@ class Evaluator:
 
     def warm(self) -> None:
         """Compiles the kernels or loads them from the cache, so that later calls do not wait."""
-        requests, joints = Requests.empty(1), self.bank.skeleton.joint_count
-        poses = self.poses(1)
+        requests, poses = Requests.empty(1), self.poses(1)
         for memory in (None, Memory.begin(1, rate=60.0)):
             self.evaluate(requests, poses, memory)
         if self._threads > 1:
             self.evaluate(Requests.empty(2), self.poses(2))
-        self.world_positions(poses, np.empty((1, joints, 3), np.float32))
+        self.world_positions(poses, np.empty((1, self._joints, 3), np.float32))
         self.action_frames(Splice(self.bank.clips[0].name), np.zeros(1))
 
     def record(self, splice: Splice) -> tuple[int, int, float, float, int, int, int, int]:

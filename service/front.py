@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 
 from fastapi import FastAPI
 from starlette.types import Message, Receive, Scope, Send
@@ -15,12 +15,10 @@ from starlette.types import Message, Receive, Scope, Send
 from motionsplice.motion.errors import MotionError
 from motionsplice.service.admission import Admission, address_of, origin_of
 from motionsplice.service.answers.answer import Answer, Headers
-from motionsplice.service.answers.expectation import check_expectation, expected
+from motionsplice.service.answers.expectation import check_expectation
+from motionsplice.service.answers.handlers import HANDLERS, Handler
 from motionsplice.service.answers.pose import PoseAnswers
-from motionsplice.service.answers.poses import poses
-from motionsplice.service.answers.splice import check_splice, splice
-from motionsplice.service.answers.stream import stream
-from motionsplice.service.answers.take import take
+from motionsplice.service.answers.splice import check_splice
 from motionsplice.service.caching import (
     POSE,
     Unchanged,
@@ -53,7 +51,6 @@ PREFLIGHT: Headers = [
     (b"access-control-allow-headers", b"authorization, content-type, range, if-none-match"),
     (b"access-control-max-age", b"600"),
 ]
-Handler = Callable[[Shared, Scope, Receive, Send, Headers], Awaitable[int]]
 
 
 class Front:
@@ -67,14 +64,7 @@ class Front:
         self._admission = Admission(shared.settings)
         self._cache_scope = b"private" if shared.settings.token else b"public"
         self._poses = PoseAnswers()
-        self._direct: dict[tuple[str, str], Handler] = {
-            ("GET", POSE): self._pose,
-            ("POST", "/v1/poses"): _poses,
-            ("GET", "/v1/splice"): _splice,
-            ("GET", "/v1/expectation"): _expectation,
-            ("GET", "/v1/stream"): _stream,
-            ("POST", "/v1/take"): _take,
-        }
+        self._direct: dict[tuple[str, str], Handler] = {("GET", POSE): self._pose, **HANDLERS}
         self._checks: dict[str, Callable[[Shared, bytes], object]] = {
             POSE: self._check_pose,
             "/v1/splice": check_splice,
@@ -280,28 +270,3 @@ def no_method(method: str, path: str, methods: str) -> MethodError:
 def allowed(path: str, methods: str) -> str:
     """Returns the methods that a path has, with HEAD wherever GET is answered at once."""
     return f"{methods}, HEAD" if "GET" in methods and path not in WITHOUT_HEAD else methods
-
-
-async def _poses(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
-    await (await poses(shared, scope, receive)).send(send, headers)
-    return 200
-
-
-async def _splice(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
-    await (await splice(shared, scope["query_string"])).send(send, headers)
-    return 200
-
-
-async def _expectation(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
-    await (await expected(shared, scope["query_string"])).send(send, headers)
-    return 200
-
-
-async def _take(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
-    await (await take(shared, scope, receive)).send(send, headers)
-    return 200
-
-
-async def _stream(shared: Shared, scope: Scope, receive: Receive, send: Send, headers: Headers) -> int:
-    await stream(shared, scope["query_string"], receive, send, headers)
-    return 200

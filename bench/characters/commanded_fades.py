@@ -19,7 +19,8 @@ from bench.characters.steady import LAYERS, LEGS, alone_of
 from motionsplice.motion import quaternion
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
-from motionsplice.runtime.character import Characters, States
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.character_rows import States
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.aim import PARTS
 from motionsplice.runtime.stage import Stage

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.characters.joint_speeds import RATE, Watch, character_positions
-from motionsplice.runtime.character import Characters, States
+from motionsplice.runtime.character import Characters
+from motionsplice.runtime.character_rows import States
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.aim import PARTS
 from motionsplice.runtime.stage import Stage

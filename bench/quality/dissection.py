@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.quality.measures import over_root
 from bench.quality.oracle import Laying, sampled_frames
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.comparison import over_root
 from motionsplice.motion.kinematics import joint_positions
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles

@@ -6,14 +6,21 @@ import numpy as np
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.comparison import at_frames, legs_apart, over_root
+from motionsplice.motion.comparison import at_frames, legs_apart
 from motionsplice.motion.kinematics import joint_positions, world_transforms
+from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles, common_ancestor
-from motionsplice.precompute.body.posture import measure_torso, posture_angle
+from motionsplice.precompute.body.posture import measure_torso
 
 DERIVATIVE_RATE = 30.0  # Hz at most for derivatives: at higher rates they measure the noise of the capture
 STILL = 0.05  # m/s of hands that do not move
+
+
+def over_root(clip: Clip, roles: Roles) -> Floats:
+    """Returns the joints above the pelvis relative to the root [F, n, 3], in metres."""
+    positions = joint_positions(clip)
+    return np.asarray(positions[:, clip.skeleton.subtree(roles.pelvis)[1:]] - positions[:, :1])
 
 
 def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
@@ -29,6 +36,11 @@ def upper_body_errors(result: Clip, truth: Clip, roles: Roles) -> Floats:
 def posture_error(result: Clip, wanted: Clip, roles: Roles) -> float:
     """Returns the angle between the postures of two clips, in radians."""
     return posture_angle(measure_torso(result, roles).posture, measure_torso(wanted, roles).posture)
+
+
+def posture_angle(a: Floats, b: Floats) -> float:
+    """Returns the angle in radians of the rotation that best lays one posture [2, 3] on another."""
+    return float(quaternion.angle(horn_rotation(a, b), quaternion.IDENTITY))
 
 
 def promised_posture(locomotion: Clip, action: Clip, turns: Floats, posture: str, roles: Roles) -> Floats:

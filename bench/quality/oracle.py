@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.quality.measures import over_root
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
-from motionsplice.motion.comparison import over_root
 from motionsplice.motion.kinematics import world_transforms
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
@@ -70,20 +70,6 @@ class Laying:
         """Returns the mean error [n, m] in metres of each of m action frames on each of n frames of the locomotion."""
         candidates = action_frames.astype(np.float64)
         return np.stack([self.errors(np.full(len(candidates), frame), candidates) for frame in frames])
-
-
-def oracle_error(locomotion: Clip, action: Clip, truth: Clip, offsets: tuple[Floats, Floats], roles: Roles) -> float:
-    """Returns the oracle's mean error in metres: for each frame, it picks the action's frame closest to the truth.
-
-    Each frame of the action is first aligned in space like a splice. `offsets` are the torso offsets [F, 4] of
-    locomotion and action at their own frames. Each frame is picked independently, without regard to time, which no real
-    motion could do.
-    """
-    laying = Laying.of(locomotion, action, truth, offsets, roles)
-    grid = laying.grid(
-        sampled_frames(len(laying.goals), locomotion.rate), sampled_frames(len(laying.local), action.rate)
-    )
-    return float(grid.min(axis=1).mean())
 
 
 def sampled_frames(count: int, rate: float) -> NDArray[np.int64]:

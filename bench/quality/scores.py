@@ -15,6 +15,7 @@ from bench.quality.measures import (
     mismatch,
     neck_excursion,
     neck_jitter,
+    posture_angle,
     promised_posture,
     upper_body_errors,
 )
@@ -22,7 +23,7 @@ from bench.quality.rhythm import concentration, knee_passes, lag_error
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.quaternion import Floats
-from motionsplice.precompute.body.posture import measure_torso, posture_angle
+from motionsplice.precompute.body.posture import measure_torso
 from motionsplice.precompute.preparation.repetition import stride_to_stride
 from motionsplice.precompute.splice import sampled_offsets, splice_exact, splice_standing
 from motionsplice.runtime.bank import Bank

@@ -21,10 +21,9 @@ def intervals(arrivals: Sequence[float], rate: float) -> Floats:
     return np.asarray(1e3 * np.abs(np.diff(np.asarray(arrivals)) - 1.0 / rate))
 
 
-def lost(numbers: Sequence[int], ahead: int = 1) -> int:
-    """Returns the number of frames missing between the first and the last message of `ahead` frames each."""
-    steps = np.diff(np.asarray(numbers))
-    return int(np.maximum(steps - ahead, 0).sum())
+def lost(numbers: Sequence[int]) -> int:
+    """Returns the number of frames missing between the first and the last."""
+    return int(np.maximum(np.diff(np.asarray(numbers)) - 1, 0).sum())
 
 
 def percentiles(values: Floats) -> tuple[float, float]:

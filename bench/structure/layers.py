@@ -77,7 +77,7 @@ def _height(name: str, inner: dict[str, Rows]) -> float:
 
 def _draw_package(axes: Axes, name: str, rows: Rows | None, box: tuple[float, float, float, float]) -> None:
     left, top, wide, tall = box
-    _draw_box(axes, box, FILLS.get(name, PLAIN), EDGE)
+    _draw_box(axes, box, FILLS.get(name, PLAIN))
     label = name.removeprefix("motionsplice.").replace("_", " ")
     middle = top + (TITLE if rows else tall) / 2.0
     axes.text(left + wide / 2.0, middle, label, color=INK, ha="center", va="center", size=11, weight="bold")
@@ -85,15 +85,15 @@ def _draw_package(axes: Axes, name: str, rows: Rows | None, box: tuple[float, fl
         step = (wide - GAP) / len(row)
         for place, one in enumerate(row):
             cell = (left + GAP + place * step, top + TITLE + number * ROW, step - GAP, ROW - 0.06)
-            _draw_box(axes, cell, "#ffffff", EDGE)
+            _draw_box(axes, cell, "#ffffff")
             centre = cell[0] + cell[2] / 2.0, cell[1] + cell[3] / 2.0
             fitting = POINTS * cell[2] / (LETTER * len(one))
             axes.text(*centre, one, color=INK, ha="center", va="center", size=min(9.0, fitting))
 
 
-def _draw_box(axes: Axes, box: tuple[float, float, float, float], fill: str, edge: str) -> None:
+def _draw_box(axes: Axes, box: tuple[float, float, float, float], fill: str) -> None:
     left, top, wide, tall = box
     style = "round,pad=0,rounding_size=0.05"
     axes.add_patch(
-        FancyBboxPatch((left, top), wide, tall, boxstyle=style, facecolor=fill, edgecolor=edge, linewidth=0.8)
+        FancyBboxPatch((left, top), wide, tall, boxstyle=style, facecolor=fill, edgecolor=EDGE, linewidth=0.8)
     )

@@ -16,7 +16,7 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.skeleton import Skeleton
 
-STATURE = 1.78
+STATURE = 1.78  # metres
 THIGH, SHANK, ANKLE_HEIGHT = 0.245 * STATURE, 0.246 * STATURE, 0.039 * STATURE
 UPPER_ARM, FOREARM, HAND = 0.186 * STATURE, 0.146 * STATURE, 0.108 * STATURE
 HEEL = (-0.055, -ANKLE_HEIGHT)  # from the ankle, forward and up, metres

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from motionsplice.motion.quaternion import Floats
 
-GRAVITY = 9.81
+GRAVITY = 9.81  # metres per second squared
 
 
 def forward(heading: Floats) -> Floats:

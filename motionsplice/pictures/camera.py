@@ -18,9 +18,10 @@ Figure = StickFigure | HandFigure
 
 # Degrees from the character's front towards its right, and degrees above the floor.
 VIEWS = {"side": (90.0, 6.0), "front": (0.0, 6.0), "three-quarter": (45.0, 10.0)}
-TRACKING_RATE = 30.0
-SMOOTHING = 0.5
-MARK_SPACING = 0.4
+TRACKING_RATE = 30.0  # frames per second at most of what the camera follows
+SMOOTHING = 0.5  # seconds, standard deviation
+MARK_SPACING = 0.4  # metres
+REACH = 3  # marks on each side of a figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +79,10 @@ class Take:
     held: tuple[bool, ...]
 
     @classmethod
-    def of(cls, clip: Clip, figure: Figure, times: Floats, camera: Camera, *, reach: int = 3) -> Take:
-        """Returns `clip` as `camera` sees it at `times` [n] seconds, with floor marks up to `reach` spacings away."""
+    def of(cls, clip: Clip, figure: Figure, times: Floats, camera: Camera) -> Take:
+        """Returns `clip` as `camera` sees it at `times` [n] seconds, with the floor marks around it."""
         roots, rotations = clip.sampled(times * clip.rate)
-        steps = MARK_SPACING * np.arange(-reach, reach + 1)
+        steps = MARK_SPACING * np.arange(-REACH, REACH + 1)
         around = np.stack(np.meshgrid(steps, [0.0], steps), axis=-1).reshape(-1, 3)
         marks = np.round(roots / MARK_SPACING)[:, None] * MARK_SPACING + around
         marks[..., 1] = camera.ground

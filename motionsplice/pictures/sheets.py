@@ -23,7 +23,7 @@ Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 TEXT: Colour = (38, 42, 48)
 QUIET: Colour = (118, 125, 134)
 FLOOR: Colour = (222, 225, 229)
-HELD = 0.6
+HELD = 0.6  # how pale a figure is that is held at its last frame
 
 SHEET_WIDTH, LABEL_WIDTH, MARGIN, FOOTER, PADDING = 1200, 130, 24, 54, 10
 MIN_LABEL_WIDTH, MIN_CELL_WIDTH, MAX_FIGURE_HEIGHT = 70, 44, 250

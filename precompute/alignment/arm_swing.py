@@ -12,11 +12,11 @@ import numpy as np
 from motionsplice.motion.kernel_cache import compiled
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
+from motionsplice.precompute.alignment.harmonics import fitted, waves
 
 WEIGHT = 0.2  # leg lengths of root and knees that an arm's usual departure from its mean is worth
 HARMONICS = 2  # of the stride in the mean swing
 STILL = 0.02  # leg lengths: an arm that swings less counts less
-ALL_BUT_MEAN = np.diag([0.0] + [1.0] * (2 * HARMONICS))
 STEADYING = 1e-3  # keeps coefficients that the clip's strides do not determine small
 
 
@@ -53,20 +53,13 @@ def swing_distances(swing: Floats, phase: Floats, cells: int, leg: float) -> Flo
 
     swing: [n, 2] of `arm_swing`. phase: [n] cycles, by the legs. leg: leg length, metres.
     """
-    cycles, waves = phase[-1] - phase[0], _waves(phase)
+    cycles = phase[-1] - phase[0]
     if cycles <= 1.0:  # nothing repeats
         return np.zeros((len(swing), cells))
-    normal = waves.T @ waves + STEADYING * len(phase) * ALL_BUT_MEAN
-    mean = np.linalg.solve(normal, waves.T @ swing)
+    mean = fitted(swing, phase, HARMONICS, STEADYING)
     motion = np.var(swing, axis=0) + (STILL * leg) ** 2
-    explained = np.maximum(1.0 - np.mean((swing - waves @ mean) ** 2, axis=0) / motion, 0.0)
+    explained = np.maximum(1.0 - np.mean((swing - waves(phase, HARMONICS) @ mean) ** 2, axis=0) / motion, 0.0)
     trust = explained**2 * (1.0 - 1.0 / cycles)  # little repetition explains itself
-    means, weights = _waves(np.arange(cells) / cells) @ mean, trust / motion
+    means, weights = waves(np.arange(cells) / cells, HARMONICS) @ mean, trust / motion
     left, right = (weights[arm] * (swing[:, arm, None] - means[:, arm]) ** 2 for arm in range(2))
     return np.asarray((WEIGHT * leg) ** 2 * (left + right))
-
-
-def _waves(phase: Floats) -> Floats:
-    """Returns 1, cosines and sines of the first harmonics [n, 1 + 2 HARMONICS]."""
-    angles = 2.0 * np.pi * np.multiply.outer(phase, np.arange(1, HARMONICS + 1))
-    return np.concatenate([np.ones((len(phase), 1)), np.cos(angles), np.sin(angles)], axis=1)

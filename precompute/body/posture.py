@@ -10,7 +10,6 @@ from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import ClipError
 from motionsplice.motion.kernel_cache import compiled
-from motionsplice.motion.pointcloud import horn_rotation
 from motionsplice.motion.quaternion import Floats
 from motionsplice.motion.roles import Roles
 from motionsplice.precompute.body.joint_paths import joint_transforms
@@ -103,8 +102,3 @@ def posture_frame(hip_line: Floats) -> Floats:
     x, y, z = hip_line[:, 0], hip_line[:, 1], hip_line[:, 2]
     yaw = quaternion.about(UP, np.arctan2(-z, x))
     return quaternion.multiply(yaw, quaternion.about(FORWARD, np.arctan2(y, np.hypot(x, z))))
-
-
-def posture_angle(a: Floats, b: Floats) -> float:
-    """Returns the angle in radians of the rotation that best lays one posture [2, 3] on another."""
-    return float(quaternion.angle(horn_rotation(a, b), quaternion.IDENTITY))

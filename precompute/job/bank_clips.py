@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from motionsplice.precompute.job.clip_work import Clips, Preparation, load_or_run
+from motionsplice.precompute.job.clip_work import Preparation, load_or_run
 from motionsplice.precompute.job.hybrids import Hybrids
 from motionsplice.precompute.job.neutrals import Label
+from motionsplice.precompute.job.readings import Clips
 from motionsplice.precompute.preparation.prepared import PreparedClip
 
 

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from motionsplice.motion.errors import BaselineError, MotionError, did_you_mean
 from motionsplice.precompute.alignment.baseline import no_stride
 from motionsplice.precompute.alignment.typical import most_typical
-from motionsplice.precompute.job.clip_work import Clips, StrideSearch, load_or_run
+from motionsplice.precompute.job.clip_work import StrideSearch, load_or_run
 from motionsplice.precompute.job.entries import FoundStride
+from motionsplice.precompute.job.readings import Clips
 
 FEW = 3  # errors that a message about many clips lists
 

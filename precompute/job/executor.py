@@ -7,11 +7,10 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor
 from functools import partial
 
 from motionsplice.motion.errors import MotionError
-from motionsplice.precompute.job.method import version_of
+from motionsplice.precompute.job.method import version_of_method
 from motionsplice.precompute.job.workers import Outcomes, Result, Task, WorkerDiedError, attempt, finished
 
 AHEAD = 1000  # tasks that are submitted at a time: enough for hundreds of workers, and few to keep in memory
-PACKAGES = ("motion", "runtime", "precompute")
 KILLED = "KilledWorker"  # Dask's exception for a task whose workers died, which cannot be imported without Dask
 
 
@@ -23,7 +22,7 @@ def in_executor(
     executor: Executor, function: Callable[[Task], Result], tasks: Iterable[Task]
 ) -> Outcomes[Task, Result]:
     """Does the tasks in an executor, which stays open. Raises ExecutorError if it breaks or cannot run them."""
-    submit = partial(executor.submit, partial(_attempt_of, version_of(*PACKAGES), function))
+    submit = partial(executor.submit, partial(_attempt_of, version_of_method(), function))
     for task, future in finished(submit, tasks, AHEAD):
         try:
             result = future.result()
@@ -45,7 +44,7 @@ def in_executor(
 
 def _attempt_of(version: str, function: Callable[[Task], Result], task: Task) -> Result | MotionError:
     """Attempts a task in a worker, if this has the same version of the method: others may make other bytes."""
-    if version_of(*PACKAGES) != version:
+    if version_of_method() != version:
         problem = "a worker has another version of motionsplice, NumPy, SciPy or Numba"
         return ExecutorError(problem, mend="Install the same versions on every worker")
     return attempt(function, task)

@@ -18,8 +18,9 @@ from motionsplice.motion.storage.place import is_named
 from motionsplice.precompute.hands.rows import LaidHands, lay_hands
 from motionsplice.precompute.hands.settings import FILE_NAME, HandSettings, HandsOnBody, read_hand_settings
 from motionsplice.precompute.job.cache import Arrays, Cache, Fields, key_of
-from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, load_or_run, read
+from motionsplice.precompute.job.clip_work import Preparation, load_or_run
 from motionsplice.precompute.job.entries import FoundStride, pack_reading, unpack_reading
+from motionsplice.precompute.job.readings import Clips, Identified, read
 from motionsplice.precompute.job.sources import Source
 from motionsplice.runtime.format.rows import Layout
 

@@ -10,7 +10,8 @@ from motionsplice.motion.errors import ClipError, MotionError
 from motionsplice.motion.retarget.rig import Rig
 from motionsplice.precompute.hands.rows import LaidHands, hands_on_stretch
 from motionsplice.precompute.job.cache import key_of
-from motionsplice.precompute.job.clip_work import Clips, Identified, Preparation, load_or_run
+from motionsplice.precompute.job.clip_work import Preparation, load_or_run
+from motionsplice.precompute.job.readings import Clips, Identified
 from motionsplice.precompute.preparation.cuts import Cut, cuts
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.runtime.format.rows import Layout

@@ -20,18 +20,7 @@ from motionsplice.precompute.job.bank_builder import write_bank
 from motionsplice.precompute.job.bank_clips import BankClips
 from motionsplice.precompute.job.baseline_choice import named_stride, typical_stride
 from motionsplice.precompute.job.cache import CacheError
-from motionsplice.precompute.job.clip_work import (
-    Clips,
-    Contents,
-    Identified,
-    Preparation,
-    Readings,
-    StrideSearch,
-    Work,
-    contents_of,
-    identify,
-    load_or_run,
-)
+from motionsplice.precompute.job.clip_work import Preparation, StrideSearch, Work, load_or_run
 from motionsplice.precompute.job.destination import Destination, destination
 from motionsplice.precompute.job.entries import FoundStride
 from motionsplice.precompute.job.executor import in_executor
@@ -48,6 +37,7 @@ from motionsplice.precompute.job.hybrids import Hybrids, cuts_key, fail_whole, h
 from motionsplice.precompute.job.neutrals import fail_without_neutral, labels_of
 from motionsplice.precompute.job.outcome import Outcome, Progress
 from motionsplice.precompute.job.processes import in_processes
+from motionsplice.precompute.job.readings import Clips, Contents, Identified, Readings, contents_of, identify
 from motionsplice.precompute.job.skeleton import StrideOnSkeleton, rig_of
 from motionsplice.precompute.job.sources import find_sources
 from motionsplice.precompute.job.standing import fail_with_missing_limbs

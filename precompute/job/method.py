@@ -9,17 +9,17 @@ from importlib.resources.abc import Traversable
 
 from motionsplice.precompute.job.cache import key_of
 
-LIBRARIES = ("numba", "numpy", "scipy")
+PACKAGES, LIBRARIES = ("motion", "runtime", "precompute"), ("numba", "numpy", "scipy")
 
 
 @cache
-def version_of(*packages: str) -> str:
-    """Returns the digest of all sources of these packages, and of the versions of the libraries that they call.
+def version_of_method() -> str:
+    """Returns the digest of all sources of the PACKAGES that the job runs, and of the versions of their LIBRARIES.
 
     A version number maintained by hand would be forgotten some day, and a stale result looks like any other. So every
     change of a source, even of a comment, causes a rebuild.
     """
-    sources = [source for package in packages for source in _sources(files(f"motionsplice.{package}"), package)]
+    sources = [source for package in PACKAGES for source in _sources(files(f"motionsplice.{package}"), package)]
     return key_of(sources, [(name, version(name)) for name in LIBRARIES])
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from motionsplice.motion.errors import MotionError, SettingsError, did_you_mean
-from motionsplice.precompute.job.clip_work import Clips
+from motionsplice.precompute.job.readings import Clips
 from motionsplice.precompute.preparation.neutral import ShownGait, nearest_gaits
 from motionsplice.precompute.preparation.prepared import PreparedClip
 

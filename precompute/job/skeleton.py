@@ -13,8 +13,8 @@ from motionsplice.motion.retarget.rig import Rig
 from motionsplice.motion.storage.remote import Remote
 from motionsplice.precompute.alignment.baseline import find_baseline
 from motionsplice.precompute.job.cache import Cache, key_of
-from motionsplice.precompute.job.clip_work import Identified, Readings
 from motionsplice.precompute.job.entries import FoundStride, StrideSearched, pack_rig, pack_stride, unpack_stride
+from motionsplice.precompute.job.readings import Identified, Readings
 from motionsplice.runtime.bank import Bank
 
 

@@ -9,7 +9,7 @@ from motionsplice.motion.clip import Clip
 from motionsplice.motion.errors import MotionError, SettingsError
 from motionsplice.motion.parts import MASKS, chains_to_limbs
 from motionsplice.motion.retarget.rig import Rig
-from motionsplice.precompute.job.clip_work import Clips
+from motionsplice.precompute.job.readings import Clips
 from motionsplice.precompute.preparation.prepared import PreparedClip
 from motionsplice.precompute.preparation.standing import Measured, measure_standing
 from motionsplice.runtime.format.rows import Layout

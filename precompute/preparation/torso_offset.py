@@ -14,10 +14,10 @@ from scipy.ndimage import gaussian_filter1d
 
 from motionsplice.motion import quaternion
 from motionsplice.motion.quaternion import Floats
+from motionsplice.precompute.alignment.harmonics import fitted, waves
 from motionsplice.precompute.body.best_rotations import best_rotations
 
 HARMONICS = 4  # of the stride: what a gait repeats; more would fit the noise of a single take
-ALL_BUT_MEAN = np.diag([0.0] + [1.0] * (2 * HARMONICS))
 SMOOTHING = 0.1  # seconds: jitter of the phases is faster than shoulders move
 STEADYING = 1e-5  # keeps coefficients that less than a stride does not determine at zero
 
@@ -35,15 +35,13 @@ class MeanStride:
         Every part of the stride has the same weight, however fast the clip passes it.
         """
         pace = np.gradient(phase)
-        weight = np.sqrt(pace / np.mean(pace))[:, None]
-        waves = _waves(phase) * weight
-        normal = waves.T @ waves + STEADYING * len(phase) * ALL_BUT_MEAN
-        found = np.linalg.solve(normal, waves.T @ (clouds.reshape(len(clouds), -1) * weight))
+        weights = np.sqrt(pace / np.mean(pace))
+        found = fitted(clouds.reshape(len(clouds), -1), phase, HARMONICS, STEADYING, weights)
         return cls(found.reshape(-1, *clouds.shape[1:]))
 
     def at(self, phase: Floats) -> Floats:
         """Returns the mean clouds [F, P, 3] at `phase` [F], metres."""
-        return np.tensordot(_waves(phase), self.coefficients, axes=1)
+        return np.tensordot(waves(phase, HARMONICS), self.coefficients, axes=1)
 
 
 def torso_offsets(clouds: Floats, phase: Floats, rate: float, neutral: MeanStride, period: int = 0) -> Floats:
@@ -86,9 +84,3 @@ def _mean(offsets: Floats) -> Floats:
     """Returns the mean rotation [4] of offsets [F, 4], w >= 0."""
     mean: Floats = np.linalg.eigh(offsets.T @ offsets)[1][:, -1]
     return -mean if mean[3] < 0.0 else mean
-
-
-def _waves(phase: Floats) -> Floats:
-    """Returns 1, cosines and sines of the first harmonics [F, 1 + 2 HARMONICS]."""
-    angles = 2.0 * np.pi * np.multiply.outer(phase, np.arange(1, HARMONICS + 1))
-    return np.concatenate([np.ones((len(phase), 1)), np.cos(angles), np.sin(angles)], axis=1)

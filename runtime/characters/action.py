@@ -12,9 +12,10 @@ from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.characters import state as col
 from motionsplice.runtime.characters.arrays import Limbs
-from motionsplice.runtime.characters.commands import BLEND, mask_of, not_negative, weight_in_range
+from motionsplice.runtime.characters.commands import BLEND, fraction, mask_of, not_negative
 from motionsplice.runtime.requests import METHODS, POSTURES, Memory, Posture, known, time_fault
 
+ActionMethod = Literal["splice", "naive"]
 ACTION_METHODS = {name: number for name, number in METHODS.items() if name != "none"}
 
 
@@ -52,7 +53,7 @@ class Action:
     curve: col.Curve = "smooth"
     weight: float = 1.0
     mask: col.Mask = "upper_body"
-    method: Literal["splice", "naive"] = "splice"
+    method: ActionMethod = "splice"
     posture: Posture = "relative"
     loop: bool = True
     own_clock: bool | tuple[float, float] | None = None
@@ -82,7 +83,7 @@ def waiting_action(action: Action, bank: Bank, limbs: Limbs, rate: float) -> NDA
     slot = np.zeros(col.ACTION_COLUMNS)
     slot[col.CLIP], slot[col.KIND] = bank.number(entry.name), known(ACTION_METHODS, "method", action.method)
     slot[col.PHASE], slot[col.FRAME] = bank.phase_at(entry.name, start), start * entry.rate
-    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(action.weight)
+    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = fraction("weight", action.weight)
     slot[col.LASTING], slot[col.CURVE] = not_negative("blend", action.blend), known(col.CURVES, "curve", action.curve)
     slot[col.FADING_OUT], slot[col.LOOP] = not_negative("blend_out", action.blend_out), action.loop
     slot[col.MASK], slot[col.POSTURE] = mask_of(limbs, action.mask), known(POSTURES, "posture", action.posture)

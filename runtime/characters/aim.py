@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.characters import state as col
-from motionsplice.runtime.characters.commands import not_negative, weight_in_range
+from motionsplice.runtime.characters.commands import fraction, not_negative
 from motionsplice.runtime.requests import known
 
 AimPart = Literal["chest", "left_arm", "right_arm"]
 PARTS: Mapping[str, int] = {"chest": col.CHEST, "left_arm": col.LEFT, "right_arm": col.RIGHT, "head": col.GAZE}
 AIM_PARTS = get_args(AimPart)
 LARGEST_YAW, LARGEST_PITCH = math.radians(150.0), math.radians(80.0)
-FARTHEST = 1e9
+FARTHEST = 1e9  # metres of a point or a place, and radians of a heading
 States = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
@@ -101,7 +101,7 @@ def target_of(target: Look | Aim, blend: float) -> States:
     return np.array(
         [
             *(col.POINT if is_point else col.DIRECTION, *to),
-            *(weight_in_range(target.weight), share("spine", spine), share("steady", target.steady)),
+            *(fraction("weight", target.weight), fraction("spine", spine), fraction("steady", target.steady)),
             limit("max_yaw", target.max_yaw, LARGEST_YAW),
             limit("max_pitch", target.max_pitch, LARGEST_PITCH),
             blend,
@@ -144,13 +144,6 @@ def fade_target(state: States, rows: Numbers, slot: int, blend: float) -> None:
     state[rows, slot + col.SETTLING] = blend
     if blend == 0.0:
         state[rows, slot : slot + col.AIM_COLUMNS] = 0.0
-
-
-def share(label: str, value: float) -> float:
-    """Returns the value. Raises SettingsError if it is NaN or outside 0 to 1."""
-    if not 0.0 <= value <= 1.0:
-        raise SettingsError(f"{label} {value} lies outside 0 to 1")
-    return value
 
 
 def limit(label: str, value: float, most: float) -> float:

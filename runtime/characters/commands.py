@@ -41,7 +41,7 @@ def waiting_hands(bank: Bank, hands: str | None, blend: float, curve: str, weigh
     """Returns hands as a slot [HANDS_COLUMNS] that waits to begin. Raises UnknownClipError or SettingsError."""
     slot = np.zeros(col.HANDS_COLUMNS)
     slot[col.CLIP] = col.BARE if hands is None else bank.hand_number(hands)
-    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = weight_in_range(weight)
+    slot[[col.WEIGHT, col.LAGGING, col.GOAL]] = fraction("weight", weight)
     slot[col.LASTING], slot[col.CURVE] = not_negative("blend", blend), known(col.CURVES, "curve", curve)
     return slot
 
@@ -80,11 +80,11 @@ def mask_of(limbs: Limbs, name: str) -> int:
     return mask
 
 
-def weight_in_range(weight: float) -> float:
-    """Returns the weight. Raises SettingsError if it is NaN or outside 0 to 1."""
-    if not 0.0 <= weight <= 1.0:
-        raise SettingsError(f"weight {weight} lies outside 0 to 1")
-    return weight
+def fraction(label: str, value: float) -> float:
+    """Returns the value. Raises SettingsError if it is NaN or outside 0 to 1."""
+    if not 0.0 <= value <= 1.0:
+        raise SettingsError(f"{label} {value} lies outside 0 to 1")
+    return value
 
 
 def lockable(legs: Legs, lock: bool) -> bool:

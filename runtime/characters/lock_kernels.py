@@ -22,6 +22,7 @@ from motionsplice.runtime.kernels.turns import (
     Vector,
     between,
     inverse,
+    length,
     minus,
     plus,
     times,
@@ -128,31 +129,26 @@ def bending(thigh: Vector, shin: Vector, leg: Vector, x: float, z: float) -> Tur
     faster for the same change of length, without bound. So the straighter it is, the less of the change is taken up;
     and no leg becomes straight.
     """
-    a, b, length = norm(thigh), norm(shin), norm(leg)
+    a, b, reach = length(thigh), length(shin), length(leg)
     axis = (
         thigh[1] * shin[2] - thigh[2] * shin[1],
         thigh[2] * shin[0] - thigh[0] * shin[2],
         thigh[0] * shin[1] - thigh[1] * shin[0],
     )
-    size, product_of_bones = norm(axis), max(a * b, TINY)
+    size, product_of_bones = length(axis), max(a * b, TINY)
     sine = size / product_of_bones
-    change = norm((leg[0] + x, leg[1], leg[2] + z)) - length
+    change = length((leg[0] + x, leg[1], leg[2] + z)) - reach
     change *= sine * sine / (sine * sine + STIFF * STIFF)
-    room = STRAIGHT * (a + b) - length
+    room = STRAIGHT * (a + b) - reach
     if change > 0.0:
         change = room * (1.0 - math.exp(-change / room)) if room > 0.0 else 0.0
-    half = 0.5 * (angle_at(a, b, length + change, product_of_bones) - angle_at(a, b, length, product_of_bones))
+    half = 0.5 * (angle_at(a, b, reach + change, product_of_bones) - angle_at(a, b, reach, product_of_bones))
     scale = math.sin(half) / max(size, TINY)
     return scale * axis[0], scale * axis[1], scale * axis[2], math.cos(half)
 
 
 @inlined
-def angle_at(a: float, b: float, length: float, product_of_bones: float) -> float:
-    """Returns the angle at the knee of a leg of this length, by the law of cosines."""
-    cosine = (a * a + b * b - length * length) / (2.0 * product_of_bones)
+def angle_at(a: float, b: float, reach: float, product_of_bones: float) -> float:
+    """Returns the angle at the knee of a leg that reaches so far, by the law of cosines."""
+    cosine = (a * a + b * b - reach * reach) / (2.0 * product_of_bones)
     return math.acos(min(max(cosine, -1.0), 1.0))
-
-
-@inlined
-def norm(v: Vector) -> float:
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

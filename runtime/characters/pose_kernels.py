@@ -54,7 +54,7 @@ from motionsplice.runtime.kernels.lookup import between_rows, is_mirrored
 from motionsplice.runtime.kernels.mirror import mirror_lower
 from motionsplice.runtime.kernels.phase import row_of
 from motionsplice.runtime.kernels.posture import turn_pelves
-from motionsplice.runtime.kernels.rotations import ONE, sample_and_fetch, sample_planes
+from motionsplice.runtime.kernels.rotations import ONE, quaternion_in, sample_and_fetch, sample_planes
 from motionsplice.runtime.simd.compiled import ZERO, Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
 
@@ -160,7 +160,7 @@ def pose_lower(
     copy_lower(rig, lanes, rotations, character)
     fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
-    root = rotation_in(lanes, np.uint64(4 * FIRST_JOINT))
+    root = quaternion_in(lanes, np.uint64(4 * FIRST_JOINT))
     root = turned_about_y(root, -s[slot + col.PATH_SIN], s[slot + col.PATH_COS])
     place_root(s, c, x, y, z, root, character, roots, rotations, rig[arrays.COLUMNS])
 
@@ -205,7 +205,7 @@ def mix_lower(
     copy_lower(rig, lanes, rotations, character)
     fetch_cloud(bank.lower, ahead, rig[arrays.FIRST_PLANE])
     copy_rotation(lanes, np.uint64(4 * PELVIS), rotations, character, rig[arrays.PELVIS_COLUMN])
-    place_root(s, c, x, y, z, rotation_in(lanes, joint), character, roots, rotations, rig[arrays.COLUMNS])
+    place_root(s, c, x, y, z, quaternion_in(lanes, joint), character, roots, rotations, rig[arrays.COLUMNS])
 
 
 @inlined
@@ -247,12 +247,6 @@ def place_root(
     roots[character, 0], roots[character, 1], roots[character, 2] = x, y, z
     rotations[character, column], rotations[character, column + ONE] = root[0], root[1]
     rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = root[2], root[3]
-
-
-@inlined
-def rotation_in(lanes: Array, at: Index) -> Rotation:
-    """Returns a rotation in lanes."""
-    return lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
 
 
 @inlined

@@ -13,8 +13,7 @@ from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BLOCK, SPLICED, BankArrays
 from motionsplice.runtime.kernels.lookup import SPLICE
 from motionsplice.runtime.kernels.posture import RUNNING
-from motionsplice.runtime.kernels.rotations import FOUR, TINY, product
-from motionsplice.runtime.kernels.standing import quaternion_in
+from motionsplice.runtime.kernels.rotations import FOUR, TINY, product, quaternion_in
 from motionsplice.runtime.simd.compiled import Array, Index, inlined
 
 # of Mixing.finish: the pelvis is the locomotion's; it is that of the only splice; it is mixed; it is mixed, and limbs

@@ -26,10 +26,7 @@ FIRST_ROW, FRAME_COUNT, ROW_COUNT, RATE, FIRST_CELL, CELL_COUNT = 0, 1, 2, 3, 4,
 FIRST_PHASE, LAST_PHASE, LOOP, CELLS_PER_CYCLE, POSTURE, GAIT = 6, 7, 8, 9, 10, 16
 MIRRORED, PHASE_SHIFT = 17, 18  # whether rows are mirrored; what is added to the table of phases
 STANCE, DRIVES = 19, 20  # row in BankArrays.stances, -1 if none; bits of the parts that are driven
-FIRST_STRETCH, NEXT_STRETCH = (
-    21,
-    22,
-)  # numbers of clips: of a hybrid's first stretch, of the one after a stretch; else -1
+FIRST_STRETCH, NEXT_STRETCH = 21, 22  # clips: the first stretch of a hybrid, the one after a stretch; -1 if none
 # frames of a stretch at which it takes over and hands over, 0 for other clips; and the hybrid's frame at which it does
 ENTERS, LEAVES, BEGINS, CLIP_COLUMNS = 23, 24, 25, 26
 # entries of BankArrays.rig

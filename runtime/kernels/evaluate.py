@@ -41,7 +41,7 @@ from motionsplice.runtime.kernels.lookup import (
 )
 from motionsplice.runtime.kernels.mirror import mirror_lower, mirror_upper
 from motionsplice.runtime.kernels.posture import RUNNING, correlate, is_aligned, turn_pelves
-from motionsplice.runtime.kernels.rotations import ONE, sample, sample_and_fetch
+from motionsplice.runtime.kernels.rotations import ONE, quaternion_in, sample, sample_and_fetch
 from motionsplice.runtime.kernels.standing import lay_on
 from motionsplice.runtime.simd.compiled import Array, Index, inlined, kernel, parallel_kernel
 from motionsplice.runtime.simd.handle import Handle, record_at
@@ -251,7 +251,7 @@ def copy_upper(rig: Array, lanes: Array, above: Index, rotations: Array, charact
 @inlined
 def copy_rotation(lanes: Array, at: Index, rotations: Array, character: int, column: Index) -> None:
     """Copies one rotation from lanes into a pose."""
-    x, y, z, w = lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
+    x, y, z, w = quaternion_in(lanes, at)
     rotations[character, column], rotations[character, column + ONE] = x, y
     rotations[character, column + ONE + ONE], rotations[character, column + ONE + ONE + ONE] = z, w
 

@@ -110,6 +110,12 @@ def series(t: Real) -> Coefficients:
 
 
 @inlined
+def quaternion_in(lanes: Array, at: Index) -> tuple[Real, Real, Real, Real]:
+    """Returns a rotation in lanes."""
+    return lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
+
+
+@inlined
 def product(
     ax: Number, ay: Number, az: Number, aw: Number, bx: Number, by: Number, bz: Number, bw: Number
 ) -> tuple[Number, Number, Number, Number]:

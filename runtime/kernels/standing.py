@@ -11,7 +11,7 @@ from motionsplice.runtime.format.rows import PELVIS, POSTURE_FRAME, TORSO_OFFSET
 from motionsplice.runtime.kernels import arrays
 from motionsplice.runtime.kernels.arrays import BankArrays
 from motionsplice.runtime.kernels.lookup import between_rows, is_mirrored
-from motionsplice.runtime.kernels.rotations import FOUR, ONE, TINY, product
+from motionsplice.runtime.kernels.rotations import FOUR, ONE, TINY, product, quaternion_in
 from motionsplice.runtime.simd.compiled import Array, Index, Real, inlined, kernel
 from motionsplice.runtime.simd.lanes import interleave, load, root, separate, signed, spread
 from motionsplice.runtime.simd.width import LANES
@@ -73,12 +73,6 @@ def torso_turned(lanes: Array, above: Index, driven: bool) -> tuple[Real, Real, 
         scale = np.float32(1.0) / np.float32(math.sqrt(max(px * px + py * py + pz * pz + pw * pw, TINY)))
         px, py, pz, pw = px * scale, py * scale, pz * scale, pw * scale
     return px, py, pz, pw
-
-
-@inlined
-def quaternion_in(lanes: Array, at: Index) -> tuple[Real, Real, Real, Real]:
-    """Returns a rotation in lanes."""
-    return lanes[at], lanes[at + ONE], lanes[at + ONE + ONE], lanes[at + ONE + ONE + ONE]
 
 
 @inlined

@@ -11,6 +11,7 @@ import orjson
 
 from motionsplice.motion.axes import Axes
 from motionsplice.motion.errors import did_you_mean
+from motionsplice.runtime.characters.action import ActionMethod
 from motionsplice.runtime.characters.aim import FARTHEST, LARGEST_PITCH, LARGEST_YAW, AimPart
 from motionsplice.runtime.characters.state import EVENT_NAMES, Curve, Mask, When
 from motionsplice.runtime.requests import Posture
@@ -62,21 +63,23 @@ def _names(kind: Any) -> tuple[Check, str]:
     return _one_of(*get_args(kind)), f"one of {', '.join(get_args(kind))}"
 
 
-TIMES, FAR, SHARE = _number(0.0, 1e9), _number(-FARTHEST, FARTHEST), _number(0.0, 1.0)
+SECONDS, FAR = _number(0.0, 1e9), _number(-FARTHEST, FARTHEST)
+TIME, SHARE = (SECONDS, "at least 0 seconds"), (_number(0.0, 1.0), "a number from 0 to 1")
+FLAG: tuple[Check, str] = (lambda value: isinstance(value, bool)), "true or false"
 FINITE, PLACE = _number(-math.inf, math.inf), f"a list of three numbers of at most {FARTHEST:,.0f}"
 KEYS: Mapping[str, tuple[Check, str]] = {
     "locomotion": (lambda value: _is_text(value) or _is_mix(value), "a clip name, or a map of clip names to weights"),
     "weights": (_is_mix, "a map of clip names to weights"),
     "action": (_is_text, "a clip name"),
     "hands": (lambda value: value is None or _is_text(value), "the name of a hands clip, or null for none"),
-    "blend": (TIMES, "at least 0 seconds"),
-    "blend_out": (TIMES, "at least 0 seconds"),
+    "blend": TIME,
+    "blend_out": TIME,
     "curve": _names(Curve),
     "when": _names(When),
     "mask": _names(Mask),
-    "weight": (SHARE, "a number from 0 to 1"),
+    "weight": SHARE,
     "own_clock": (
-        lambda value: isinstance(value, bool) or _are(2, TIMES)(value),
+        lambda value: isinstance(value, bool) or _are(2, SECONDS)(value),
         "true, false or two times of the action in seconds",
     ),
     "point": (lambda value: value is None or _are(3, FAR)(value), f"{PLACE}, or null for none"),
@@ -85,23 +88,23 @@ KEYS: Mapping[str, tuple[Check, str]] = {
         "a list of three numbers that are not all 0, or null for none",
     ),
     "part": _names(AimPart),
-    "spine": (SHARE, "a number from 0 to 1"),
-    "steady": (SHARE, "a number from 0 to 1"),
+    "spine": SHARE,
+    "steady": SHARE,
     "max_yaw": (_number(0.0, LARGEST_YAW), f"radians from 0 to {LARGEST_YAW:.2f}"),
     "max_pitch": (_number(0.0, LARGEST_PITCH), f"radians from 0 to {LARGEST_PITCH:.2f}"),
     "position": (_are(3, FAR), PLACE),
     "heading": (FAR, f"radians, at most {FARTHEST:,.0f}"),
-    "in_place": (lambda value: isinstance(value, bool), "true or false"),
-    "lock_feet": (lambda value: isinstance(value, bool), "true or false"),
+    "in_place": FLAG,
+    "lock_feet": FLAG,
     "events": (
         lambda value: isinstance(value, list) and all(_one_of(*EVENT_NAMES.values())(one) for one in value),
         f"a list of {', '.join(EVENT_NAMES.values())}",
     ),
-    "time": (TIMES, "at least 0 seconds"),
-    "start": (TIMES, "at least 0 seconds"),
+    "time": TIME,
+    "start": TIME,
     "speed": (_number(0.0, FASTEST), f"a number from 0 to {FASTEST:g}"),
-    "loop": (lambda value: isinstance(value, bool), "true or false"),
-    "method": (_one_of("splice", "naive"), "one of splice, naive"),
+    "loop": FLAG,
+    "method": _names(ActionMethod),
     "posture": _names(Posture),
     "to": (
         lambda value: isinstance(value, list) and all(_one_of(*get_args(Kind))(one) for one in value),

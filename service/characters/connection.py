@@ -3,34 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import math
 from collections import deque
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from enum import Enum
 from typing import Any, Protocol
 
 import orjson
-from starlette.types import Receive, Send
+from starlette.types import Send
 
-from motionsplice.motion.errors import MotionError
-from motionsplice.service.allowance import Allowance
-from motionsplice.service.characters.commands import Command, checked, cost, parse, ref_of
 from motionsplice.service.characters.ensemble import Ensemble
 from motionsplice.service.characters.frame_format import FrameFormat
 from motionsplice.service.characters.play import Play
 from motionsplice.service.metrics import Metrics
-from motionsplice.service.problems import URN, kind_of
 from motionsplice.service.serving import Edition
-from motionsplice.service.settings import Settings
-from motionsplice.service.turns import Turns
-
-logger = logging.getLogger(__name__)
 
 TRANSPORT = "motionsplice.transport"  # name of the ASGI extension
-COPIED = 100.0  # copying this many characters costs about as much as one command; every message copies the scene
-CHECKED = 64  # commands that are checked in a turn, within half a millisecond
 MOST_EVENTS = 1000  # unsent events of one client
 NO_TEXT, TOO_SLOW, FAILED, RESTART, IDLE = 1003, 1008, 1011, 1012, 4408
 REFUSED = 4000  # and the status of the problem: close codes of WebSockets that are refused
@@ -74,8 +63,6 @@ NEXT: Mapping[State, frozenset[State]] = {
     State.CLOSED: frozenset({State.CLOSED}),
 }
 
-Do = Callable[["Connection", Iterable[Command]], Awaitable[None]]  # raises MotionError if it did none of them
-
 
 class Connection:
     """One client's side of the hub.
@@ -93,9 +80,7 @@ class Connection:
         format: The format of the frames.
     """
 
-    def __init__(
-        self, play: Play, form: FrameFormat, settings: Settings, metrics: Metrics, transport: Transport | None
-    ) -> None:
+    def __init__(self, play: Play, form: FrameFormat, metrics: Metrics, transport: Transport | None) -> None:
         self.state = State.READY
         self.play = play
         self.wanted = play.due
@@ -104,7 +89,6 @@ class Connection:
         self.refused: Edition | None = None
         self.is_held = False
         self.format = form
-        self.settings = settings
         self.metrics = metrics
         self._transport = transport
         self._events: deque[bytes] = deque()
@@ -256,49 +240,3 @@ class Connection:
                 scene.pass_frame()
             return sent._replace(scene=scene).after(past)
         return self.play._replace(scene=self.play.scene.copy())
-
-    async def receive(self, receive: Receive, allowance: Allowance, turns: Turns, do: Do) -> None:
-        """Receives messages and does their commands, until the client disconnects or the connection closes.
-
-        Each message is charged before anything is done for it, and waits if the allowance is used up.
-        """
-        loop = asyncio.get_running_loop()
-        while self.is_open:
-            try:
-                async with asyncio.timeout(None if len(self.play.scene) else self.settings.idle_seconds):
-                    message = await receive()
-            except TimeoutError:
-                self.close(IDLE, f"no characters and no command for {self.settings.idle_seconds:g} s")
-                return
-            if message["type"] == "websocket.disconnect":
-                return
-            text = message.get("text")
-            if text is None:
-                self.close(NO_TEXT, "commands must be sent as text")
-                return
-            if wait := allowance.charge(cost(text) + len(self.play.scene) / COPIED, loop.time()):
-                await asyncio.sleep(wait)
-            await turns.next()
-            await self._take(text, turns, do)
-
-    async def _take(self, text: str, turns: Turns, do: Do) -> None:
-        """Does all commands of a message, or none, and queues the reply.
-
-        All are checked before the first is done, and each again when it is done: the commands of long lists that are
-        kept meanwhile would be many objects for the collector of garbage to visit.
-        """
-        ref, axes = None, self.format.encoding.axes
-        try:
-            listed = parse(text)
-            ref = ref_of(listed)
-            for number, _ in enumerate(checked(listed, axes)):
-                if number % CHECKED == CHECKED - 1:
-                    await turns.next()
-            await do(self, checked(listed, axes))
-        except MotionError as error:
-            self.queue_event("refused", ref=ref, type=URN + kind_of(error)[1], detail=str(error))
-        except Exception:
-            logger.exception("commands failed")
-            self.close(FAILED, "the service failed; see its log")
-        else:
-            self.queue_event("done", ref=ref, frame=self.play.frame)

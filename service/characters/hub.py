@@ -20,6 +20,7 @@ from motionsplice.service.characters.connection import FAILED, RESTART, TRANSPOR
 from motionsplice.service.characters.ensemble import MOST_JOINED, Ensemble
 from motionsplice.service.characters.frame_format import PARAMETERS, FrameFormat, frame_format
 from motionsplice.service.characters.groups import alike, catch_up, punctual_first, together
+from motionsplice.service.characters.incoming import receive_commands
 from motionsplice.service.characters.lateness import IN_A_TURN, Lateness, moved
 from motionsplice.service.characters.play import Play, next_tick
 from motionsplice.service.characters.receivers import Receivers
@@ -61,7 +62,7 @@ class Hub:
         scene = Scene(edition, rate, self._shared.settings.max_characters, rebased=form.origins)
         play = Play(scene, 0, next_tick(loop.time(), rate), rate, values["ahead"])
         transport = scope.get("extensions", {}).get(TRANSPORT)
-        connection = Connection(play, form, self._shared.settings, self._shared.metrics, transport)
+        connection = Connection(play, form, self._shared.metrics, transport)
         self._check(connection, play)
         with (
             self._shared.admitted(),
@@ -73,7 +74,10 @@ class Hub:
             self.connections.add(connection)
             self._changed.set()
             sending = asyncio.create_task(connection.send(send, self._changed.set))
-            receiving = asyncio.create_task(connection.receive(receive, allowance, self._shared.turns, self._do))
+            idle_seconds, turns = self._shared.settings.idle_seconds, self._shared.turns
+            receiving = asyncio.create_task(
+                receive_commands(connection, receive, allowance, turns, self._do, idle_seconds)
+            )
             try:
                 await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
                 if connection.state is State.CLOSING:

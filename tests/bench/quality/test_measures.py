@@ -12,6 +12,7 @@ from bench.quality.measures import (
     mismatch,
     neck_excursion,
     neck_jitter,
+    posture_angle,
     posture_error,
     promised_posture,
     upper_body_errors,
@@ -19,7 +20,7 @@ from bench.quality.measures import (
 from motionsplice.motion import quaternion
 from motionsplice.motion.clip import Clip
 from motionsplice.motion.roles import find_roles
-from motionsplice.precompute.body.posture import measure_torso, posture_angle
+from motionsplice.precompute.body.posture import measure_torso
 from tests.conftest import CLIPS
 
 WALK, BOX = CLIPS["walk"], CLIPS["carry_box"]

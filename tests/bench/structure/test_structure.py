@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib.image
@@ -25,6 +26,15 @@ def test_no_imports_go_in_a_circle() -> None:
     assert not circles()
 
 
+@pytest.fixture
+def forgotten() -> Iterator[None]:
+    """Has this test and the next find the imports anew."""
+    module.import_graph.cache_clear()
+    yield
+    module.import_graph.cache_clear()
+
+
+@pytest.mark.usefixtures("forgotten")
 def test_a_circle_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     package = tmp_path / "circular"
     for name, other in (("a", "b"), ("b", "a")):
@@ -34,10 +44,7 @@ def test_a_circle_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     (package / "__init__.py").write_text("")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(module, "TOP_LEVEL", ("circular",))
-    module.import_graph.cache_clear()
     assert [set(circle) for circle in circles()] == [{"circular.a", "circular.b"}]
-    monkeypatch.undo()
-    module.import_graph.cache_clear()
 
 
 def test_the_picture_is_drawn_from_the_contracts(tmp_path: Path) -> None:

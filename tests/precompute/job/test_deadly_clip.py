@@ -11,8 +11,9 @@ import pytest
 from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.procedural.library import make
 from motionsplice.precompute.job import job
-from motionsplice.precompute.job.clip_work import Identified, Preparation
+from motionsplice.precompute.job.clip_work import Preparation
 from motionsplice.precompute.job.job import build_bank
+from motionsplice.precompute.job.readings import Identified
 from motionsplice.precompute.job.workers import WorkerDiedError
 from motionsplice.runtime.bank import Bank
 

@@ -87,7 +87,7 @@ def test_a_closed_pool_ends_the_job() -> None:
 
 def test_workers_of_another_version_end_the_job(monkeypatch: pytest.MonkeyPatch) -> None:
     versions = iter(["ours", "theirs"])
-    monkeypatch.setattr(executor_module, "version_of", lambda *packages: next(versions))
+    monkeypatch.setattr(executor_module, "version_of_method", lambda: next(versions))
     with ThreadPoolExecutor(1) as pool, pytest.raises(ExecutorError, match=r"another version.*on every worker"):
         list(in_executor(pool, int, [1]))
 

@@ -9,19 +9,11 @@ import pytest
 
 from motionsplice.motion.clip_settings import ClipSettings
 from motionsplice.motion.formats.bvh import dump_bvh
-from motionsplice.precompute.job import clip_work
+from motionsplice.precompute.job import readings as reading_module
 from motionsplice.precompute.job.cache import Cache
-from motionsplice.precompute.job.clip_work import (
-    ROOM,
-    Identified,
-    Preparation,
-    Readings,
-    StrideSearch,
-    contents_of,
-    identify,
-    read,
-)
+from motionsplice.precompute.job.clip_work import Preparation, StrideSearch
 from motionsplice.precompute.job.entries import FoundStride, pack_prepared
+from motionsplice.precompute.job.readings import ROOM, Identified, Readings, contents_of, identify, read
 from motionsplice.precompute.job.sources import Source
 from tests.conftest import CLIPS
 
@@ -41,7 +33,7 @@ def test_a_kept_clip_is_not_read_again_and_has_the_name_it_is_asked_for(
     kept = pickle.loads(pickle.dumps(readings)) if where == "worker" else readings
     kept.keep(walk, reading)
     assert kept.cache.holds(walk.reading_key) is (where == "worker")
-    monkeypatch.setattr(clip_work, "read", lambda one: pytest.fail("it was read again"))
+    monkeypatch.setattr(reading_module, "read", lambda one: pytest.fail("it was read again"))
     same = readings.of(replace(walk, source=replace(walk.source, name="copy")))
     assert same.clip.name == "copy"
     np.testing.assert_array_equal(same.clip.rotations, reading.clip.rotations)

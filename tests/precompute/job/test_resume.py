@@ -16,12 +16,13 @@ from motionsplice.motion.formats.bvh import dump_bvh
 from motionsplice.motion.formats.files import Read
 from motionsplice.motion.formats.reading import Reading, read_as
 from motionsplice.motion.procedural.library import make
-from motionsplice.precompute.job import clip_work, job
+from motionsplice.precompute.job import job, readings
 from motionsplice.precompute.job.alone import LOCK
-from motionsplice.precompute.job.clip_work import Identified, Preparation
+from motionsplice.precompute.job.clip_work import Preparation
 from motionsplice.precompute.job.destination import CACHE
 from motionsplice.precompute.job.job import build_bank
 from motionsplice.precompute.job.outcome import Outcome
+from motionsplice.precompute.job.readings import Identified
 from motionsplice.runtime.bank import Bank
 from tests.conftest import CLIPS
 from tests.precompute.job.test_job import files_of
@@ -82,7 +83,7 @@ def test_a_second_run_does_nothing(
     bank = clips.parent / "bank"
     before = changed(bank)
     aligned.clear()
-    monkeypatch.setattr(clip_work, "read_as", None)
+    monkeypatch.setattr(readings, "read_as", None)
     monkeypatch.setattr(job, "write_bank", None)
     steps: list[str] = []
     second = build_bank([clips], bank, baseline=baseline, progress=lambda stage, done, total: steps.append(stage))
@@ -148,7 +149,7 @@ def test_another_version_of_the_method_aligns_all_clips_again(
 ) -> None:
     build(clips)
     aligned.clear()
-    monkeypatch.setattr(clip_work, "version_of", lambda *packages: f"{packages} of another day")
+    monkeypatch.setattr(readings, "version_of_method", lambda: "another day's")
     build(clips)
     assert sorted(aligned) == list(NAMES)
 
@@ -208,7 +209,7 @@ def test_a_clip_that_changes_while_it_is_read_fails(clips: Path, monkeypatch: py
             path.write_bytes(path.read_bytes() + b"\n")
         return read_as(asked, path, animation, read)
 
-    monkeypatch.setattr(clip_work, "read_as", changing)
+    monkeypatch.setattr(readings, "read_as", changing)
     outcome = build(clips)
     assert isinstance(outcome.failed["run"], ClipError)
     assert "it changed while it was read. Start again" in str(outcome.failed["run"])

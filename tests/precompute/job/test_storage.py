@@ -19,9 +19,10 @@ from motionsplice.motion.formats.reading import read_clip
 from motionsplice.motion.storage.remote import Remote, StorageError
 from motionsplice.precompute.job import job
 from motionsplice.precompute.job.cache import CacheError
-from motionsplice.precompute.job.clip_work import Identified, Preparation, contents_of, identify, read
+from motionsplice.precompute.job.clip_work import Preparation
 from motionsplice.precompute.job.install import install_bank, publish_bank
 from motionsplice.precompute.job.job import build_bank
+from motionsplice.precompute.job.readings import Identified, contents_of, identify, read
 from motionsplice.precompute.job.remote_cache import RemoteCache
 from motionsplice.precompute.job.sources import Source
 from motionsplice.runtime.bank import Bank

@@ -19,7 +19,6 @@ from motionsplice.service.characters.play import Play
 from motionsplice.service.characters.scene import Scene
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition
-from motionsplice.service.settings import Settings
 from motionsplice.service.wire.encoding import Encoding
 
 
@@ -53,7 +52,7 @@ class Client:
 
     def __init__(self, edition: Edition, transport: Buffer | None = None) -> None:
         play = Play(Scene(edition, 60.0, 100), 10, 5.0, 60.0, 1)
-        self.connection = Connection(play, FrameFormat(Encoding()), Settings(), Metrics(), transport)
+        self.connection = Connection(play, FrameFormat(Encoding()), Metrics(), transport)
         self.messages: list[Message] = []
         self.freed = 0
 

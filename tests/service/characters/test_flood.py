@@ -19,6 +19,7 @@ from motionsplice.service import turns
 from motionsplice.service.allowance import Allowance
 from motionsplice.service.characters.commands import MOST_IDS, PIECE, WHOLE, Command, checked, cost, in_pieces, parse
 from motionsplice.service.characters.connection import Connection, State
+from motionsplice.service.characters.incoming import receive_commands
 from motionsplice.service.serving import Edition
 from motionsplice.service.turns import Turns
 from tests.service.characters.test_connection import Client
@@ -100,7 +101,7 @@ def _received(client: Client, allowance: Allowance, done: list[str], *texts: str
         async def receive() -> Any:
             return messages.pop(0) if messages else {"type": "websocket.disconnect"}
 
-        task = asyncio.create_task(client.connection.receive(receive, allowance, Turns(), do))
+        task = asyncio.create_task(receive_commands(client.connection, receive, allowance, Turns(), do, 60.0))
         await asyncio.wait([task], timeout=0.2)
         task.cancel()
 

@@ -73,7 +73,7 @@ class Room:
                                AXES["gltf"]):  # fmt: skip
             scene.do(command)
         wire, play = Wire(), Play(scene, 0, 0.0, values["rate"], values["ahead"])
-        one = Connection(play, frame_format(values), self.shared.settings, self.shared.metrics, wire)
+        one = Connection(play, frame_format(values), self.shared.metrics, wire)
         self.wires[one] = wire
         self.hub.connections.add(one)
         return one

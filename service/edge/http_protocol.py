@@ -10,6 +10,7 @@ from typing import Any, cast
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 from uvicorn.server import ServerState
 
+from motionsplice.service.admission import origin_of
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.corked import Corked
@@ -94,7 +95,7 @@ class HttpProtocol(HttpToolsProtocol):
         size = len(self.url) + sum(len(name) + len(value) for name, value in self.headers)
         if size > self.config.settings.max_header:
             self._refuse_head()
-        elif refused := self.config.hosts.refusal(self.headers):
+        elif refused := self.config.hosts.refusal(self.headers, self.parser.get_http_version()):
             self._refuse(*refused)
         elif len(self.pipeline) >= MOST_PIPELINED:
             self._real_transport.abort()
@@ -231,5 +232,6 @@ class HttpProtocol(HttpToolsProtocol):
             self._real_transport.abort()  # the middle of an answer, where a problem cannot be sent
             return
         identity = self.config.front.refuse_connection(status, detail, self.client)
-        self.transport.write(refusal(status, kind, detail, identity))
+        origin = None if self._phase is Phase.HEAD else origin_of({"headers": self.headers})
+        self.transport.write(refusal(status, kind, detail, identity, origin))
         self.transport.close()

@@ -48,8 +48,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        warming = asyncio.create_task(_warm(shared.serving))
-        tasks = [asyncio.create_task(front.hub.run()), asyncio.create_task(leases.keep())]
+        tasks = [asyncio.create_task(one) for one in (_warm(shared.serving), front.hub.run(), leases.keep())]
         if shared.settings.watch or job is not None:
             tasks.append(asyncio.create_task(watch(shared.serving, shared.metrics, leases)))
         if job is not None:
@@ -58,7 +57,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
         front.begin_stop()  # if no connection was open, nothing else has
         for task in tasks:
             task.cancel()
-        await asyncio.gather(warming, *tasks, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     # Serves the scripts and styles of the documentation pages itself; those of FastAPI come from the internet.
     app = FastAPIOffline(

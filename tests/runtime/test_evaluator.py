@@ -211,7 +211,7 @@ def test_arrays_of_a_copy_are_views_of_each_other_too(bank: Bank, again: Callabl
 def test_times_of_a_wrong_shape_are_refused(bank: Bank, times: Any) -> None:
     evaluator = Evaluator(bank)
     for ask in (evaluator.sequence, evaluator.action_frames):
-        with pytest.raises(SettingsError, match=r"times: expected a list or an array \[n\] of seconds, found one of sh"):
+        with pytest.raises(SettingsError, match=r"times: expected a list or an array \[n\] of seconds, found one"):
             ask(Splice("walk", "wave"), times)
 
 

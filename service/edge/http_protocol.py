@@ -21,6 +21,10 @@ POSE = b"/v1/pose?"
 MOST_PIPELINED = 16  # requests of a connection that wait for an earlier answer
 NOT_PLAIN = frozenset({b"content-length", b"transfer-encoding", b"expect", b"if-none-match", b"origin", b"upgrade"})
 
+NO_UPGRADE = (  # the parser takes the body for the other protocol, so the application would get none
+    "the request has a body and asks for another protocol, such as h2c. Speak HTTP/1.1, without the header Upgrade."
+)
+
 
 class Phase(Enum):
     """Which part of a request arrives next."""
@@ -97,6 +101,8 @@ class HttpProtocol(HttpToolsProtocol):
             self._refuse_head()
         elif refused := self.config.hosts.refusal(self.headers, self.parser.get_http_version()):
             self._refuse(*refused)
+        elif self.parser.should_upgrade() and not self._should_upgrade() and self._has_body():
+            self._refuse(HTTPStatus.BAD_REQUEST, "http", NO_UPGRADE)
         elif len(self.pipeline) >= MOST_PIPELINED:
             self._real_transport.abort()
         elif not self._answer_at_once():
@@ -160,6 +166,10 @@ class HttpProtocol(HttpToolsProtocol):
     @property
     def _real_transport(self) -> asyncio.Transport:
         return self.transport.transport if isinstance(self.transport, Corked) else self.transport
+
+    def _has_body(self) -> bool:
+        fields = dict(self.headers)
+        return b"transfer-encoding" in fields or fields.get(b"content-length", b"0") != b"0"
 
     def _answer_at_once(self) -> bool:
         """Answers a plain `GET /v1/pose` without a task, which is what games ask for most. Returns whether it did.

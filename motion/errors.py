@@ -39,7 +39,11 @@ class MotionError(Exception):
 
     def within(self, file: str) -> MotionError:
         """Returns the same error with `file` filled in, unless it names a file already."""
-        return type(self)(self.problem, file=self.file or file, place=self.place, mend=self.mend)
+        return self.of_file(self.file or file)
+
+    def of_file(self, file: str) -> MotionError:
+        """Returns the same error with another file."""
+        return type(self)(self.problem, file=file, place=self.place, mend=self.mend)
 
 
 def _rebuild(kind: type[MotionError], problem: str, file: str, place: str, mend: str) -> MotionError:

@@ -185,7 +185,8 @@ class Evaluator:
             UnknownClipError: The bank has no such clip or hands, or the hands are not aligned to the clip that gives
                 the upper body.
             TimeRangeError: `time` or `start` is NaN or outside its clip.
-            SettingsError: Method or posture is unknown, or the posture is `running`, which needs a memory.
+            SettingsError: Method or posture is unknown, or the posture of a splice with an action is `running`, which
+                needs a memory.
         """
         out = Poses.empty(1, self._joints)
         if splice is not self._last and vars(splice) != vars(self._last):  # a fifth of the time that `==` takes
@@ -205,11 +206,10 @@ class Evaluator:
             memory: Memory of one character, advanced by n frames. Required for posture `running`.
 
         Raises:
-            MotionError: For the same reasons as `pose`.
+            MotionError: For the same reasons as `pose`; SettingsError if `times` has another shape.
         """
-        requests, out = Requests.empty(len(times)), self.poses(len(times))
-        requests.records[:] = self.record(splice)
-        requests.time[:] = times
+        requests = self._at(splice, times)
+        out = self.poses(len(requests))
         self._evaluate_one(requests, out, memory)
         return out
 
@@ -237,9 +237,8 @@ class Evaluator:
         Raises:
             MotionError: For the same reasons as `pose`.
         """
-        requests, frames = Requests.empty(len(times)), np.empty(len(times))
-        requests.records[:] = self.record(splice)
-        requests.time[:] = times
+        requests = self._at(splice, times)
+        frames = np.empty(len(requests))
         now = self._resolved(requests)[0]
         kernels.action_frames(self._handle, now.records, frames)
         stretch_kernels.frames_of_hybrids(self._handle, requests.records, now.records, frames)
@@ -271,6 +270,16 @@ class Evaluator:
             if self.arrays.hand_rows[hands - 1, upper] < 0:
                 raise self.bank.hands_not_aligned(splice.hands, self.bank.numbered[upper].name)
         return locomotion, action, 0.0, splice.start, 0, method, known(POSTURES, "posture", splice.posture), hands
+
+    def _at(self, splice: Splice, times: NDArray[np.float64] | list[float]) -> Requests:
+        """Returns requests for a splice at n times. Raises MotionError."""
+        if len(shape := np.shape(times)) != 1:
+            problem = f"times: expected a list or an array [n] of seconds, found one of shape {list(shape)}"
+            raise SettingsError(problem, mend="Give a flat list, with one time for each pose")
+        requests = Requests.empty(shape[0])
+        requests.records[:] = self.record(splice)
+        requests.time[:] = times
+        return requests
 
     def _evaluate_one(self, requests: Requests, out: Poses, memory: Memory | None) -> None:
         """Evaluates requests about one character, into poses made for them; errors leave out the request's number."""

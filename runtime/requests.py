@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,12 @@ class Fixed:
         SettingsError: An attribute is assigned to.
     """
 
+    MADE_OF: ClassVar[tuple[str, ...]]  # the arguments of the constructor
+
+    def __reduce__(self) -> tuple[type[Self], tuple[object, ...]]:
+        """Copies and pickles are made anew: the arrays of a copy would no longer be views of each other."""
+        return type(self), tuple(getattr(self, name) for name in self.MADE_OF)
+
     def _set(self, **attributes: object) -> Self:
         vars(self).update(attributes)
         return self
@@ -97,6 +103,7 @@ class Requests(Fixed):
         ```
     """
 
+    MADE_OF = ("records",)
     records: NDArray[np.void]
     locomotion: NDArray[np.int32]
     action: NDArray[np.int32]
@@ -134,12 +141,13 @@ class Poses(Fixed):
         SettingsError: An array has another shape or type, or is not contiguous.
     """
 
+    MADE_OF = ("root_positions", "rotations")
     root_positions: Float32s
     rotations: Float32s
     flat: Float32s
 
     def __init__(self, root_positions: Float32s, rotations: Float32s) -> None:
-        count, joints = rotations.shape[:2]
+        count, joints = (*rotations.shape, 1, 1)[:2]
         check_array("root positions", root_positions, FLOAT32, (count, 3))
         check_array("rotations", rotations, FLOAT32, (count, joints, 4))
         self._set(root_positions=root_positions, rotations=rotations, flat=rotations.reshape(count, 4 * joints))
@@ -202,6 +210,7 @@ class Memory(Fixed):
         SettingsError: `state` has another type or shape, or is not contiguous.
     """
 
+    MADE_OF = ("state", "share")
     state: NDArray[np.float64]
     share: float
     turns: NDArray[np.float64]

@@ -13,6 +13,8 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import RedirectResponse, Response
 from fastapi_offline import FastAPIOffline
 from starlette.exceptions import HTTPException
+from starlette.routing import Match, Mount
+from starlette.types import Scope
 
 from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
@@ -25,8 +27,8 @@ from motionsplice.service.front import Front, allowed, no_method
 from motionsplice.service.logs import request_id
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.openapi.document import document
+from motionsplice.service.openapi.pages import TITLE, documentation_routes
 from motionsplice.service.problems import MEDIA_TYPE, kind_of, problem
-from motionsplice.service.refusal_log import RefusalLog
 from motionsplice.service.refusals import WITH_STATUS
 from motionsplice.service.routes import bank_routes, health_routes
 from motionsplice.service.serving import Edition, Serving
@@ -46,8 +48,7 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        warming = asyncio.create_task(_warm(shared.serving))
-        tasks = [asyncio.create_task(front.hub.run()), asyncio.create_task(leases.keep())]
+        tasks = [asyncio.create_task(one) for one in (_warm(shared.serving), front.hub.run(), leases.keep())]
         if shared.settings.watch or job is not None:
             tasks.append(asyncio.create_task(watch(shared.serving, shared.metrics, leases)))
         if job is not None:
@@ -56,17 +57,25 @@ def create_app(bank: Bank, settings: Settings | None = None) -> Front:
         front.begin_stop()  # if no connection was open, nothing else has
         for task in tasks:
             task.cancel()
-        await asyncio.gather(warming, *tasks, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     # Serves the scripts and styles of the documentation pages itself; those of FastAPI come from the internet.
-    app = FastAPIOffline(title="motionsplice", lifespan=lifespan, generate_unique_id_function=lambda route: route.name)
+    app = FastAPIOffline(
+        title=TITLE,
+        lifespan=lifespan,
+        generate_unique_id_function=lambda route: route.name,
+        docs_url=None,  # its own pages link to absolute paths
+        redoc_url=None,
+        redirect_slashes=False,  # redirects are to http://, whatever a proxy in front serves
+    )
     front = Front(shared, app)
     app.include_router(bank_routes(shared))
     app.include_router(exchange_routes(shared, job))
     app.include_router(health_routes(shared))
     app.include_router(viewer_routes())
+    app.include_router(documentation_routes())
     app.openapi = lambda: document(app, shared)  # type: ignore[method-assign]
-    _add_problems(app, shared.refusals)
+    _add_problems(app, front)
 
     def discard_schema(_: Edition) -> None:
         app.openapi_schema = None  # its examples are from the previous bank
@@ -91,11 +100,11 @@ async def _warm(serving: Serving) -> None:
     gc.freeze()
 
 
-def _add_problems(app: FastAPI, refusals: RefusalLog) -> None:
+def _add_problems(app: FastAPI, front: Front) -> None:
     """Makes FastAPI answer and log errors as the front does."""
 
     def refuse(request: Request, status: int, kind: str, detail: str) -> Response:
-        refusals.note(request_id.get(), address_of(request.scope), status, detail, request.scope["path"])
+        front.shared.refusals.note(request_id.get(), address_of(request.scope), status, detail, request.scope["path"])
         return _problem(status, kind, detail)
 
     async def motion_problem(request: Request, error: Exception) -> Response:
@@ -115,7 +124,7 @@ def _add_problems(app: FastAPI, refusals: RefusalLog) -> None:
         headers, path = dict(error.headers or {}), request.scope["path"]
         detail = str(error.detail)
         if detail == HTTPStatus.NOT_FOUND.phrase:  # Starlette says no more
-            detail = f"no such path {path[:80]!r}. GET /openapi.json lists all requests"
+            detail = f"no such path {path[:80]!r}. {_other_path(app, front, request.scope)}"
         if detail == HTTPStatus.METHOD_NOT_ALLOWED.phrase:
             detail = str(no_method(request.method, path, headers["Allow"]))
             headers["Allow"] = allowed(path, headers["Allow"])
@@ -127,6 +136,15 @@ def _add_problems(app: FastAPI, refusals: RefusalLog) -> None:
     app.add_exception_handler(RequestValidationError, request_problem)
     app.add_exception_handler(HTTPException, http_problem)
     app.add_exception_handler(Exception, _failure)
+
+
+def _other_path(app: FastAPI, front: Front, scope: Scope) -> str:
+    """Returns what to request instead of an unknown path: the same without slashes too many, if there is such a one."""
+    path = "/" + "/".join(filter(None, scope["path"].split("/")))
+    routes = [route for route in app.router.routes if not isinstance(route, Mount)]
+    if path in front.paths or any(route.matches({**scope, "path": path})[0] != Match.NONE for route in routes):
+        return f"Use {path[:80]!r}"
+    return "GET /openapi.json lists all requests"
 
 
 async def _failure(_: Request, __: Exception) -> Response:

@@ -71,6 +71,7 @@ class Front:
             "/v1/expectation": check_expectation,
         }
         self._methods = {path: method for method, path in self._direct}
+        self.paths = frozenset({*self._methods, CHARACTERS})  # of which FastAPI knows nothing
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":

@@ -15,6 +15,13 @@ import orjson
 
 request_id: ContextVar[str] = ContextVar("request_id", default="")
 
+OF_REQUESTS = frozenset(
+    {
+        "ASGI callable returned without completing response.",
+        "Invalid HTTP request received.",
+        "Unsupported upgrade request.",
+    }
+)
 STANDARD_FIELDS = frozenset(vars(logging.makeLogRecord({}))) | {"message", "asctime", "color_message", "taskName"}
 
 
@@ -50,11 +57,12 @@ class Lines(logging.Formatter):
         return f"{line}\n{self.formatException(record.exc_info)}" if record.exc_info else line
 
 
-class Unfinished(logging.Filter):
-    """Leaves out uvicorn's error about an answer without an end, which is how a client sees that a stream was cut."""
+class NoRequests(logging.Filter):
+    """Leaves out what uvicorn logs about single requests. A flood of them would flood the log, and the front logs
+    refusals itself. An answer without an end is how a client sees that a stream was cut."""
 
     def filter(self, record: logging.LogRecord) -> bool:
-        return record.msg != "ASGI callable returned without completing response."
+        return record.msg not in OF_REQUESTS
 
 
 def log_config() -> dict[str, Any]:
@@ -64,11 +72,11 @@ def log_config() -> dict[str, Any]:
         "version": 1,
         "disable_existing_loggers": False,
         "formatters": {"lines": {"()": formatter}},
-        "filters": {"unfinished": {"()": Unfinished}},
+        "filters": {"no requests": {"()": NoRequests}},
         "handlers": {"stderr": {"class": "logging.StreamHandler", "formatter": "lines"}},
         "root": {"handlers": ["stderr"], "level": "INFO"},
         "loggers": {
-            "uvicorn.error": {"level": "WARNING", "filters": ["unfinished"]},
+            "uvicorn.error": {"level": "WARNING", "filters": ["no requests"]},
             "uvicorn.access": {"handlers": [], "propagate": False},
         },
     }

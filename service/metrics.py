@@ -7,11 +7,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, Counter, Gauge, Histogram, generate_latest
+from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, generate_latest
 from prometheus_client.metrics_core import Metric
 from prometheus_client.multiprocess import MultiProcessCollector, mark_process_dead
 
 SHARED_FOLDER = "PROMETHEUS_MULTIPROC_DIR"  # where workers write metrics; prometheus_client reads it at import
+# prometheus_client names version 1.0.0, which only new collectors know, and which they must ask for
+MEDIA_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 BANK = "motionsplice_bank_info"
 SECONDS = (*(base * 10.0**power for power in range(-4, 0) for base in (1.0, 2.0, 5.0)), 1.0)
 
@@ -103,7 +105,7 @@ class Metrics:
             forget_the_dead(Path(os.environ[SHARED_FOLDER]))
             registry = CollectorRegistry()
             Together(registry)  # type: ignore[no-untyped-call]
-        return generate_latest(registry), CONTENT_TYPE_LATEST
+        return generate_latest(registry), MEDIA_TYPE
 
 
 class Together(MultiProcessCollector):

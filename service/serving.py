@@ -7,7 +7,7 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from motionsplice import __version__
@@ -16,6 +16,7 @@ from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.character import Characters
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.stage import Stage
+from motionsplice.service.background import in_background
 from motionsplice.service.problems import NotReadyError
 from motionsplice.service.wire.encoding import warm as warm_encoding
 from motionsplice.service.wire.rig import rig_fields
@@ -73,12 +74,15 @@ class Serving:
         self._reason = "the kernels are still being compiled"
 
     async def warm(self) -> None:
-        """Compiles the kernels in a thread. If that fails, the service stays unready and logs why."""
+        """Compiles the kernels in a thread. If that fails, the service stays unready and logs why.
+
+        If cancelled, the thread is left alone: the service would end minutes late.
+        """
         logger.info("starting", extra={"bank": self.bank.digest, "version": __version__})
         began, loop = time.monotonic(), asyncio.get_running_loop()
         slow = loop.call_later(CACHED_SECONDS, logger.info, "the kernels are being compiled, which may take minutes")
         try:
-            edition = await asyncio.to_thread(Edition.warm, self.bank)
+            edition = await in_background(partial(Edition.warm, self.bank))
         except Exception:
             self._reason = "the kernels could not be compiled; see the service's log"
             logger.exception("the kernels could not be compiled, so no poses are served")

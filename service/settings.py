@@ -104,6 +104,15 @@ class Settings(BaseSettings):
                 raise SettingsError(f"{variable(name)} is empty", mend="Give it a value, or unset it")
         return values
 
+    @field_validator("token")
+    @classmethod
+    def _refuse_untrimmed(cls, token: SecretStr | None) -> SecretStr | None:
+        """Refuses a token that no header can carry: that of a file often ends with a newline."""
+        if token is not None and (text := token.get_secret_value()) != text.strip():
+            problem = f"{variable('token')} begins or ends with white space, which clients cannot send"
+            raise SettingsError(problem, mend="Leave out the newline at its end, as `printf %s` does")
+        return token
+
     @field_validator(*LISTS, mode="before")
     @classmethod
     def _split(cls, listed: Any) -> Any:

@@ -16,7 +16,7 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from motionsplice.commands.bank_report import notes_of, print_grouped, show_tables, uneven_clips
+from motionsplice.commands.bank_report import notes_of, print_grouped, reasons_of, show_tables, uneven_clips
 from motionsplice.commands.outputs import print_sentences
 from motionsplice.commands.progress_file import ProgressFile
 from motionsplice.commands.reading_options import Rate, RolesFile, Root, SkipFrames, Unit, Up
@@ -112,7 +112,7 @@ def precompute_command(
         built = Bank.open(bank)
         show_tables(built)
         print_retargeted(built, skeleton)
-    print_grouped("red", outcome.failed.items(), [*outcome.clips, *outcome.failed], verb=" failed", to=messages)
+    print_grouped("red", reasons_of(outcome.failed), [*outcome.clips, *outcome.failed], verb=" failed", to=messages)
     if outcome.failed:
         if roles is not None:
             messages.print("--roles applies to all clips. For a few, set `roles` in clips.toml", soft_wrap=True)

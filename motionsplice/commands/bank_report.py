@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.entries import ClipEntry
 
@@ -51,6 +52,20 @@ def uneven_clips(bank: Bank) -> list[tuple[str, str]]:
             if low < STEADY[0] or high > STEADY[1]:
                 said = f"its phase runs at {low:.1f} to {high:.1f} times its mean pace, so splices hurry and wait"
                 found.append((clip.name, said))
+    return found
+
+
+def reasons_of(failed: Mapping[str, MotionError]) -> list[tuple[str, str]]:
+    """Returns the names of clips that failed, each with the reason. Those that fail alike in several files share one,
+    which names the first file and counts the others."""
+    alike: dict[str, dict[str, list[str]]] = {}
+    for name, error in failed.items():
+        alike.setdefault(str(error.of_file("")), {}).setdefault(error.file, []).append(name)
+    found = []
+    for files in alike.values():
+        (first, named), rest = next(iter(files.items())), len(files) - 1
+        label = f"{first} and {rest} more file{'s' * (rest > 1)}" if rest else first
+        found += [(name, str(failed[named[0]].of_file(label))) for names in files.values() for name in names]
     return found
 
 

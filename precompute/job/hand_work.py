@@ -61,6 +61,11 @@ class HandsTask:
         """The bytes of both files."""
         return self.body.size + self.hands.size
 
+    @property
+    def files(self) -> str:
+        """The files that errors name."""
+        return f"{self.body.files} with {self.hands.files}"
+
 
 def tasks_of(laying: Sequence[HandsOnBody], bodies: Clips, hands: Clips) -> dict[str, HandsTask]:
     """Returns the tasks by label, without those whose body or hands have failed."""

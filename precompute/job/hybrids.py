@@ -36,7 +36,8 @@ def hybrids_among(preparation: Preparation, clips: Clips, failed: dict[str, Moti
     for name, stretches in list(hybrids.items()):
         if taken := sorted(stretches.keys() & clips.keys()):
             problem = f"it stands and walks by turns, and its stretch {taken[0]!r} has the name of another clip"
-            failed[name] = ClipError(problem, place=f"clip {name!r}", mend="Rename one of them")
+            place, mend = f"clip {name!r}", "Rename one of them"
+            failed[name] = ClipError(problem, file=clips[name].files, place=place, mend=mend)
             del hybrids[name]
     return hybrids
 

@@ -249,7 +249,8 @@ class Job:
                     raise result  # no fault of the clip: a bank without it would take the place of a better one
                 if isinstance(result, MotionError):
                     name = names[id(one)]
-                    self.failed[name] = result.of(name) if isinstance(result, WorkerDiedError) else result
+                    result = result.of(name) if isinstance(result, WorkerDiedError) else result
+                    self.failed[name] = result.within(one.files)
                 self.progress(stage, done, len(new))
         return set(new)
 

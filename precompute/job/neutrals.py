@@ -17,7 +17,8 @@ def fail_without_neutral(clips: Clips, failed: dict[str, MotionError]) -> None:
     while missing := {name: neutral for name, neutral in neutrals.items() if neutral and neutral not in neutrals}:
         for name, neutral in missing.items():
             problem = f"its neutral {neutral!r} is not in the bank"
-            failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=did_you_mean(neutral, neutrals))
+            mend = did_you_mean(neutral, neutrals)
+            failed[name] = SettingsError(problem, file=clips[name].files, place=f"clip {name!r}", mend=mend)
             del neutrals[name]
 
 

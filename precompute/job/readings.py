@@ -35,6 +35,11 @@ class Identified:
     reading_key: str
     checksums: tuple[int, ...]
 
+    @property
+    def files(self) -> str:
+        """The file that errors name."""
+        return str(self.source.file)
+
 
 Clips = dict[str, Identified]  # by name, in order of name
 

@@ -24,7 +24,7 @@ def fail_with_missing_limbs(clips: Clips, rig: Rig, failed: dict[str, MotionErro
                 if MASKS[mask] & part and not chain and name not in failed:
                     problem = f"mask {mask!r} does not fit the bank's rig: its roles do not name these limbs"
                     mend = "Name the joints of the limbs as roles, or leave the mask out"
-                    failed[name] = SettingsError(problem, place=f"clip {name!r}", mend=mend)
+                    failed[name] = SettingsError(problem, file=one.files, place=f"clip {name!r}", mend=mend)
 
 
 class StandingActions:

@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import did_you_mean
 from motionsplice.runtime.bank import Bank
-from motionsplice.runtime.requests import METHODS, POSTURES, Method, Posture, Requests
+from motionsplice.runtime.requests import METHODS, POSTURES, Method, Requests
 from motionsplice.service.answers.body import json_map
 from motionsplice.service.problems import LimitError, RequestError
+from motionsplice.service.wire.parameters import POSTURES_OF_A_MOMENT
 
 COLUMNS: Mapping[str, str] = {"locomotion": "<i4", "action": "<i4", "hands": "<i4", "time": "<f8", "start": "<f8"}
 NAMES: Mapping[str, tuple[str, ...]] = {
     "method": get_args(Method),
-    "posture": tuple(one for one in get_args(Posture) if one != "running"),  # which depends on the frames before
+    "posture": POSTURES_OF_A_MOMENT,
 }
 KEYS = ("clips", *COLUMNS, *NAMES)
 NONE = -1

@@ -15,10 +15,11 @@ from motionsplice.service.answers.answer import Answer
 from motionsplice.service.serving import Edition
 from motionsplice.service.wire.encoding import Arrays, Encoding
 from motionsplice.service.wire.messages import FORMS, Form, pieces
-from motionsplice.service.wire.parameters import HOW, WHAT, encoding, format_parameter, splice_of
+from motionsplice.service.wire.parameters import HOW, WHAT_AT_A_MOMENT, encoding, format_parameter, splice_of
 from motionsplice.service.wire.query import REQUIRED, Query, number
 
-POSE = Query(*WHAT, number("time", "seconds into the locomotion", REQUIRED), *HOW, format_parameter("json", "msgpack"))
+SECONDS = number("time", "seconds into the locomotion", REQUIRED)
+POSE = Query(*WHAT_AT_A_MOMENT, SECONDS, *HOW, format_parameter("json", "msgpack"))
 TIME = b"time="
 MOST_READY, LONGEST_READY = 1024, 512  # cached queries, and bytes of one
 

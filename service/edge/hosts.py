@@ -27,9 +27,14 @@ class Hosts:
         self._any = settings.token is not None or "*" in settings.hosts
         self._known = set[bytes]()
 
-    def refusal(self, headers: Headers) -> Refusal | None:
-        """Returns status, problem type and detail if a request must be refused, else None."""
+    def refusal(self, headers: Headers, version: str = "1.1") -> Refusal | None:
+        """Returns status, problem type and detail if a request must be refused, else None.
+
+        A request of HTTP/1.0 needs no Host. Health checks of proxies leave it out; browsers never do.
+        """
         named = [value for name, value in headers if name == b"host"]
+        if not named and version == "1.0":
+            return None
         if len(named) != 1:
             problem = "has no Host header" if not named else "has more than one Host header"
             return HTTPStatus.BAD_REQUEST, "http", f"the request {problem}. Send one."

@@ -10,6 +10,7 @@ from typing import Any, cast
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 from uvicorn.server import ServerState
 
+from motionsplice.service.admission import origin_of
 from motionsplice.service.answers.answer import Answer
 from motionsplice.service.edge.context import EdgeContext
 from motionsplice.service.edge.corked import Corked
@@ -19,6 +20,10 @@ from motionsplice.service.edge.stall import StallGuard
 POSE = b"/v1/pose?"
 MOST_PIPELINED = 16  # requests of a connection that wait for an earlier answer
 NOT_PLAIN = frozenset({b"content-length", b"transfer-encoding", b"expect", b"if-none-match", b"origin", b"upgrade"})
+
+NO_UPGRADE = (  # the parser takes the body for the other protocol, so the application would get none
+    "the request has a body and asks for another protocol, such as h2c. Speak HTTP/1.1, without the header Upgrade."
+)
 
 
 class Phase(Enum):
@@ -94,8 +99,10 @@ class HttpProtocol(HttpToolsProtocol):
         size = len(self.url) + sum(len(name) + len(value) for name, value in self.headers)
         if size > self.config.settings.max_header:
             self._refuse_head()
-        elif refused := self.config.hosts.refusal(self.headers):
+        elif refused := self.config.hosts.refusal(self.headers, self.parser.get_http_version()):
             self._refuse(*refused)
+        elif self.parser.should_upgrade() and not self._should_upgrade() and self._has_body():
+            self._refuse(HTTPStatus.BAD_REQUEST, "http", NO_UPGRADE)
         elif len(self.pipeline) >= MOST_PIPELINED:
             self._real_transport.abort()
         elif not self._answer_at_once():
@@ -159,6 +166,10 @@ class HttpProtocol(HttpToolsProtocol):
     @property
     def _real_transport(self) -> asyncio.Transport:
         return self.transport.transport if isinstance(self.transport, Corked) else self.transport
+
+    def _has_body(self) -> bool:
+        fields = dict(self.headers)
+        return b"transfer-encoding" in fields or fields.get(b"content-length", b"0") != b"0"
 
     def _answer_at_once(self) -> bool:
         """Answers a plain `GET /v1/pose` without a task, which is what games ask for most. Returns whether it did.
@@ -231,5 +242,6 @@ class HttpProtocol(HttpToolsProtocol):
             self._real_transport.abort()  # the middle of an answer, where a problem cannot be sent
             return
         identity = self.config.front.refuse_connection(status, detail, self.client)
-        self.transport.write(refusal(status, kind, detail, identity))
+        origin = None if self._phase is Phase.HEAD else origin_of({"headers": self.headers})
+        self.transport.write(refusal(status, kind, detail, identity, origin))
         self.transport.close()

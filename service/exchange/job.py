@@ -130,7 +130,9 @@ class Job:
             if failed_before:
                 error = ENDED_EARLY if ended_early else progress.get("error", "")
                 reasons = progress.get("failed", {})
-                failed = {name: reasons.get(name, NOT_IN_BANK) for name in failed_before if not error}
+                own = f"{self._clips}/"  # where the folder lies is no concern of clients
+                failed = {name: reasons.get(name, NOT_IN_BANK).replace(own, "") for name in failed_before if not error}
+                error = error.replace(own, "")
         todo = {name: what for name, what in pending.items() if name not in failed_before}
         state: State = "running" if running else "waiting" if todo or asked else "failed" if failed_before else "idle"
         if state == "waiting" and (missing := self._folder.missing()):

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from motionsplice.motion.errors import SettingsError
 from motionsplice.runtime.bank import Bank
-from motionsplice.service.exchange.background import in_background
+from motionsplice.service.background import in_background
 from motionsplice.service.exchange.copies import folder_for, from_copies
 
 logger = logging.getLogger(__name__)

@@ -10,7 +10,7 @@ from pathlib import Path
 from motionsplice.motion.errors import MotionError
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.format.manifest import MANIFEST, mark_of
-from motionsplice.service.exchange.background import in_background
+from motionsplice.service.background import in_background
 from motionsplice.service.exchange.leases import Leases
 from motionsplice.service.metrics import Metrics
 from motionsplice.service.serving import Edition, Serving

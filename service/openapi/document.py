@@ -30,6 +30,7 @@ available below `/v1/banks/{digest}`, where caches may keep it for ever; `If-Non
 Its query:
 
 """
+SERVERS = [{"url": "."}]  # relative to the document, which a proxy may serve below a path of its own
 OTHERS = problem_response("default", "Any other error, such as a missing token")
 
 
@@ -37,7 +38,9 @@ def document(app: FastAPI, shared: Shared) -> dict[str, Any]:
     """Returns the document. Its examples are requests that the served bank can answer."""
     if app.openapi_schema is None:
         about = ABOUT + _websocket_query()
-        schema = get_openapi(title=app.title, version=__version__, description=about, routes=app.routes)
+        schema = get_openapi(
+            title=app.title, version=__version__, description=about, routes=app.routes, servers=SERVERS
+        )
         paths = schema["paths"] | direct_operations(*_examples(shared.serving.bank))
         _fill_in(paths, shared)
         for operations in paths.values():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from motionsplice.motion.axes import AXES
@@ -10,6 +10,11 @@ from motionsplice.runtime.requests import Method, Posture
 from motionsplice.runtime.splice import Splice
 from motionsplice.service.wire.encoding import NUMBERS, PARTS, Encoding
 from motionsplice.service.wire.query import REQUIRED, Parameter, choice, number, text
+
+
+def _posture(among: Sequence[str]) -> Parameter:
+    return choice("posture", "how the action's posture is kept", among, "relative")
+
 
 WHAT = (
     text("locomotion", "clip that gives the root and the lower body", REQUIRED),
@@ -22,8 +27,10 @@ WHAT = (
         "splice",
     ),
     text("hands", "hands clip to lay on the clip that gives the upper body; default: that clip's own hands"),
-    choice("posture", "how the action's posture is kept", get_args(Posture), "relative"),
+    _posture(get_args(Posture)),
 )
+POSTURES_OF_A_MOMENT = tuple(one for one in get_args(Posture) if one != "running")  # which depends on earlier frames
+WHAT_AT_A_MOMENT = (*(one for one in WHAT if one.name != "posture"), _posture(POSTURES_OF_A_MOMENT))
 HOW = (
     choice("axes", "engine whose axes and unit are used", tuple(AXES), "gltf"),
     choice("parts", "local rotations, world positions of all joints, or both", PARTS, "local"),
@@ -37,7 +44,7 @@ def format_parameter(*formats: str) -> Parameter:
 
 
 def splice_of(values: Mapping[str, Any]) -> Splice:
-    """Returns the splice of a query that has the parameters WHAT."""
+    """Returns the splice of a query that has the parameters WHAT or WHAT_AT_A_MOMENT."""
     return Splice(**{parameter.name: values[parameter.name] for parameter in WHAT})
 
 

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import copy
+import pickle
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -178,6 +181,7 @@ def test_arrays_of_wrong_type_shape_or_layout_are_refused(bank: Bank) -> None:
         lambda: Poses(np.empty((2, 3), np.float32), np.empty((2, joints, 4))),  # type: ignore[arg-type]
         lambda: Poses(np.empty((2, 3), np.float32), np.empty((2, 4, joints), np.float32).swapaxes(1, 2)),
         lambda: Poses(np.empty((3, 3), np.float32), np.empty((2, joints, 4), np.float32)),
+        lambda: Poses(np.empty((3, 3), np.float32), np.empty(3, np.float32)),
         lambda: Requests(Requests.empty(4).records[::2]),
         lambda: Requests(np.zeros(2, [("locomotion", np.int64)])),
         lambda: Memory(np.zeros((2, 9)), 0.1),
@@ -187,6 +191,28 @@ def test_arrays_of_wrong_type_shape_or_layout_are_refused(bank: Bank) -> None:
     ):
         with pytest.raises(SettingsError, match="expected a contiguous array"):
             make()
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_arrays_of_a_copy_are_views_of_each_other_too(bank: Bank, again: Callable[[Any], Any]) -> None:
+    evaluator, requests, memory = Evaluator(bank), again(Requests.empty(2)), again(Memory.begin(2, 60.0))
+    poses = again(evaluator.poses(2).rows(0, 2))
+    requests.time[:] = 0.5
+    assert requests.records["time"].tolist() == [0.5, 0.5]
+    evaluator.evaluate(requests, poses, memory)
+    np.testing.assert_array_equal(poses.rotations[0].ravel(), poses.flat[0])
+    name = bank.numbered[0].name
+    np.testing.assert_array_equal(poses.rotations[0], evaluator.pose(Splice(name, name), 0.5).rotations[0])
+    memory.turns[:] = 7.0
+    assert (memory.state == 7.0).sum() == memory.turns.size
+
+
+@pytest.mark.parametrize("times", [1.0, [[0.5, 1.0]], np.zeros((1, 1)), iter([1.0])])
+def test_times_of_a_wrong_shape_are_refused(bank: Bank, times: Any) -> None:
+    evaluator = Evaluator(bank)
+    for ask in (evaluator.sequence, evaluator.action_frames):
+        with pytest.raises(SettingsError, match=r"times: expected a list or an array \[n\] of seconds, found one"):
+            ask(Splice("walk", "wave"), times)
 
 
 def test_requests_may_be_read_only(bank: Bank) -> None:

@@ -98,7 +98,8 @@ def test_limits_are_whole_numbers_where_the_settings_are(client: TestClient) -> 
         ("/v1/pose?locomotion=walk", 422, "request", "time: "),
         ("/v1/pose?locomotion=walk&time=0&method=splise", 422, "request", "method: "),
         ("/v1/pose?locomotion=walk&time=0&posture=upright", 422, "request", "posture: "),
-        ("/v1/pose?locomotion=walk&time=0&action=wave&posture=running", 422, "request", "ask for a whole clip"),
+        ("/v1/pose?locomotion=walk&time=0&action=wave&posture=running", 422, "request", "absolute, off, found"),
+        ("/v1/pose?locomotion=walk&time=0&posture=running", 422, "request", "absolute, off, found"),
         ("/v1/pose?locomotion=walk&time=0&action=wave&start=9", 422, "time-range", "start 9.0 s lies outside"),
         ("/v1/pose?locomotion=walk&time=0&acton=wave", 422, "request", "Did you mean 'action'"),
         ("/v1/splice?locomotion=walk&acton=wave", 422, "request", "Did you mean 'action'"),
@@ -118,6 +119,10 @@ def test_limits_are_whole_numbers_where_the_settings_are(client: TestClient) -> 
         ("/v1/tables/..%2Fmanifest.msgpack", 404, "http", "no such path '/v1/tables/../manifest"),
         ("/v1/banks/00ff/pose?locomotion=walk&time=0", 404, "unknown-bank", "the bank '00ff' is not served"),
         ("/v1/nothing", 404, "http", "no such path '/v1/nothing'. GET /openapi.json lists all"),
+        ("/v1/skeleton/", 404, "http", "no such path '/v1/skeleton/'. Use '/v1/skeleton'"),
+        ("/v1//clips/walk", 404, "http", "no such path '/v1//clips/walk'. Use '/v1/clips/walk'"),
+        ("/v1/poses/", 404, "http", "no such path '/v1/poses/'. Use '/v1/poses'"),
+        ("/static-offline-docs", 404, "http", "no such path '/static-offline-docs'. GET /openapi.json"),
     ],
 )
 def test_errors_are_problems_that_say_what_to_do(
@@ -364,13 +369,23 @@ def test_too_many_streams_are_refused(bank: Bank, monkeypatch: pytest.MonkeyPatc
         assert not front.shared.streams
 
 
-def test_the_documentation_needs_no_other_host(client: TestClient) -> None:
-    page = client.get("/docs")
-    sources = re.findall(r"""(?:src|href)=["']([^"']+)""", page.text)
-    assert sources
-    for source in sources:
-        assert source.startswith("/")
-        assert client.get(source).status_code == 200
+@pytest.mark.parametrize("path", ["/docs", "/redoc"])
+def test_the_documentation_needs_no_other_host_and_no_path_of_its_own(client: TestClient, path: str) -> None:
+    page = client.get(path)
+    assert page.headers["content-security-policy"].startswith("default-src 'self'")  # Redoc asks for a logo elsewhere
+    sources = re.findall(r"""(?:src|href|spec-url)=["']([^"']+)|url: '([^']+)""", page.text)
+    assert len(sources) >= 3
+    for source in map("".join, sources):
+        assert not source.startswith(("/", "http"))  # a proxy may serve the page below another path
+        assert client.get(f"/{source}").status_code == 200
+    assert client.get("/openapi.json").json()["servers"] == [{"url": "."}]
+
+
+@pytest.mark.parametrize("path", ["/", "/view", "/view?locomotion=walk"])
+def test_a_redirect_keeps_the_scheme_and_path_of_a_proxy(client: TestClient, path: str) -> None:
+    answer = client.get(path, follow_redirects=False)
+    assert answer.status_code == 307
+    assert answer.headers["location"] == f"view/{path.removeprefix('/view').removeprefix('/')}"
 
 
 def test_the_schema_names_every_operation_and_its_problems(client: TestClient) -> None:

@@ -77,6 +77,7 @@ def test_refusals_of_the_http_server_are_lines_too(service: Running, caplog: pyt
         answer = received(service.connect(sent))
         (line,) = lines(caplog)
         assert (line.status, line.address) == (status, "127.0.0.1")
+        assert not [record for record in caplog.records if record.name.startswith("uvicorn")]  # which knows no limit
         assert answer.startswith(f"HTTP/1.1 {status} ".encode())
         assert f'"request_id":"{line.request_id}"'.encode() in answer
 

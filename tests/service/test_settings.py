@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
+from pydantic import SecretStr
 from typer.testing import CliRunner
 
 from motionsplice.cli import app
@@ -18,6 +22,19 @@ def test_settings_of_the_environment_are_read_and_checked(monkeypatch: pytest.Mo
     monkeypatch.setenv("MOTIONSPLICE_PORT", "soon")
     with pytest.raises(SettingsError, match=r"MOTIONSPLICE_PORT is 'soon'.* Set another value\b.* its flag"):
         Settings()
+
+
+def test_every_setting_is_in_the_documentation() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "operation.md").read_text()
+    rows = [line.split("|")[1] for line in page[page.index("| setting |") :].split("\n\n")[0].splitlines()[2:]]
+    assert sorted(re.findall(r"`(\w+)`", "".join(rows))) == sorted(Settings.model_fields)
+
+
+@pytest.mark.parametrize("token", ["open-sesame\n", " open-sesame"])
+def test_a_token_that_no_client_can_send_is_refused(token: str) -> None:
+    with pytest.raises(SettingsError, match="MOTIONSPLICE_TOKEN begins or ends with white space") as caught:
+        Settings(token=SecretStr(token))
+    assert token.strip() not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", sorted(set(Settings.model_fields) - {"origins", "hosts"}))

@@ -6,16 +6,20 @@ import asyncio
 import json
 import logging
 import shutil
+import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
+from fastapi.testclient import TestClient
 from pydantic import SecretStr
 
 from motionsplice.runtime.bank import Bank
+from motionsplice.service.app import create_app
 from motionsplice.service.exchange import uploads
+from motionsplice.service.serving import Edition
 from motionsplice.service.settings import Settings
-from tests.service.running import Running, eventually, received, running
+from tests.service.running import PATIENCE, Running, eventually, received, running
 
 TOKEN = "open-sesame"
 HEAD = f"Host: localhost\r\nAuthorization: Bearer {TOKEN}\r\nContent-Length: 1000\r\n"
@@ -79,3 +83,19 @@ def test_a_stream_that_is_cut_is_no_error_in_the_log(bank: Bank, caplog: pytest.
     assert answer.startswith(b"HTTP/1.1 200 ")
     assert not answer.endswith(b"\r\n0\r\n\r\n")
     assert not [record for record in caplog.records if record.levelno >= logging.ERROR]
+
+
+def test_a_service_that_still_compiles_ends_at_once(bank: Bank, monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled, goes_on = threading.Event(), threading.Event()
+
+    def compile_for_long(_: Bank) -> NoReturn:
+        goes_on.wait(PATIENCE)
+        compiled.set()
+        raise AssertionError
+
+    monkeypatch.setattr(Edition, "warm", compile_for_long)
+    with TestClient(create_app(bank, Settings())) as client:
+        assert client.get("/readyz").status_code == 503
+    assert not compiled.is_set()
+    goes_on.set()
+    assert compiled.wait(PATIENCE)

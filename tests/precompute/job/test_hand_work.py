@@ -121,6 +121,7 @@ def test_hands_that_do_not_fit_fail_and_the_others_finish(hands_folder: Path, tm
     outcome = build_bank([clips], tmp_path / "bank", baseline="walk", jobs=1)
     assert set(outcome.failed) == {"other_hands", "counting_hands on run"}
     assert "pair 9999:3" in str(outcome.failed["counting_hands on run"])
+    assert outcome.failed["counting_hands on run"].file == f"{clips / 'run.bvh'} with {clips / 'counting_hands.bvh'}"
     assert [(one.name, one.body) for one in Bank.open(tmp_path / "bank").hands] == [("counting_hands", "walk")]
 
 

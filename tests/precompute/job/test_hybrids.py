@@ -42,6 +42,7 @@ def test_a_clip_with_the_name_of_a_stretch_fails_the_hybrid(tmp_path: Path) -> N
     outcome = build_bank([clips], tmp_path / "bank", baseline="walk")
     assert outcome.clips == ("talk~2", "walk")
     assert "its stretch 'talk~2' has the name of another clip" in str(outcome.failed["talk"])
+    assert outcome.failed["talk"].file == str(clips / "talk.bvh")
 
 
 def test_a_neutral_is_that_of_the_stretches_that_stand_or_walk_as_it_does(tmp_path: Path) -> None:

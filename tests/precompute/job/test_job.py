@@ -54,6 +54,8 @@ def test_a_clip_that_fails_is_named_and_the_others_finish(tmp_path: Path) -> Non
     assert outcome.clips == ("run", "walk")
     assert set(outcome.failed) == {"broken", "short", "one_frame"}
     assert "lasts 0.000 s, too short" in str(outcome.failed["one_frame"])
+    for name, error in outcome.failed.items():
+        assert Path(error.file).name == f"{name}.bvh"
     assert "broken.bvh" in str(outcome.failed["broken"])
     assert "too short" in str(outcome.failed["short"])
     assert [clip.name for clip in Bank.open(tmp_path / "bank").clips] == ["run", "walk"]
@@ -140,7 +142,7 @@ def test_another_topology_without_retargeting_is_a_clear_error(tmp_path: Path) -
     fewer = Clip("fewer", skeleton, walk.rate, walk.root_positions, walk.rotations[:, remaining])
     clips = write(tmp_path / "clips", walk=walk, fewer=fewer)
     outcome = build_bank([clips], tmp_path / "bank", baseline="walk", retarget=False, jobs=1)
-    assert str(outcome.failed["fewer"]).startswith("the rigs have different topologies: children of its joint")
+    assert outcome.failed["fewer"].problem.startswith("the rigs have different topologies: children of its joint")
     assert "retargeting" in str(outcome.failed["fewer"])
 
 
@@ -345,6 +347,7 @@ def test_a_missing_neutral_fails_only_its_own_clip(tmp_path: Path) -> None:
     (clips / "clips.toml").write_text("[box]\nkind = 'action'\nneutral = 'wallk'\n")
     outcome = build_bank([clips], tmp_path / "bank", jobs=1)
     assert outcome.clips == ("walk",)
+    assert str(outcome.failed["box"]).startswith(f"{clips / 'box.bvh'}, clip 'box': its neutral 'wallk' is not")
     assert "Did you mean 'walk'" in str(outcome.failed["box"])
 
 

@@ -47,6 +47,11 @@ def test_a_missing_or_doubled_host_is_a_bad_request() -> None:
         assert status(settings, "localhost", "localhost") == HTTPStatus.BAD_REQUEST
 
 
+def test_a_health_check_of_http_1_0_needs_no_host() -> None:
+    assert Hosts(Settings()).refusal([], "1.0") is None
+    assert Hosts(Settings()).refusal([(b"host", b"evil.example")], "1.0") is not None
+
+
 @given(st.lists(st.sampled_from([*ACCEPTED, REBOUND]), max_size=200))
 def test_what_came_before_does_not_change_the_answer(asked: list[str]) -> None:
     hosts = Hosts(Settings())
@@ -75,3 +80,19 @@ def test_the_service_answers_only_to_its_names(impatient: Running, fields: bytes
             continue
         sent = b"GET /v1/pose?locomotion=walk&time=0 HTTP/1.1\r\n" + fields + upgrade + b"Connection: close\r\n\r\n"
         assert received(impatient.connect(sent)).split()[1] == expected
+
+
+def test_an_old_health_check_is_answered_and_the_connection_closed(impatient: Running) -> None:
+    answer = received(impatient.connect(b"GET /healthz HTTP/1.0\r\n\r\n"))
+    assert answer.startswith(b"HTTP/1.1 204")
+
+
+@pytest.mark.parametrize("origin", [b"https://game.example", None])
+def test_a_page_can_read_why_the_http_server_refuses_it(impatient: Running, origin: bytes | None) -> None:
+    field = b"" if origin is None else b"Origin: " + origin + b"\r\n"
+    answer = received(impatient.connect(b"GET /v1/bank HTTP/1.1\r\nHost: evil.example\r\n" + field + b"\r\n"))
+    head = answer.partition(b"\r\n\r\n")[0].split(b"\r\n")
+    assert head[0].startswith(b"HTTP/1.1 421")
+    assert b"vary: origin" in head
+    allowed = [line for line in head if line.startswith(b"access-control")]
+    assert allowed == ([] if origin is None else [b"access-control-allow-origin: " + origin])

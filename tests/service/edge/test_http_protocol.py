@@ -77,6 +77,20 @@ def test_data_that_is_not_http_is_a_problem(impatient: Running, sent: bytes) -> 
     assert problem(received(impatient.connect(sent))) == (400, "http")
 
 
+@pytest.mark.parametrize("length", [b"Content-Length: 9", b"Transfer-Encoding: chunked"])
+def test_a_body_that_another_protocol_would_swallow_is_refused(impatient: Running, length: bytes) -> None:
+    """Java's HttpClient asks for h2c unless it is told to speak HTTP/1.1."""
+    head = b"POST /v1/poses HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: h2c\r\n" + length
+    answer = received(impatient.connect(head + b"\r\n\r\n"))
+    assert problem(answer) == (400, "http")
+    assert b"without the header Upgrade" in answer
+
+
+def test_a_request_without_a_body_may_ask_for_another_protocol(impatient: Running) -> None:
+    upgrade = GET[:-2] + b"Connection: Upgrade\r\nUpgrade: h2c\r\n\r\n"
+    assert received(impatient.connect(upgrade)).startswith(b"HTTP/1.1 204")
+
+
 def test_connections_of_one_address_are_limited(impatient: Running) -> None:
     peers = [impatient.connect(b"GET") for _ in range(8)]
     eventually(lambda: len(impatient.config.ledger) == 8)

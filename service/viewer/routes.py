@@ -18,8 +18,13 @@ TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}  # 
 METHODS = ["GET", "HEAD"]
 PAGES = {"": "index.html", "report": "report.html"}  # by the path below /view/
 VENDOR = "vendor/"  # bundles, which have no comments
-# blocks, and types of expressions within a line: a fifth of what is sent
-COMMENT = re.compile(rb"^[ \t]*/\*\*(?:(?!\*/).)*\*/[ \t]*\n|/\*\* @type (?:(?!\*/).)*\*/ ?", re.DOTALL | re.MULTILINE)
+COMMENTS = {
+    # blocks, and types of expressions within a line: a fifth of what is sent
+    ".js": re.compile(
+        rb"^[ \t]*/\*\*(?:(?!\*/).)*\*/[ \t]*\n|/\*\* @type (?:(?!\*/).)*\*/ ?", re.DOTALL | re.MULTILINE
+    ),
+    ".css": re.compile(rb"/\*.*?\*/\n?", re.DOTALL),
+}
 HEADERS = {
     # nothing from other hosts, no inline scripts; blobs are pictures, recordings and textures that the page makes
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
@@ -54,8 +59,8 @@ def _found(folder: Traversable, path: str) -> list[tuple[str, File]]:
             found += _found(one, f"{path}{one.name}/")
         elif suffix in TYPES:
             data = one.read_bytes()
-            if suffix == ".js" and not path.startswith(VENDOR):
-                data = COMMENT.sub(b"", data)
+            if suffix in COMMENTS and not path.startswith(VENDOR):
+                data = COMMENTS[suffix].sub(b"", data)
             etag = f'"{hashlib.blake2b(data, digest_size=16).hexdigest()}"'
             found.append((path + one.name, File(data, gzip.compress(data, mtime=0), TYPES[suffix], etag)))
     return found

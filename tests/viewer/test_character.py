@@ -175,6 +175,7 @@ def unnamed(document: dict[str, Any]) -> None:
 
 
 REFUSED = {
+    "walk.bvh": (b"HIERARCHY", "This is not a GLB or VRM file."),
     "text.glb": (b"no model at all, but a text of some length", "This is not a GLB or VRM file."),
     "cut.glb": (MIXAMO[:2000], "cut short"),
     "no-skin.glb": (edited(MIXAMO, lambda document: document.pop("skins")), "It has no skin"),

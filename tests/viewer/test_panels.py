@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import urllib.request
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Route, expect
+from playwright.sync_api import Browser, BrowserContext, Route, expect
 from pydantic import SecretStr
 
 from motionsplice.motion.formats.reading import read_clip
@@ -122,6 +123,39 @@ def test_it_waits_for_a_service_that_compiles_its_kernels(view: View) -> None:
     view.faults.clear()  # the browser logs the answers 503
 
 
+def test_it_says_which_clips_another_bank_lacks(view: View) -> None:
+    view.open(locomotion="run", action="wave")
+
+    def exchange(route: Route) -> None:
+        found = json.loads(route.fetch().text())
+        if isinstance(found, list):
+            route.fulfill(json=[clip for clip in found if clip["name"] not in ("run", "wave")])
+        else:
+            route.fulfill(json={**found, "bank": "0" * 32})
+
+    view.page.route(re.compile("/v1/(clips|server)$"), exchange)
+    view.page.evaluate("document.dispatchEvent(new Event('visibilitychange'))")  # else it looks every five seconds
+    expect(view.page.locator("#readout .fault")).to_have_text('This bank has no clip "run", "wave". Choose another.')
+    view.settle()
+    assert view.run("return viewer.shown[0].take.commands[0].locomotion") == "walk"
+
+
+def test_without_webgl_it_says_what_to_do(context: BrowserContext, service: Running) -> None:
+    page = context.new_page()
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page.goto(f"{service.url}/view/?action=wave")
+    expect(page.locator("#banner")).to_contain_text("does not offer WebGL 2")
+    expect(page.locator("#banner")).to_contain_text("Turn on its hardware acceleration")
+
+
+def test_long_names_can_be_told_apart(view: View) -> None:
+    name = "walk_forward_relaxed_with_a_heavy_backpack_take_003"
+    view.page.route("**/v1/clips", lambda route: route.fulfill(body=route.fetch().text().replace("side_step", name)))
+    view.open()
+    row = view.page.get_by_role("option").filter(has_text=name).locator(".name")
+    assert row.evaluate("(one) => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight")
+
+
 def test_names_are_text(view: View, service: Running) -> None:
     hostile = "<img src=x onerror=alert(1)>"
 
@@ -151,3 +185,14 @@ def test_nothing_is_cut_off(view: View, width: int, height: int) -> None:
         view.page.locator("#lists").get_by_role("option").filter(has_text="carry_box").click()
         view.settle()
         assert view.run("return state.values.action") == "carry_box"
+
+
+@pytest.mark.parametrize(("width", "height"), [(1024, 640), (844, 390)])
+def test_plots_can_be_reached_on_a_low_screen(view: View, width: int, height: int) -> None:
+    view.page.set_viewport_size({"width": width, "height": height})
+    view.open(action="wave", joint="RightHand", against="naive")
+    view.page.get_by_role("button", name="Curves of a joint").click()
+    view.page.locator("main").evaluate("(main) => main.scrollTo(0, 1e5)")
+    box = view.page.locator("#curves canvas").last.bounding_box()
+    assert box is not None
+    assert box["y"] + box["height"] < height + 1

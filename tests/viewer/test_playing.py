@@ -8,13 +8,14 @@ from typing import Any
 from urllib.parse import parse_qs, urlparse
 
 import numpy as np
-from playwright.sync_api import expect
+from playwright.sync_api import BrowserContext, expect
 
 from motionsplice.motion.quaternion import Floats
 from motionsplice.runtime.bank import Bank
 from motionsplice.runtime.evaluator import Evaluator
 from motionsplice.runtime.expectation import expectation
 from motionsplice.runtime.splice import Splice
+from tests.service.running import Running
 from tests.viewer.conftest import View, until
 
 JOINTS = "return viewer.show.positions().map((one) => Array.from(one))"
@@ -197,8 +198,99 @@ def test_a_link_shows_the_same(view: View) -> None:
 
 def test_values_of_a_link_that_make_no_sense_do_no_harm(view: View) -> None:
     view.open(locomotion="<b>x", action="nobody", time="soon", show="x,splice,constructor", speed="NaN", view="up")
+    fault = view.page.locator("#readout .fault")
     assert view.run("return viewer.shown.map(({ name }) => name)") == ["splice"]
     assert view.run("return state.values.locomotion") == "walk"
+    expect(fault).to_have_text('This bank has no clip "<b>x", "nobody". Choose another.')
+    view.page.locator("#lists").get_by_role("option").filter(has_text="wave").click()
+    expect(fault).to_have_text('This bank has no clip "<b>x". Choose another.')
+    view.page.locator("#lists").get_by_role("option").filter(has_text="side_step").click()
+    expect(fault).to_be_empty()
     view.page.goto(f"{view.url}/view/?action=wave&weight=7")
-    expect(view.page.locator("#readout .fault")).to_contain_text("weight: expected a number from 0 to 1, found 7")
+    expect(fault).to_contain_text("weight: expected a number from 0 to 1, found 7")
     view.faults.clear()  # the browser logs the answer 422
+
+
+def test_it_says_why_nothing_is_shown_and_why_nothing_is_compared(view: View) -> None:
+    view.show(action="wave")
+    view.run("state.set({ show: '' })")
+    expect(view.page.locator("#readout .fault")).to_have_text("There is nothing to show. Check a motion under Compare.")
+    compare = view.page.locator(".group").filter(has_text="Distance to").locator("fieldset .hint")
+    view.show(action="wave", against="locomotion")
+    expect(compare).to_have_text("Check Locomotion alone to compare with it.")
+    view.show(action="wave", truth="run")
+    expect(compare).to_have_text("Check Truth to compare with it.")
+    view.show(action="wave", against="splice")
+    expect(compare).to_contain_text("choose the distance to another one")
+    view.show(action="wave", against="naive")
+    expect(compare).to_be_hidden()
+
+
+def test_a_shorter_motion_is_shown_at_its_end_and_repeated_as_a_whole(view: View) -> None:
+    view.show(action="wave", length=6, time=5, **{"from": 4, "to": 5.5})
+    view.run("state.set({ length: 2 })")
+    view.settle()
+    assert view.run("return [player.time, ...player.range]") == [2, 0, 2]
+    expect(view.page.get_by_role("textbox", name="Time")).to_have_value("2.00")
+
+
+def test_buttons_go_to_the_ends_of_the_range_as_their_keys_do(view: View) -> None:
+    view.show(action="wave", time=1.5, **{"from": 1, "to": 2})
+    for button, key in (("First frame", "Home"), ("Last frame", "End")):
+        view.page.get_by_role("button", name=button).click()
+        found = view.run("return player.time")
+        view.page.keyboard.press(key)
+        assert view.run("return player.time") == found
+
+
+def test_no_motion_hides_another_from_the_side(view: View) -> None:
+    view.show(action="wave", view="side", show="splice,naive,locomotion")
+    places: Any = view.run(
+        """const { Vector3 } = await import('/view/vendor/three.js');
+        const { camera } = viewer.stage;
+        return viewer.show.aiming(state.values).map(({ body, offset }) => {
+            const hips = new Vector3().fromArray(body.positions).add(new Vector3(...offset));
+            return hips.project(camera).x;
+        })"""
+    )
+    assert -0.9 < places[0] < places[1] - 0.2 < 0.7  # of the picture's width from -1 to 1
+
+
+def test_the_picture_comes_back_when_the_graphics_card_was_reset(view: View) -> None:
+    view.show(action="wave", time=1)
+    found = view.run(
+        """const { stage } = viewer;
+        let drawn = 0;
+        const draw = stage.draw;
+        const lose = stage.canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+        const heard = (event) => new Promise((heard) => stage.canvas.addEventListener(event, heard));
+        const lost = heard('webglcontextlost');
+        lose.loseContext();
+        await lost;
+        stage.draw = () => { drawn++; draw.call(stage); };
+        const restored = heard('webglcontextrestored');
+        setTimeout(() => lose.restoreContext());
+        await restored;
+        delete stage.draw;
+        return drawn"""
+    )
+    assert found
+
+
+def test_the_arrow_goes_from_the_search_to_the_first_clip(view: View) -> None:
+    view.show(action="wave")
+    view.page.keyboard.press("/")
+    view.page.keyboard.type("box")
+    view.page.keyboard.press("ArrowDown")
+    view.page.keyboard.press("Enter")
+    view.settle()
+    assert view.run("return state.values.action") == "carry_box"
+    view.page.get_by_role("searchbox").fill("")
+
+
+def test_it_does_not_move_by_itself_where_less_motion_is_wished(context: BrowserContext, service: Running) -> None:
+    view = View(context.new_page(), service.url)
+    view.page.emulate_media(reduced_motion="reduce")
+    view.page.goto(f"{view.url}/view/?action=wave")
+    view.settle()
+    assert view.run("return [state.values.playing, player.time]") == [False, 0]

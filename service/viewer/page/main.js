@@ -24,13 +24,10 @@ import { Viewer } from './viewer.js';
 
 const service = new Service();
 const state = new State(new URLSearchParams(location.search));
+if (matchMedia('(prefers-reduced-motion: reduce)').matches) state.set({ playing: false });
 const player = new Player(state);
-const catalogue = await withToken(service, () => Catalogue.load(service)).catch((error) => {
-  byId('banner').className = 'gone';
-  byId('banner').textContent = `${error.message}. Load the page again when the service runs.`;
-  throw error;
-});
-if (!catalogue.clips.has(state.values.locomotion)) state.set({ locomotion: catalogue.baseline });
+const catalogue = await withToken(service, () => Catalogue.load(service))
+  .catch((error) => giveUp(`${error.message}. Load the page again when the service runs.`, error));
 if (!location.search) state.set({ action: [...catalogue.clips.values()].find(({ kind }) => kind === 'action')?.name ?? '' });
 
 const sides = new Sides(service, catalogue);
@@ -45,7 +42,7 @@ new Aim(byId('lists'), (key, name) => {
   if (!state.values.crowd) sides.of({ ...state.values, [key]: name }).catch(() => {}); // a click tries again, and says why
 });
 
-const viewer = new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
+const viewer = begin();
 own.refresh = () => void viewer.refresh();
 own.onfault = (/** @type {string} */ problem) => viewer.readout.fault(problem); // the controls may be folded away
 takeDrops(byId('view'), own);
@@ -58,6 +55,27 @@ let adding;
 let warming;
 void viewer.refresh().then(offerUploads); // after the first picture
 for (const event of ['dragover', 'drop']) addEventListener(event, (one) => one.preventDefault()); // else the browser opens the file
+
+function begin() {
+  try {
+    return new Viewer(state, player, sides, failed, (joints) => controls.joints(joints));
+  } catch (error) {
+    return giveUp('This browser does not offer WebGL 2, so it cannot draw. Turn on its hardware acceleration, or use another browser.', error);
+  }
+}
+
+/**
+ * Says why the page cannot go on.
+ *
+ * @param {string} problem
+ * @param {unknown} error
+ * @returns {never}
+ */
+function giveUp(problem, error) {
+  byId('banner').className = 'gone';
+  byId('banner').textContent = problem;
+  throw error;
+}
 
 async function beginAdding() {
   const { Adding } = await import('./adding/panel.js');

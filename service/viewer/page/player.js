@@ -16,11 +16,23 @@ export class Player {
     return this.#time;
   }
 
-  /** What is repeated: from and to, in seconds. @returns {[number, number]} */
+  /** What is repeated: from and to, in seconds. All, if the range begins after the end. @returns {[number, number]} */
   get range() {
     const { from, to } = this.state.values;
-    const end = to > from ? Math.min(to, this.duration) : this.duration;
-    return [Math.min(from, end), end];
+    if (from < 0 || from >= this.duration) return [0, this.duration];
+    return [from, to > from ? Math.min(to, this.duration) : this.duration];
+  }
+
+  /**
+   * Plays another motion, at the same time if it is as long.
+   *
+   * @param {number} rate frames per second
+   * @param {number} duration seconds
+   */
+  begin(rate, duration) {
+    this.rate = rate;
+    this.duration = duration;
+    this.#time = Math.max(0, Math.min(duration, this.#time));
   }
 
   /**

@@ -3,7 +3,7 @@ import { FULL, STOPS } from './scene/differences.js';
 
 /** @import { Side } from './sides.js' */
 
-/** @typedef {{ label: string, mean: number, worst: number, joint: string }} Apart */
+/** @typedef {{ label: string, mean: number, worst: number, joint: string, isColoured: boolean }} Apart */
 
 /** What stands over the stage: which colour is which side, and how far they are apart. */
 export class Readout {
@@ -18,7 +18,7 @@ export class Readout {
     this.scale = make('p', { class: 'scale', hidden: true }, '0', colours, `${100 * FULL} cm`);
     this.expected = make('p');
     this.problem = make('p', { class: 'fault', role: 'alert' });
-    element.replaceChildren(this.names, this.apart, this.scale, this.expected, this.problem);
+    element.replaceChildren(this.names, this.scale, this.apart, this.expected, this.problem);
   }
 
   /**
@@ -30,9 +30,12 @@ export class Readout {
     this.problem.textContent = problem;
   }
 
-  /** @param {Side[]} sides */
-  sides(sides) {
-    this.problem.textContent = '';
+  /**
+   * @param {Side[]} sides
+   * @param {string} problem empty if there is none
+   */
+  sides(sides, problem) {
+    if (this.problem.textContent !== problem) this.fault(problem);
     this.names.replaceChildren(...sides.map(({ label, colour }) => {
       const swatch = make('i');
       swatch.style.background = colour;
@@ -45,6 +48,6 @@ export class Readout {
     const text = apart ? `${centimetres(apart.mean)} from ${apart.label.toLowerCase()}, at most ${centimetres(apart.worst)} at ${apart.joint}` : '';
     if (text === this.#shown) return;
     this.apart.textContent = this.#shown = text;
-    this.scale.hidden = !apart;
+    this.scale.hidden = !apart?.isColoured;
   }
 }

@@ -163,8 +163,9 @@ export class Show {
   #place(one, leading, index, values) {
     if (!one.pose || !leading.pose) return;
     const shift = values.layout === 'over' ? 0 : (index - (this.#shown.length - 1) / 2) * APART;
-    const { heading } = leading.beginning;
-    const offset = one.offset = [shift * Math.cos(heading), 0, -shift * Math.sin(heading)]; // across the way that it begins to go
+    const isSide = values.view === 'side'; // there they go one behind the other: else one would hide the other
+    const across = leading.beginning.heading + (isSide ? Math.PI / 2 : 0);
+    const offset = one.offset = [shift * Math.cos(across), 0, -shift * Math.sin(across)];
     const isCarried = one.side.name === 'action' && one !== leading;
     const turn = isCarried ? headingOf(leading) - headingOf(one) : 0;
     if (one.figure) this.#figure(one.figure, one, isCarried ? leading : one, turn, offset);
@@ -224,7 +225,8 @@ export class Show {
     const found = distances(first.body.positions, other.body.positions, rig, 'root');
     first.body.colours(shares(found));
     const { joint, metres } = worst(found, first.upperBody);
-    return { label: other.side.label, mean: mean(found, first.upperBody), worst: metres, joint: rig.joints[joint] };
+    const isColoured = !first.figure; // a character keeps its own colours
+    return { label: other.side.label, mean: mean(found, first.upperBody), worst: metres, joint: rig.joints[joint], isColoured };
   }
 }
 

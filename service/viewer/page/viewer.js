@@ -34,6 +34,7 @@ export class Viewer {
   #camera = ''; // of the splice, while there is a crowd
   #chosen = ''; // clips when the crowd began
   #isStale = true; // whether the picture is to be drawn again
+  #replaced = ''; // a locomotion that the bank does not have: the baseline is shown instead
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #address;
 
@@ -87,6 +88,12 @@ export class Viewer {
   /** Asks for what the state says, and shows it. */
   async refresh() {
     const number = ++this.#asked;
+    const { locomotion } = this.state.values;
+    const { clips, baseline } = this.sides.catalogue;
+    if (!clips.has(locomotion)) {
+      this.#replaced = locomotion;
+      this.state.set({ locomotion: baseline });
+    }
     if (await this.#gather()) {
       this.#answered = number;
       return;
@@ -161,14 +168,22 @@ export class Viewer {
     this.#sides = sides;
     const [first] = sides;
     const { state, player } = this;
-    player.rate = first?.motion.rate ?? 60;
-    player.duration = first?.motion.duration ?? 0;
+    if (first) player.begin(first.motion.rate, first.motion.duration);
     this.show.sides(sides, state.values);
-    this.readout.sides(sides);
+    this.readout.sides(sides, this.#problem);
     this.onJoints(first?.motion.rig.joints ?? []);
     this.curves.show(sides, state.values.joint);
     this.#describe();
     this.#isStale = true;
+  }
+
+  /** Why less is shown than the state asks for; empty if all of it is. */
+  get #problem() {
+    const { values: { second, action, truth } } = this.state;
+    const { clips } = this.sides.catalogue;
+    const missing = [this.#replaced, second, action, truth].filter((name) => name && !clips.has(name));
+    if (missing.length) return `This bank has no clip ${[...new Set(missing)].map((name) => `"${name}"`).join(', ')}. Choose another.`;
+    return this.#sides.length ? '' : 'There is nothing to show. Check a motion under Compare.';
   }
 
   /** Fills the timeline, but for the mismatches, whose sides come later. */
@@ -207,6 +222,7 @@ export class Viewer {
   #changed(changed) {
     this.#isStale = true;
     this.#look(changed);
+    if (changed.has('locomotion') && this.state.values.locomotion !== this.sides.catalogue.baseline) this.#replaced = '';
     if (this.crowd?.isOn && !changed.has('crowd') && this.#chosen !== this.#choice) this.state.set({ crowd: 0 });
     else if (ASKED.some((key) => changed.has(key))) void this.refresh();
     if (changed.has('joint')) this.curves.show(this.#sides, this.state.values.joint);

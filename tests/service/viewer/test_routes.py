@@ -63,10 +63,13 @@ def test_it_is_small(client: TestClient) -> None:
     assert sum(len(page_files()[path].compressed) for path in found) < 250_000
 
 
-def test_modules_are_sent_without_their_comments(client: TestClient) -> None:
+def test_modules_and_styles_are_sent_without_their_comments(client: TestClient) -> None:
     text = client.get("/view/player.js").text
     assert "/**" not in text
     assert "export class Player {" in text
+    style = client.get("/view/style.css").text
+    assert "/*" not in style
+    assert style.startswith(":root {")
 
 
 @pytest.mark.parametrize(

@@ -43,14 +43,14 @@ export function characterField(own) {
 }
 
 /**
- * Lets files of characters be dropped on an element. Other files are left alone.
+ * Lets a character be dropped on an element. Of another file it is said that it is none.
  *
  * @param {HTMLElement} element
  * @param {Own} own
  */
 export function takeDrops(element, own) {
   takeFiles(element, (files) => {
-    const file = files.find(({ name }) => SUFFIX.test(name));
+    const file = files.find(({ name }) => SUFFIX.test(name)) ?? files[0];
     if (file) void own.choose(file);
   });
 }

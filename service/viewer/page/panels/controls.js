@@ -8,7 +8,8 @@ import { pointField } from './point.js';
 
 /** @import { Catalogue } from '../catalogue.js' */
 /** @import { Own } from '../figure/own.js' */
-/** @import { State } from '../state.js' */
+/** @import { State, Values } from '../state.js' */
+/** @import { SideName } from '../takes.js' */
 
 const PERCENT = { unit: '%', step: 1, most: 100, limit: 100, scale: 100 };
 const MASKS = { upper_body: 'Upper body', arms: 'Both arms', left_arm: 'Left arm', right_arm: 'Right arm', head: 'Head' };
@@ -74,6 +75,7 @@ export class Controls {
       segments(state, 'layout', 'Layout', LAYOUTS),
       select(state, 'against', 'Distance to', { '': 'Not shown', ...sides }, 'Colours the joints by their distance to this motion'),
       select(state, 'truth', 'Truth clip', () => this.#clips('None')),
+      hint(state, unseenOf),
     ]);
   }
 
@@ -170,6 +172,7 @@ export class Controls {
 
   #lasts() {
     const whole = this.catalogue.clips.get(this.state.values.locomotion)?.duration ?? Infinity;
+    if (this.#seconds() === LONGEST) return 'the limit of a take';
     return this.#seconds() > whole ? 'as long as the action' : 'as long as the locomotion';
   }
 
@@ -177,4 +180,16 @@ export class Controls {
   #clips(none) {
     return { '': none, ...Object.fromEntries([...this.catalogue.clips.keys()].map((name) => [name, name])) };
   }
+}
+
+/**
+ * Returns what to do if a choice under Compare has no effect.
+ *
+ * @param {Values} values
+ */
+function unseenOf({ show, against, truth }) {
+  const shown = show.split(',');
+  const unseen = [truth && 'truth', against].find((side) => side && !shown.includes(side));
+  if (unseen) return `Check ${SIDES[/** @type {SideName} */ (unseen)]?.label ?? unseen} to compare with it.`;
+  return against && shown[0] === against ? 'The first motion that is checked is coloured: choose the distance to another one.' : '';
 }

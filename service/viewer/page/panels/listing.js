@@ -13,6 +13,7 @@ import { centimetres, make } from './dom.js';
  */
 
 const BADLY = 0.12; // metres: clips with a larger mean mismatch are marked
+const LONG = 20; // letters of a name that needs lines of its own: takes differ in their last letters
 const MARKS = /** @type {const} */ ({ second: 'mix', truth: 'truth' });
 
 /**
@@ -93,7 +94,7 @@ export class Listing {
     this.count.textContent = found === total ? String(total) : `${found} of ${total}`;
     this.empty.hidden = found > 0;
     this.box.hidden = !this.#rows().length;
-    if (this.#active?.hidden) this.#activate(this.#rows()[0]);
+    if (this.#active?.hidden) this.#activate(this.#rows().find(nameOf) ?? this.#rows()[0]); // a clip that was found, before none
   }
 
   /** Shows which clip is chosen, which one is mixed in and which one is the truth. */
@@ -111,7 +112,7 @@ export class Listing {
 
   /** @returns {string} name of the first clip that is visible, without the choice of none */
   get first() {
-    const row = this.#rows().find((one) => nameOf(one));
+    const row = this.#rows().find(nameOf);
     return row ? nameOf(row) : '';
   }
 
@@ -131,6 +132,11 @@ export class Listing {
     this.#activate(row);
     if (hasFocus) row.focus();
     this.#play(row);
+  }
+
+  /** Scrolls to the row that has the focus, or would get it. */
+  reveal() {
+    this.#active?.scrollIntoView?.({ block: 'nearest' });
   }
 
   /** Moves the focus into the list. */
@@ -155,7 +161,7 @@ export class Listing {
     this.#active = row;
     if (!row) return;
     row.tabIndex = 0;
-    row.scrollIntoView?.({ block: 'nearest' });
+    this.reveal();
   }
 
   /** @param {HTMLElement} row */
@@ -186,6 +192,7 @@ export class Listing {
 function option(name, clip) {
   const row = make('div', { role: 'option', tabindex: -1, title: clip ? summary(clip).join('\n') : name }, make('span', { class: 'name' }, name));
   if (!clip) return row;
+  row.classList.toggle('long', name.length > LONG);
   row.append(
     make('span', { class: 'marks' }),
     make('span', { class: 'sign' }, ...warningSign(clip)),

@@ -54,6 +54,7 @@ export class Lists {
     for (const one of [this.locomotions, this.actions]) this.#fill(one);
     this.#fillHands();
     this.#sync();
+    for (const one of this.all) one.reveal(); // now that each list has the room that it keeps
   }
 
   /**

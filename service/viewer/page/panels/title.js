@@ -10,7 +10,7 @@ import { byId } from './dom.js';
  * @param {Catalogue} catalogue
  */
 export function describeBank(element, { clips, baseline, server }) {
-  element.textContent = `${clips.size} clips, baseline ${baseline}`;
+  element.textContent = `${clips.size} ${clips.size === 1 ? 'clip' : 'clips'}, baseline ${baseline}`;
   element.title = `Bank ${server.bank}\nmotionsplice ${server.version}`;
 }
 

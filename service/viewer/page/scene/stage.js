@@ -51,6 +51,7 @@ export class Stage {
     this.aim(0, 0);
     this.theme(false);
     new ResizeObserver(() => this.size()).observe(canvas);
+    canvas.addEventListener('webglcontextrestored', () => this.draw()); // after three.js has heard of it
     this.size();
   }
 

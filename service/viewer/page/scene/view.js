@@ -156,8 +156,7 @@ export class View {
     } else {
       const [left, up, ahead] = FROM[this.#name];
       const across = orthographic.right - orthographic.left, high = orthographic.top - orthographic.bottom;
-      const width = this.#name === 'side' ? this.#deep : this.#width;
-      orthographic.zoom = Math.min(1, width ? across / (width + ARMS) : 1, this.#name === 'top' && this.#deep ? high / (this.#deep + ARMS) : 1);
+      orthographic.zoom = Math.min(1, this.#width ? across / (this.#width + ARMS) : 1, this.#name === 'top' && this.#deep ? high / (this.#deep + ARMS) : 1);
       orthographic.updateProjectionMatrix();
       camera.position.set(left, up, ahead + (up ? 1e-3 : 0)).applyAxisAngle(UP, this.#heading).multiplyScalar(DISTANCE).add(this.#place);
     }

@@ -27,11 +27,11 @@ export class Transport {
     this.play = this.#button('play', 'Play', 'space', () => player.toggle());
     this.play.classList.add('transport-play');
     const buttons = make('div', { class: 'transport-group transport-buttons' },
-      this.#button('first', 'First frame', 'Home', () => player.seek(0)),
+      this.#button('first', 'First frame', 'Home', () => player.seek(player.range[0])),
       this.#button('back', 'One frame back', 'left arrow', () => player.step(-1)),
       this.play,
       this.#button('ahead', 'One frame ahead', 'right arrow', () => player.step(1)),
-      this.#button('last', 'Last frame', 'End', () => player.seek(player.duration)),
+      this.#button('last', 'Last frame', 'End', () => player.seek(player.range[1])),
     );
 
     this.time = this.#field('Time', 'transport-time', (text) => parseMoment(text, player.rate));

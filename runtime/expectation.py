@@ -19,6 +19,7 @@ GOLDEN = 0.6180339887498949  # multiples of it are spread evenly, and repeat not
 REPETITIONS = 1.5  # errors of a repetition: two performances differ by more than one from its own mean
 LEGS = 0.4  # of the distance of the legs that shows in the upper body
 LITTLE = 0.8  # of plain replacement's error: a splice above it is hardly better
+GOOD = 0.005  # metres: an error below it is none
 
 
 @dataclass(frozen=True)
@@ -48,8 +49,8 @@ class Expectation:
 
     @property
     def gains_little(self) -> bool:
-        """Whether plain replacement may be as good."""
-        return self.ratio > LITTLE
+        """Whether plain replacement may be as good, and the splice is not good itself."""
+        return self.ratio > LITTLE and self.error >= GOOD
 
 
 def expectation(evaluator: Evaluator, splice: Splice) -> Expectation | None:

@@ -157,7 +157,10 @@ SCHEMAS: Mapping[str, Schema] = {
         "required": [*_ESTIMATES, "gains_little"],
         "properties": {
             **{name: {"type": "number", "description": meaning} for name, meaning in _ESTIMATES.items()},
-            "gains_little": {"type": "boolean", "description": "Whether plain replacement may be as good"},
+            "gains_little": {
+                "type": "boolean",
+                "description": "Whether plain replacement may be as good, and the splice is not good itself",
+            },
         },
     },
     "TakeRig": {

@@ -59,6 +59,7 @@ def test_legs_that_match_worse_make_a_splice_less_certain(evaluator: Evaluator) 
 def test_little_is_gained_where_a_splice_is_near_replacement() -> None:
     assert Expectation(0.01, 0.01, 1.0, 1.0, error=0.09, replaced=0.1).gains_little
     assert not Expectation(0.01, 0.01, 1.0, 1.0, error=0.05, replaced=0.1).gains_little
+    assert not Expectation(0.01, 0.01, 1.0, 1.0, error=0.004, replaced=0.004).gains_little  # nothing is wrong with it
 
 
 def test_nothing_is_expected_without_an_action(evaluator: Evaluator) -> None:

@@ -26,18 +26,10 @@ export function queryOf({ show, locomotion, second, action, start, hands, postur
  */
 export function wordsOf(expected) {
   if (!expected) return '';
-  const [ours, plain] = [expected.error, expected.replaced].map((metres) => `${Math.round(100 * metres) || 'under 1'} cm`);
-  const warning = isPoor(expected) ? ': little is gained. Try "Own clock"' : '';
+  const { error, replaced, gains_little } = expected;
+  const [ours, plain] = [error, replaced].map((metres) => `${Math.round(100 * metres) || 'under 1'} cm`);
+  const warning = gains_little ? ': little is gained. Try "Own clock"' : '';
   return `Expected error ${ours}, plain replacement ${plain}${warning}`;
-}
-
-/**
- * Returns whether the splice is hardly better than plain replacement, and not good either.
- *
- * @param {Expectation} expected
- */
-function isPoor({ error, gains_little }) {
-  return gains_little && Math.round(100 * error) > 0;
 }
 
 /**
@@ -53,5 +45,5 @@ export async function say(element, { service, catalogue }, values, isNewest) {
   const { expected } = query ? await service.json(`/v1/expectation?${query}`) : { expected: null };
   if (!isNewest()) return;
   element.textContent = wordsOf(expected);
-  element.className = expected && isPoor(expected) ? 'fault' : '';
+  element.className = expected?.gains_little ? 'fault' : '';
 }

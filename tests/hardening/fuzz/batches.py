@@ -92,7 +92,9 @@ def make(draw: Draw) -> Files:
 
 @cache
 def _evaluator() -> Evaluator:
-    return Evaluator(small_bank())
+    evaluator = Evaluator(small_bank())
+    evaluator.warm()  # else the first hybrid would wait for its kernels, and be taken for one that hangs
+    return evaluator
 
 
 def enter(files: Files, folder: Path) -> None:

@@ -56,9 +56,10 @@ def swing_distances(swing: Floats, phase: Floats, cells: int, leg: float) -> Flo
     cycles = phase[-1] - phase[0]
     if cycles <= 1.0:  # nothing repeats
         return np.zeros((len(swing), cells))
-    mean = fitted(swing, phase, HARMONICS, STEADYING)
+    rows = waves(phase, HARMONICS)
+    mean = fitted(swing, rows, STEADYING)
     motion = np.var(swing, axis=0) + (STILL * leg) ** 2
-    explained = np.maximum(1.0 - np.mean((swing - waves(phase, HARMONICS) @ mean) ** 2, axis=0) / motion, 0.0)
+    explained = np.maximum(1.0 - np.mean((swing - rows @ mean) ** 2, axis=0) / motion, 0.0)
     trust = explained**2 * (1.0 - 1.0 / cycles)  # little repetition explains itself
     means, weights = waves(np.arange(cells) / cells, HARMONICS) @ mean, trust / motion
     left, right = (weights[arm] * (swing[:, arm, None] - means[:, arm]) ** 2 for arm in range(2))

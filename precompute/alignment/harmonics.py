@@ -13,14 +13,13 @@ def waves(phase: Floats, harmonics: int) -> Floats:
     return np.concatenate([np.ones((len(phase), 1)), np.cos(angles), np.sin(angles)], axis=1)
 
 
-def fitted(values: Floats, phase: Floats, harmonics: int, steadying: float, weights: Floats | None = None) -> Floats:
-    """Returns the coefficients [1 + 2 harmonics, n] that fit values [F, n] at `phase` [F], in cycles, best.
+def fitted(values: Floats, rows: Floats, steadying: float, weights: Floats | None = None) -> Floats:
+    """Returns the coefficients [1 + 2 harmonics, n] that fit values [F, n] best, given the `waves` at their phases.
 
     steadying: of the squares of all coefficients but the mean, against the mean squared misfit; it keeps those small
     that the phases do not determine. weights: [F] of the misfits; equal if omitted.
     """
-    rows = waves(phase, harmonics)
     if weights is not None:
         rows, values = rows * weights[:, None], values * weights[:, None]
-    normal = rows.T @ rows + steadying * len(phase) * np.diag([0.0] + [1.0] * (2 * harmonics))
+    normal = rows.T @ rows + steadying * len(rows) * np.diag([0.0] + [1.0] * (rows.shape[1] - 1))
     return np.asarray(np.linalg.solve(normal, rows.T @ values))

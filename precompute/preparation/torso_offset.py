@@ -36,7 +36,7 @@ class MeanStride:
         """
         pace = np.gradient(phase)
         weights = np.sqrt(pace / np.mean(pace))
-        found = fitted(clouds.reshape(len(clouds), -1), phase, HARMONICS, STEADYING, weights)
+        found = fitted(clouds.reshape(len(clouds), -1), waves(phase, HARMONICS), STEADYING, weights)
         return cls(found.reshape(-1, *clouds.shape[1:]))
 
     def at(self, phase: Floats) -> Floats:

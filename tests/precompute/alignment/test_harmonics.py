@@ -12,7 +12,8 @@ def test_a_series_is_recovered_from_its_values(seed: int, harmonics: int, weight
     draw = np.random.default_rng(seed)
     phase, coefficients = draw.uniform(-1.0, 2.0, 200), draw.normal(size=(1 + 2 * harmonics, 3))
     weights = draw.uniform(0.5, 2.0, 200) if weighted else None
-    found = fitted(waves(phase, harmonics) @ coefficients, phase, harmonics, 1e-12, weights)
+    rows = waves(phase, harmonics)
+    found = fitted(rows @ coefficients, rows, 1e-12, weights)
     np.testing.assert_allclose(found, coefficients, atol=1e-9)
 
 
@@ -20,6 +21,6 @@ def test_a_series_is_recovered_from_its_values(seed: int, harmonics: int, weight
 def test_steadying_makes_all_but_the_mean_smaller(seed: int, steadying: float) -> None:
     phase = np.arange(100) / 100.0
     values = np.random.default_rng(seed).normal(size=(100, 2))
-    free, steady = (fitted(values, phase, 2, one) for one in (0.0, steadying))
+    free, steady = (fitted(values, waves(phase, 2), one) for one in (0.0, steadying))
     np.testing.assert_allclose(steady[0], values.mean(axis=0), atol=1e-12)
     np.testing.assert_allclose(steady[1:], free[1:] / (1.0 + 2.0 * steadying), atol=1e-12)
